@@ -1,0 +1,27 @@
+"""The pneumatic wrist, and what measurements say about it.
+
+>>> from plants import Wrist
+>>> Wrist.flexion().simulate([3.0] * 5000).angle[-1].round(2)
+np.float64(11.09)
+"""
+
+from plants.errors import InputError, InputWarning
+from plants.hysteresis import Hysteresis, Memory
+from plants.quantities import ParameterSet, built_in, load
+from plants.regulator import Regulator
+from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
+
+__all__ = [
+    "COMMAND_RANGE",
+    "SAMPLE_TIME",
+    "Hysteresis",
+    "InputError",
+    "InputWarning",
+    "Memory",
+    "ParameterSet",
+    "Regulator",
+    "State",
+    "Wrist",
+    "built_in",
+    "load",
+]

@@ -1,0 +1,126 @@
+"""Rollouts of a sampled system: one or a batch of lanes, open loop, on any number of threads."""
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plants import tree
+from plants.compiled import LANES, kernel
+from plants.errors import InputError
+from plants.wrist import SAMPLE_TIME, State, Wrist, step
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Response:
+    """An open-loop response: time [s]; pressure [kPa], static angle and angle [deg], each
+    of shape (rows,) or, for a wrist with arrays as parameters, (rows, lanes)."""
+
+    time: Array
+    pressure: Array
+    static_angle: Array
+    angle: Array
+    state: State
+
+
+def default_jobs() -> int:
+    """Threads used where none are asked for: the processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def run_lanes(
+    law: Callable[..., Any],
+    state: Any,
+    coefficients: Any,
+    steps: int,
+    signals: dict[str, Any] | None = None,
+    inputs: tuple[str, ...] = (),
+    every: int = 0,
+    record: tuple[str, ...] = (),
+    jobs: int | None = None,
+) -> tuple[Any, Array]:
+    """Advance ``law(state, inputs, coefficients)`` by a number of steps in every lane.
+
+    Leaves of `state` and `coefficients` are floats (the same in every lane) or
+    arrays of one length, the number of lanes.  `signals` are shared by the
+    lanes.  Returns the last state, leaves of shape (lanes,), and the leaves
+    named in `record` after every `every` steps, shape (len(record), rows,
+    lanes), row 0 being the start.  Lanes do not depend on each other: results
+    are the same to the bit for any number of threads.
+    """
+    sizes = {np.size(x) for x in tree.leaves(state) + tree.leaves(coefficients) if np.ndim(x)}
+    lanes = max(sizes, default=1)
+    if sizes - {1, lanes}:
+        raise ValueError(f"lanes differ in number: {sorted(sizes)}")
+    padded = -(-lanes // LANES) * LANES
+    s, c = _stack(state, lanes, padded), _stack(coefficients, lanes, padded)
+    given = np.array([np.asarray(v, float) for v in (signals or {}).values()]).reshape(len(signals or {}), -1)
+    if len(signals or {}) == 0:
+        given = np.zeros((1, 1))
+    names = tree.names(state)
+    recorded = np.array([names.index(r) for r in record], dtype=np.int64)
+
+    run = kernel(law, tree.like(state, names), inputs, tree.like(coefficients, tree.names(coefficients)))
+    edges = np.linspace(0, padded // LANES, min(jobs or default_jobs(), padded // LANES) + 1).astype(int) * LANES
+    pieces = [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+
+    def work(piece: slice) -> tuple[Array, Array]:
+        part = np.ascontiguousarray(s[:, piece])
+        rows = np.empty((len(record), steps // every + 1 if every else 0, part.shape[1]))
+        if every:
+            rows[:, 0] = part[recorded]
+        run(np.ascontiguousarray(c[:, piece]), part, given, steps, every, recorded, rows)
+        return part, rows
+
+    if len(pieces) == 1:
+        last, rows = work(pieces[0])
+    else:
+        with ThreadPoolExecutor(len(pieces)) as pool:
+            done = list(pool.map(work, pieces))
+        last, rows = (np.concatenate(parts, axis=-1) for parts in zip(*done, strict=True))
+    return tree.like(state, last[:, :lanes]), rows[:, :, :lanes]
+
+
+def _stack(values: Any, lanes: int, padded: int) -> Array:
+    """Leaves as rows of one array, the last lane repeated to fill the last block."""
+    flat = tree.leaves(values)
+    out = np.empty((len(flat), padded))
+    for row, value in zip(out, flat, strict=True):
+        row[:lanes] = value
+    out[:, lanes:] = out[:, lanes - 1 : lanes]
+    return out
+
+
+def _open_loop_step(state: State, inputs: tuple[Any, ...], c: Any) -> State:
+    return step(state, inputs[0], c)
+
+
+def open_loop(
+    wrist: Wrist, commands: Any, state: State | None = None, every: int = 1, jobs: int | None = None
+) -> Response:
+    """Response of a wrist to commands [V], one per sample of 1 ms, from rest unless told otherwise.
+
+    Row k is the wrist before command ``k * every`` acts; the last row follows
+    the last command.  Raises InputError for a command that is not finite.
+
+    >>> from plants import Wrist
+    >>> r = open_loop(Wrist.deviation(), [2.5] * 5000)
+    >>> len(r.time), round(float(r.angle[-1]), 2)
+    (5001, 3.23)
+    """
+    v = np.asarray(commands, float)
+    if v.ndim != 1 or not np.isfinite(v).all():
+        raise InputError("commands: need one finite number of volts per sample of 1 ms")
+    last, rows = run_lanes(
+        _open_loop_step, wrist.rest() if state is None else state, wrist.sampled(), len(v),
+        {"command": v}, ("command",), every, ("pressure", "memory.h", "angle"), jobs,
+    )  # fmt: skip
+    if not any(np.ndim(x) for x in tree.leaves((wrist.sampled(), state or ()))):
+        rows, last = rows[:, :, 0], tree.like(last, [float(x[0]) for x in tree.leaves(last)])
+    return Response(np.arange(rows.shape[1]) * every * SAMPLE_TIME, rows[0], rows[1], rows[2], last)
