@@ -189,6 +189,8 @@ def load(source: str) -> Callable[..., None]:
 
 
 @cache
-def kernel(step: Callable[..., Any], state: Any, inputs: tuple[str, ...], coefficients: Any) -> Callable[..., None]:
+def kernel(
+    step: Callable[..., Any], state: Any, inputs: tuple[str, ...], coefficients: Any
+) -> Callable[..., None]:
     """The compiled ``run`` of a step function; `state` and `coefficients` are trees of names."""
     return load(emit(f"{step.__module__}.{step.__name__}", step, state, inputs, coefficients))

@@ -112,7 +112,9 @@ class ParameterSet:
         """Names of the parameters that are assumed, not stated or fitted."""
         return [n for n, p in self.parameters.items() if isinstance(p.provenance, Assumed)]
 
-    def fitted(self, values: Mapping[str, float], errors: Mapping[str, float | None], data: str) -> "ParameterSet":
+    def fitted(
+        self, values: Mapping[str, float], errors: Mapping[str, float | None], data: str
+    ) -> "ParameterSet":
         """The same set with some values replaced by estimates from `data`.
 
         Bounds widen to hold the estimate, since they were only a guess of its range.
@@ -155,7 +157,9 @@ def load(path: str | Path) -> ParameterSet:
         raise InputError(f"{path}: not valid TOML ({error}); see plants/parameters/flexion.toml") from None
     table = text.get("parameters")
     if not isinstance(table, dict) or not isinstance(text.get("axis"), str):
-        raise InputError(f"{path}: needs axis = \"...\" and [parameters.NAME] tables, as plants/parameters/flexion.toml")
+        raise InputError(
+            f'{path}: needs axis = "..." and [parameters.NAME] tables, as plants/parameters/flexion.toml'
+        )
     unknown = [n for n in table if n not in KINDS]
     if unknown:
         raise InputError(f"{path}: unknown parameter {unknown[0]!r}; known are {', '.join(KINDS)}")
@@ -178,7 +182,9 @@ def _parameter(path: Path, name: str, entry: Any) -> Parameter:
     if entry.get("unit") != kind.unit:
         raise InputError(f"{where}: unit {entry.get('unit')!r} is wrong; give the value in {kind.unit}")
     bounds = entry.get("bounds", [kind.low, kind.high])
-    if not (isinstance(bounds, list) and len(bounds) == 2 and all(isinstance(b, int | float) for b in bounds)):
+    if not (
+        isinstance(bounds, list) and len(bounds) == 2 and all(isinstance(b, int | float) for b in bounds)
+    ):
         raise InputError(f"{where}: bounds must be two numbers, lower and upper")
     low, high = float(bounds[0]), float(bounds[1])
     if not max(low, kind.low) <= value <= min(high, kind.high):
@@ -198,8 +204,8 @@ def _provenance(where: str, entry: Any) -> Provenance:
         case {"kind": "fitted", "data": str(data)}:
             return Fitted(data, None)
     raise InputError(
-        f"{where}: provenance must be {{kind=\"stated\", source, section}}, {{kind=\"assumed\", why}} "
-        "or {kind=\"fitted\", data, std_error}"
+        f'{where}: provenance must be {{kind="stated", source, section}}, {{kind="assumed", why}} '
+        'or {kind="fitted", data, std_error}'
     )
 
 
@@ -211,7 +217,9 @@ def loop_problem(v: Mapping[str, float], low: float = 0.0, high: float = 200.0) 
     """
     for line in ("a1", "a2"):
         if not v["s"] < v[line]:
-            return f"transit slope s = {v['s']:g} is not below {line} = {v[line]:g}, so the loop runs backwards"
+            return (
+                f"transit slope s = {v['s']:g} is not below {line} = {v[line]:g}, so the loop runs backwards"
+            )
     for pressure in (low, high):
         gap = (v["a2"] - v["a1"]) * (pressure - v["rest_pressure"]) + v["w1"] + v["w2"]
         if not gap > 0:

@@ -60,14 +60,14 @@ def run_lanes(
         raise ValueError(f"lanes differ in number: {sorted(sizes)}")
     padded = -(-lanes // LANES) * LANES
     s, c = _stack(state, lanes, padded), _stack(coefficients, lanes, padded)
-    given = np.array([np.asarray(v, float) for v in (signals or {}).values()]).reshape(len(signals or {}), -1)
-    if len(signals or {}) == 0:
-        given = np.zeros((1, 1))
+    given = np.array([np.asarray(v, float) for v in signals.values()]) if signals else np.zeros((1, 1))
     names = tree.names(state)
     recorded = np.array([names.index(r) for r in record], dtype=np.int64)
 
     run = kernel(law, tree.like(state, names), inputs, tree.like(coefficients, tree.names(coefficients)))
-    edges = np.linspace(0, padded // LANES, min(jobs or default_jobs(), padded // LANES) + 1).astype(int) * LANES
+    edges = (
+        np.linspace(0, padded // LANES, min(jobs or default_jobs(), padded // LANES) + 1).astype(int) * LANES
+    )
     pieces = [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
 
     def work(piece: slice) -> tuple[Array, Array]:

@@ -1,0 +1,99 @@
+"""The closed loop: PI and wrist, sampled together, judged while it runs."""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design import metrics, pi
+from design.metrics import Metrics, Tally, Yardstick
+from design.pi import PI, PIState, SampledPI
+from plants import wrist as plant
+from plants.simulate import run_lanes
+from plants.wrist import SAMPLE_TIME, SampledWrist, State, Wrist
+
+Number = Any
+Array = NDArray[np.float64]
+
+
+class Loop(NamedTuple):
+    """State of plant, controller and judge."""
+
+    plant: State
+    controller: PIState
+    tally: Tally
+
+
+class SampledLoop(NamedTuple):
+    """Coefficients of plant, controller and judge."""
+
+    plant: SampledWrist
+    controller: SampledPI
+    yardstick: Yardstick
+
+
+def step(s: Loop, inputs: tuple[Number], c: SampledLoop) -> Loop:
+    """One sample: measure, control, judge, move.  `inputs` holds the index of the sample."""
+    controller, command = pi.step(s.controller, c.yardstick.reference - s.plant.angle, c.controller)
+    tally = metrics.update(s.tally, inputs[0], s.plant.angle, command, c.yardstick)
+    return Loop(plant.step(s.plant, command, c.plant), controller, tally)
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Signals of closed loops, shape (samples, lanes): time [s] (samples,), angle and static
+    angle [deg], pressure [kPa], command [V]."""
+
+    time: Array
+    angle: Array
+    static_angle: Array
+    pressure: Array
+    command: Array
+
+
+def start_held(wrist: Wrist, controller: PI, state: State) -> tuple[State, PIState]:
+    """Plant and controller at rest together: the integrator holds the pressure of `state`."""
+    return state, controller.holding(state.pressure * controller.gain / wrist.regulator.gain)
+
+
+def run(
+    wrist: Wrist,
+    controller: PI,
+    reference: Number,
+    state: State | None = None,
+    held: PIState | None = None,
+    duration: float = 10.0,
+    record: bool = False,
+    jobs: int | None = None,
+) -> tuple[Metrics, Loop, Trajectory | None]:
+    """Step the reference [deg] at time 0 and run the loop for a duration [s].
+
+    Parameters, gains, references and states may be arrays, one entry per lane.
+    The loop starts from `state` (the wrist's rest where not given), the
+    controller holding it.  Returns metrics with leaves of shape (lanes,), the
+    last state, and where `record` is true the signals of every sample.
+
+    >>> from plants import Wrist
+    >>> judged, _, _ = run(Wrist.flexion(), PI(1.2, 2.2), 15.0)
+    >>> float(judged.settling_time_s[0].round(2)), float(judged.overshoot_percent[0].round(2))
+    (5.59, 0.58)
+    """
+    samples = round(duration / SAMPLE_TIME)
+    state = wrist.rest() if state is None else state
+    if held is None:
+        state, held = start_held(wrist, controller, state)
+    command = (controller.rest_pressure + held.integral) / controller.gain
+    c = SampledLoop(wrist.sampled(), controller.sampled(), metrics.yardstick(state.angle, reference))
+    signals = ("plant.angle", "plant.memory.h", "plant.pressure", "tally.command")
+    last, rows = run_lanes(
+        step, Loop(state, held, metrics.begin(command)), c, samples,
+        inputs=("sample",), every=int(record), record=signals if record else (), jobs=jobs,
+    )  # fmt: skip
+    trajectory = None
+    if record:
+        # The command of a row is given after its measurement: it stands in the row after.
+        given = np.concatenate([rows[3, 1:], rows[3, -1:]])
+        time = np.arange(rows.shape[1]) * SAMPLE_TIME
+        trajectory = Trajectory(time, rows[0], rows[1], rows[2], given)
+    return metrics.finish(last.tally, samples), last, trajectory

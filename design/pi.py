@@ -1,0 +1,75 @@
+"""PI controller of the wrist: angle error to command voltage.
+
+The paper (section 6.1) controls the wrist with a PI controller and lost its
+equations; whether it acts on volts or on kPa is not told.  This form is assumed:
+
+    command = (rest_pressure + Kp e + Ki integral(e dt)) / gain, clipped to the range,
+
+with e in deg, Kp in kPa/deg and Ki in kPa/(deg s).  The integrator stands still
+while the command is clipped, unless the error drives it back into the range
+(without that exception a controller with Kp = 0 would stay clipped for ever).
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
+
+Number = Any
+
+
+@dataclass(frozen=True)
+class PI:
+    """Gains of the controller: Kp [kPa/deg], Ki [kPa/(deg s)]; floats or arrays of lanes.
+
+    gain [kPa/V] and rest_pressure [kPa] are what the controller knows of the
+    regulator; low and high [V] bound the command.
+    """
+
+    Kp: Number
+    Ki: Number
+    gain: Number = 49.4
+    rest_pressure: Number = 100.0
+    low: Number = COMMAND_RANGE[0]
+    high: Number = COMMAND_RANGE[1]
+
+    def sampled(self, dt: float = SAMPLE_TIME) -> "SampledPI":
+        """Coefficients for a sample time `dt` [s]."""
+        return SampledPI(self.Kp, self.Ki * dt, 1.0 / self.gain, self.rest_pressure, self.low, self.high)
+
+    def holding(self, pressure: Number) -> "PIState":
+        """The state in which the controller holds a pressure [kPa] while the error is zero."""
+        return PIState(pressure - self.rest_pressure)
+
+
+class SampledPI(NamedTuple):
+    """Coefficients of the controller for one sample time."""
+
+    Kp: Number
+    Ki_dt: Number
+    volts_per_kPa: Number
+    rest_pressure: Number
+    low: Number
+    high: Number
+
+
+class PIState(NamedTuple):
+    """What the controller remembers: its integral part [kPa], gain included."""
+
+    integral: Number
+
+
+def step(state: PIState, error: Number, c: SampledPI) -> tuple[PIState, Number]:
+    """State after, and command [V] of, one sample with an angle error [deg].
+
+    >>> state, command = step(PIState(0.0), 15.0, PI(Kp=1.2, Ki=2.2).sampled())
+    >>> round(float(command), 3), float(state.integral)
+    (2.389, 0.033)
+    """
+    wanted = (c.rest_pressure + c.Kp * error + state.integral) * c.volts_per_kPa
+    command = np.minimum(np.maximum(wanted, c.low), c.high)
+    # The clipped part has the sign of the error that pushes further out.
+    pushes_out = (wanted - command) * error > 0.0
+    return PIState(state.integral + np.where(pushes_out, 0.0, c.Ki_dt * error)), command
