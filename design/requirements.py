@@ -1,0 +1,172 @@
+"""Hard limits on a PI and the cost that is minimised under them, for many gains at once."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.loop import run
+from design.margins import BranchResponse, branch_responses, margins
+from design.metrics import Metrics
+from design.pi import PI
+from design.tasks import Scenario, stack, unreachable
+from plants import tree
+from plants.wrist import State, Wrist
+
+Array = NDArray[np.float64]
+Cost = Literal["iae", "itae", "settling_time"]
+COSTS: dict[str, str] = {"iae": "iae_deg_s", "itae": "itae_deg_s2", "settling_time": "settling_time_s"}
+"""Costs to choose from, and the metric that each is."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Limits that a tuned PI holds on every scenario and branch; None drops one.
+
+    overshoot_percent: simulated, of the step.  Ms: peak of the sensitivity on
+    {transit, line 1, line 2} x {slow, fast}.  delay_margin_s: dead time that may
+    come on top; 60 ms, since rigs of this kind show about 50 ms of tube.
+    total_variation_V: travel of the command in one step.  steady_error_percent:
+    of the step, what may be left at the end of the run.
+    """
+
+    overshoot_percent: float | None = 5.0
+    Ms: float | None = 2.0
+    delay_margin_s: float | None = 0.060
+    total_variation_V: float | None = 16.0
+    steady_error_percent: float | None = 2.0
+
+    @property
+    def named(self) -> dict[str, float]:
+        """The limits that are in force, by name."""
+        return {f.name: v for f in fields(self) if (v := getattr(self, f.name)) is not None}
+
+
+NOMINAL = replace(Limits(), delay_margin_s=None)
+"""Limits for a rig without dead time, which no real one is."""
+
+LIMIT_UNITS = {
+    "overshoot_percent": "%", "Ms": "1", "delay_margin_s": "s", "total_variation_V": "V",
+    "steady_error_percent": "%", "command_range": "V",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What gains of shape (n,) do on a set of scenarios.
+
+    cost (n,): the worst over the scenarios, `cost_at` (n,) where.  values[limit]
+    (n,): the worst value of each limited quantity, `values_at` (n,) on which
+    scenario or branch.  excess[limit] (n,): how far beyond its limit, as a share
+    of the limit; not above 0 where it is held.
+    """
+
+    Kp: Array
+    Ki: Array
+    cost: Array
+    cost_at: NDArray[np.intp]
+    values: dict[str, Array]
+    values_at: dict[str, NDArray[np.intp]]
+    excess: dict[str, Array]
+
+    @property
+    def worst_excess(self) -> Array:
+        """Largest excess over all limits, (n,)."""
+        return np.max(list(self.excess.values()), axis=0, initial=-1.0)
+
+    @property
+    def feasible(self) -> NDArray[np.bool_]:
+        """Which gains hold every limit, (n,)."""
+        return self.worst_excess <= 0.0
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A plant, the scenarios to be tuned on, the cost and the limits."""
+
+    wrist: Wrist
+    scenarios: tuple[Scenario, ...]
+    limits: Limits
+    cost: str
+    branches: tuple[BranchResponse, ...]
+    stacked: tuple[Wrist, State, Array]
+    duration: float
+    jobs: int | None = None
+
+    @classmethod
+    def of(
+        cls,
+        wrist: Wrist,
+        scenarios: Sequence[Scenario],
+        limits: Limits | None = None,
+        cost: str = "iae",
+        duration: float = 10.0,
+        jobs: int | None = None,
+    ) -> "Problem":
+        """The problem of tuning a wrist; raises ValueError for an unknown cost."""
+        if cost not in COSTS:
+            raise ValueError(f"unknown cost {cost!r}; one of {', '.join(COSTS)}")
+        return cls(
+            wrist, tuple(scenarios), limits or Limits(), cost, tuple(branch_responses(wrist)),
+            stack(scenarios), duration, jobs,
+        )  # fmt: skip
+
+    def place(self, limit: str, index: int) -> str:
+        """In words, the scenario or branch that an entry of ``values_at`` points to."""
+        if limit in ("Ms", "delay_margin_s"):
+            b = self.branches[index]
+            return f"{b.branch}, {b.rate} regulator rate"
+        return self.scenarios[index].name
+
+
+def rollouts(problem: Problem, Kp: Array, Ki: Array) -> Metrics:
+    """Metrics of every scenario under every pair of gains, leaves of shape (gains, scenarios)."""
+    wrist, state, reference = problem.stacked
+    n, m = Kp.size, len(problem.scenarios)
+    lanes = tree.like(state, [np.tile(x, n) for x in tree.leaves(state)])
+    plants = Wrist.from_values({k: np.tile(v, n) for k, v in wrist.values.items()})
+    gains = controller(problem, np.repeat(Kp, m), np.repeat(Ki, m))
+    judged, _, _ = run(
+        plants, gains, np.tile(reference, n), lanes, duration=problem.duration, jobs=problem.jobs
+    )
+    return judged.reshape(n, m)
+
+
+def controller(problem: Problem, Kp: Any, Ki: Any) -> PI:
+    """A PI that knows of the problem's regulator what its declared parameters say."""
+    return PI(Kp, Ki, problem.wrist.regulator.gain, problem.wrist.hysteresis.rest_pressure)
+
+
+def evaluate(problem: Problem, Kp: Any, Ki: Any) -> Evaluation:
+    """Cost and limits of gains, arrays of one shape (n,)."""
+    Kp, Ki = np.atleast_1d(np.asarray(Kp, float)), np.atleast_1d(np.asarray(Ki, float))
+    judged = rollouts(problem, Kp, Ki)
+    linear = margins(list(problem.branches), controller(problem, Kp, Ki))
+    sizes = np.array([abs(s.reference - s.angle) for s in problem.scenarios])
+    of_scenario = {
+        "overshoot_percent": judged.overshoot_percent,
+        "total_variation_V": judged.total_variation_V,
+        "steady_error_percent": 100.0 * judged.steady_state_error_deg / sizes,
+    }
+    values: dict[str, Array] = {n: v.max(axis=1) for n, v in of_scenario.items()}
+    at: dict[str, NDArray[np.intp]] = {n: v.argmax(axis=1) for n, v in of_scenario.items()}
+    values |= {"Ms": linear.Ms, "delay_margin_s": linear.delay_margin_s}
+    at |= {"Ms": linear.Ms_at, "delay_margin_s": linear.delay_at}
+    excess = {}
+    for name, limit in problem.limits.named.items():
+        if name == "delay_margin_s":
+            excess[name] = 1.0 - values[name] / limit
+        else:
+            excess[name] = values[name] / limit - 1.0
+    cost = getattr(judged, COSTS[problem.cost])
+    return Evaluation(Kp, Ki, cost.max(axis=1), cost.argmax(axis=1), values, at, excess)
+
+
+def out_of_range(problem: Problem) -> tuple[Scenario, float] | None:
+    """The scenario whose reference no command in the range can hold, and by how many volts; or None."""
+    known = controller(problem, 0.0, 0.0)
+    lack = [unreachable(s, known.low, known.high) for s in problem.scenarios]
+    worst = int(np.argmax(lack))
+    return (problem.scenarios[worst], lack[worst]) if lack[worst] > 0.0 else None

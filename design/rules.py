@@ -1,0 +1,128 @@
+"""Baselines: the paper's PI, and the textbook rules from a reaction curve.
+
+The rules see what a plant engineer would see: a step of the pressure command
+from 100 to 150 kPa and the angle that follows, fitted with a first-order lag
+and a dead time.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.pi import PI
+from plants.wrist import SAMPLE_TIME, Wrist
+
+Array = NDArray[np.float64]
+
+PAPER_GAINS = (1.2, 2.2)
+"""Stand-in for the paper's gains, which its text lost: Kp [kPa/deg], Ki [kPa/(deg s)].  Assumed,
+because a PI with them settles in 5 to 8 s, which is how slow the paper reads."""
+
+PAPER_FACTOR = 1.5
+"""Either gain of the stand-in may be off by this factor; a range is carried through comparisons."""
+
+
+@dataclass(frozen=True)
+class Reaction:
+    """First-order lag with dead time, fitted to a reaction curve.
+
+    gain [deg/kPa], time_constant and dead_time [s], rmse [deg] of the fit;
+    time [s], angle and fitted [deg], (n,), for drawing.
+    """
+
+    gain: float
+    time_constant: float
+    dead_time: float
+    rmse: float
+    time: Array
+    angle: Array
+    fitted: Array
+
+
+def paper_range() -> list[tuple[float, float]]:
+    """The stand-in for the paper's gains and the four corners of the range around it."""
+    Kp, Ki = PAPER_GAINS
+    factors = (1.0 / PAPER_FACTOR, PAPER_FACTOR)
+    return [PAPER_GAINS, *((Kp * a, Ki * b) for a in factors for b in factors)]
+
+
+def first_order(time: Array, gain: Any, time_constant: Any, dead_time: Any) -> Array:
+    """Unit-step response of a first-order lag with dead time at times [s]."""
+    late = np.maximum(time - dead_time, 0.0)
+    response: Array = gain * -np.expm1(-late / time_constant)
+    return response
+
+
+def reaction_curve(wrist: Wrist, low: float = 100.0, high: float = 150.0, duration: float = 5.0) -> Reaction:
+    """Simulate the reaction to a step of the command from `low` to `high` [kPa], and fit it.
+
+    The wrist starts at rest on line 1 at the lower pressure: from the virgin
+    curve the dead zone would be mistaken for dead time.
+    """
+    from scipy.optimize import least_squares
+
+    p = wrist.hysteresis
+    start = wrist.rest("line1", p.a1 * (low - p.rest_pressure) - p.w1)
+    command = np.full(round(duration / SAMPLE_TIME), high / wrist.regulator.gain)
+    response = wrist.simulate(command, start)
+    angle = (response.angle - response.angle[0]) / (high - low)
+    seen = slice(None, None, 10)
+
+    def residual(x: Array) -> Array:
+        return first_order(response.time[seen], *x) - angle[seen]
+
+    fit = least_squares(residual, [angle[-1], 0.3, 0.05], bounds=([1e-4, 1e-3, 0.0], [10.0, 10.0, 2.0]))
+    gain, time_constant, dead_time = map(float, fit.x)
+    fitted = first_order(response.time, *fit.x)
+    rmse = float(np.sqrt(np.mean((fitted - angle) ** 2))) * (high - low)
+    return Reaction(
+        gain, time_constant, dead_time, rmse, response.time, angle * (high - low), fitted * (high - low)
+    )
+
+
+def simc(wrist: Wrist) -> PI:
+    """SIMC with the half rule on the lags of line 1: regulator (fast rate), wrist, half a sample.
+
+    Half of the smaller lag goes to the larger, half to the dead time; closed-loop
+    time constant equal to the dead time.  Skogestad, J. Process Control 13 (2003)
+    291, doi 10.1016/S0959-1524(02)00062-8.
+    """
+    large, small = sorted((1.0 / wrist.regulator.k_fast, wrist.Tw), reverse=True)
+    lag, dead = large + small / 2, small / 2 + SAMPLE_TIME / 2
+    Kp = lag / (wrist.hysteresis.a1 * 2.0 * dead)
+    return _pi(wrist, Kp, min(lag, 8.0 * dead))
+
+
+def amigo(wrist: Wrist, r: Reaction) -> PI:
+    """AMIGO for PI; Astrom & Hagglund, J. Process Control 14 (2004) 635, doi 10.1016/j.jprocont.2004.01.002."""
+    T, L = r.time_constant, _dead(r)
+    Kp = 0.15 / r.gain + (0.35 - L * T / (L + T) ** 2) * T / (r.gain * L)
+    return _pi(wrist, Kp, 0.35 * L + 13.0 * L * T**2 / (T**2 + 12.0 * L * T + 7.0 * L**2))
+
+
+def ziegler_nichols(wrist: Wrist, r: Reaction) -> PI:
+    """Ziegler-Nichols, step-response method for PI; Trans. ASME 64 (1942) 759."""
+    T, L = r.time_constant, _dead(r)
+    return _pi(wrist, 0.9 * T / (r.gain * L), L / 0.3)
+
+
+def _dead(r: Reaction) -> float:
+    return max(r.dead_time, SAMPLE_TIME)  # no rule is defined without a dead time
+
+
+def _pi(wrist: Wrist, Kp: float, Ti: float) -> PI:
+    return PI(Kp, Kp / Ti, wrist.regulator.gain, wrist.hysteresis.rest_pressure)
+
+
+def baselines(wrist: Wrist) -> dict[str, PI]:
+    """The baseline controllers of a comparison, by name; the paper's is the stand-in."""
+    reaction = reaction_curve(wrist)
+    g, p0 = wrist.regulator.gain, wrist.hysteresis.rest_pressure
+    return {
+        "paper": PI(*PAPER_GAINS, gain=g, rest_pressure=p0),
+        "SIMC": simc(wrist),
+        "AMIGO": amigo(wrist, reaction),
+        "Ziegler-Nichols": ziegler_nichols(wrist, reaction),
+    }

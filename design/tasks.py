@@ -1,0 +1,107 @@
+"""What the wrist is asked to do: steps of 15 degrees, from every starting memory, on every plant.
+
+Tuning and comparison use different scenarios: `tuning_scenarios` puts the task
+on corners of the plant, `reported_tasks` on the plant as it is.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from plants import hysteresis, tree
+from plants.wrist import STARTS, Start, State, Wrist
+
+STEP = 15.0
+"""Size of the paper's step [deg] (section 7)."""
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """One run of the loop: a wrist at rest at an angle [deg], having come there by `start`, is
+    stepped to a reference [deg]; `plant` says in words which wrist it is."""
+
+    start: Start
+    angle: float
+    reference: float
+    wrist: Wrist
+    plant: str = "nominal"
+
+    @property
+    def name(self) -> str:
+        """In words, such as ``0 to +15 deg from line1, nominal plant``."""
+        return f"{self.angle:+g} to {self.reference:+g} deg from {self.start}, {self.plant} plant".replace("+0", "0")
+
+
+@dataclass(frozen=True)
+class Spread:
+    """How far the corners of the plant lie from its nominal values, as shares of them.
+
+    The defaults are assumed: what the practice of refitting a pneumatic rig
+    shows from day to day, not a measured uncertainty of this one.
+    """
+
+    width: float = 0.2  # of both offsets w1, w2: the loop's width
+    slope: float = 0.1  # of all slopes together
+    lag: float = 0.2  # of Tw
+
+
+def corner(wrist: Wrist, width: float, slope: float, lag: float) -> Wrist:
+    """The wrist with its loop wider, its slopes steeper and its lag longer by factors."""
+    p = wrist.hysteresis
+    return wrist.with_values(
+        a1=p.a1 * slope, a2=p.a2 * slope, s=p.s * slope, w1=p.w1 * width, w2=p.w2 * width, Tw=wrist.Tw * lag
+    )
+
+
+def corners(wrist: Wrist, spread: Spread) -> list[tuple[str, Wrist]]:
+    """The nominal plant and the eight corners of loop width, slope and lag, with their names."""
+    found = [("nominal", wrist)]
+    for signs in product((-1, 1), repeat=3):
+        words = zip(signs, ("narrow", "flat", "quick"), ("wide", "steep", "slow"), strict=True)
+        name = " ".join(plus if sign > 0 else minus for sign, minus, plus in words)
+        factors = (1.0 + sign * size for sign, size in zip(signs, vars(spread).values(), strict=True))
+        found.append((name, corner(wrist, *factors)))
+    return found
+
+
+def tuning_scenarios(wrist: Wrist, spread: Spread | None = None, step: float = STEP) -> list[Scenario]:
+    """The declared set that gains are tuned on: 90 scenarios.
+
+    Both signs of the step from each of the four starting memories, and the
+    return from each held step, on the nominal plant and the eight corners.
+    """
+    found = []
+    for name, plant in corners(wrist, spread or Spread()):
+        for start, reference in product(STARTS, (step, -step)):
+            found.append(Scenario(start, 0.0, reference, plant, name))
+        found.append(Scenario("line1", step, 0.0, plant, name))
+        found.append(Scenario("line2", -step, 0.0, plant, name))
+    return found
+
+
+def stack(scenarios: Sequence[Scenario]) -> tuple[Wrist, State, Any]:
+    """Wrist, states and references of many scenarios, leaves of shape (scenarios,)."""
+    values = [s.wrist.values for s in scenarios]
+    wrist = Wrist.from_values({n: np.array([v[n] for v in values], float) for n in values[0]})
+    states = [tree.leaves(s.wrist.rest(s.start, s.angle)) for s in scenarios]
+    state = tree.like(scenarios[0].wrist.rest(), list(np.array(states, float).T))
+    return wrist, state, np.array([s.reference for s in scenarios], float)
+
+
+def unreachable(scenario: Scenario, low: float, high: float) -> float:
+    """By how many volts the command that holds the scenario's reference lies outside a range [V].
+
+    The wrist is held on the line that it arrives on; 0 where the range suffices.
+
+    >>> from plants import Wrist
+    >>> unreachable(Scenario("virgin", 0.0, 15.0, Wrist.flexion()), 0.0, 4.0)
+    0.0
+    """
+    p = scenario.wrist.hysteresis
+    plus = scenario.reference > scenario.angle
+    pressure = (hysteresis.line1_pressure if plus else hysteresis.line2_pressure)(scenario.reference, p)
+    command = pressure / scenario.wrist.regulator.gain
+    return float(max(low - command, command - high, 0.0))

@@ -1,0 +1,96 @@
+"""The wrist as python-control objects: the sampled system, and its linearisation on each branch."""
+
+from typing import Any
+
+import numpy as np
+
+from plants import lag, regulator, tree
+from plants.compiled import jacobians
+from plants.hysteresis import Memory
+from plants.regulator import Regulator
+from plants.wrist import SAMPLE_TIME, State, Wrist, step
+
+BRANCHES = ("transit", "line1", "line2")
+"""Where the closed loop can work; the virgin curve has slope 0 and is left once, for good."""
+
+RATES = ("slow", "fast")
+"""The two ends of the regulator's rate: near to and far from the commanded pressure."""
+
+
+def nlsys(wrist: Wrist) -> Any:
+    """The sampled wrist as a discrete ``control.nlsys``: command [V] to pressure [kPa] and angle [deg].
+
+    States are pressure, static angle, virgin and angle, at 1 ms; they start at 0
+    in python-control unless told otherwise, so pass ``wrist_x0(wrist)``.
+
+    >>> import control, numpy as np
+    >>> from plants import Wrist
+    >>> w, t = Wrist.flexion(), np.arange(1001) * 1e-3
+    >>> r = control.input_output_response(nlsys(w), t, np.full(1001, 3.0), wrist_x0(w))
+    >>> bool(abs(r.outputs[1, -1] - w.simulate([3.0] * 1000).angle[-1]) < 1e-12)
+    True
+    """
+    import control
+
+    c = wrist.sampled()
+
+    def update(_t: float, x: Any, u: Any, _params: Any) -> Any:
+        return np.array(tree.leaves(step(State(x[0], Memory(x[1], x[2]), x[3]), u[0], c)), float)
+
+    def output(_t: float, x: Any, _u: Any, _params: Any) -> Any:
+        return np.array([x[0], x[3]])
+
+    return control.nlsys(
+        update, output, dt=SAMPLE_TIME, name="wrist", inputs=["command_V"],
+        states=["pressure_kPa", "static_angle_deg", "virgin", "angle_deg"],
+        outputs=["pressure_kPa", "angle_deg"],
+    )  # fmt: skip
+
+
+def wrist_x0(wrist: Wrist) -> Any:
+    """Initial state, shape (4,), of `nlsys` for a wrist at rest."""
+    return np.array(tree.leaves(wrist.rest()), float)
+
+
+def branch_slope(wrist: Wrist, branch: str) -> float:
+    """Slope [deg/kPa] of a branch: ``transit``, ``line1``, ``line2`` or ``virgin``."""
+    p = wrist.hysteresis
+    slopes = {"transit": p.s, "line1": p.a1, "line2": p.a2, "virgin": 0.0}
+    if branch not in slopes:
+        raise ValueError(f"unknown branch {branch!r}; one of {', '.join(slopes)}")
+    return float(slopes[branch])
+
+
+def branch_ss(wrist: Wrist, branch: str, rate: str = "fast") -> Any:
+    """Linearisation on one branch at one regulator rate, a discrete ``control.ss`` at 1 ms.
+
+    Deviations from an equilibrium; input command [V], states pressure [kPa] and
+    angle [deg], output angle.  While a branch is not left, the static angle is
+    the pressure times the branch's slope, so it is no state of its own.
+    `rate` is ``fast`` or ``slow``.  Raises ValueError for another name.
+
+    >>> from plants import Wrist
+    >>> w = Wrist.flexion()
+    >>> bool(abs(branch_ss(w, "line1").dcgain() - 49.4 * 0.36) < 1e-9)
+    True
+    """
+    import control
+
+    slope = branch_slope(wrist, branch)
+    if rate not in RATES:
+        raise ValueError(f"unknown regulator rate {rate!r}; one of {', '.join(RATES)}")
+    p = wrist.regulator
+    k = p.k_fast if rate == "fast" else p.k_slow
+    air = regulator.sampled(Regulator(p.gain, k, k, p.e0), SAMPLE_TIME)
+    transient = lag.sampled(wrist.Tw, SAMPLE_TIME)
+
+    def linear(state: Any, command: Any) -> Any:
+        pressure, angle = state
+        after = regulator.step(pressure, command, air)
+        return after, lag.step(angle, slope * pressure, slope * after, transient)
+
+    a, b = jacobians(linear, (0.0, 0.0), 0.0)
+    return control.ss(
+        a, b, [[0.0, 1.0]], [[0.0]], SAMPLE_TIME, name=f"{branch}_{rate}",
+        inputs=["command_V"], states=["pressure_kPa", "angle_deg"], outputs=["angle_deg"],
+    )  # fmt: skip
