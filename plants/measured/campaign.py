@@ -1,0 +1,188 @@
+"""A campaign: a folder of recordings of one rig, and ``campaign.toml`` which says what they are for."""
+
+import hashlib
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Any, Literal
+
+from plants.errors import InputError
+from plants.measured.cells import one_line, shorten
+from plants.measured.columns import Source, parse_columns
+from plants.measured.recording import Recording, Stage, from_table, required
+from plants.measured.tables import Table, read_table
+
+FILE = "campaign.toml"
+KEYS = ("axis", "stage", "start", "sample_time_s", "fit", "validate", "columns")
+
+Start = Literal["rest", "unknown"]
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """Recordings of one rig, to fit on and to report the error on.
+
+    name: the folder; axis: ``flexion``, ``deviation`` or a user's own; stage: the last stage that
+    was measured; start: whether every recording starts at rest at 100 kPa on the virgin curve;
+    sample_time [s] of the log; fit: may be used to fit and to choose; validate: only ever to report
+    the error; checksum: SHA-256 of campaign.toml and the recordings, the same on every machine.
+    """
+
+    name: str
+    axis: str
+    stage: Stage
+    start: Start
+    sample_time: float
+    fit: tuple[Recording, ...]
+    validate: tuple[Recording, ...]
+    checksum: str
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """What campaign.toml says; fit and validate are paths of files within the folder."""
+
+    axis: str
+    stage: Stage
+    start: Start
+    sample_time: float
+    fit: tuple[str, ...]
+    validate: tuple[str, ...]
+    columns: Mapping[str, Source]
+
+
+def load_campaign(folder: str | Path) -> Campaign:
+    """The campaign in a folder.
+
+    Raises InputError, in one line with the file and, where it applies, row and column, for a
+    folder without a valid campaign.toml and for recordings that ``from_table`` refuses.
+    """
+    folder = Path(folder)
+    content = _read_declaration(folder)
+    said = parse_declaration(content, folder / FILE)
+    tables = {name: read_table(folder / name) for name in said.fit + said.validate}
+    recordings = {
+        name: from_table(table, _sources_in(table, said, tables), said.stage, said.sample_time, name)
+        for name, table in tables.items()
+    }
+    return Campaign(
+        folder.resolve().name, said.axis, said.stage, said.start, said.sample_time,
+        tuple(recordings[n] for n in said.fit), tuple(recordings[n] for n in said.validate),
+        _checksum(content, folder, said.fit + said.validate),
+    )  # fmt: skip
+
+
+def load_recording(
+    path: str | Path,
+    columns: Mapping[str, Any] | None = None,
+    stage: Stage = "wrist",
+    sample_time: float | None = None,
+) -> Recording:
+    """A single recording; `columns` as the ``[columns]`` table of campaign.toml, sample_time in s.
+
+    Raises InputError as ``load_campaign`` does.
+    """
+    return from_table(read_table(path), parse_columns(columns, str(path)), stage, sample_time)
+
+
+def parse_declaration(content: bytes, path: Path) -> Declaration:
+    """What the bytes of a campaign.toml say; `path` begins the errors.
+
+    Raises InputError, naming the key, for one that is unknown, missing or wrong.
+    """
+    try:
+        table = tomllib.loads(content.decode("utf-8-sig"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not valid TOML ({one_line(error)}); correct it") from None
+    unknown = [k for k in table if k not in KEYS]
+    if unknown:
+        raise InputError(f"{path}: unknown key {unknown[0]!r}; known are {shorten(KEYS)}")
+    axis, sample_time = table.get("axis"), _sample_time(table.get("sample_time_s"), path)
+    if not isinstance(axis, str) or not axis:
+        raise InputError(f'{path}: axis is missing; give axis = "flexion", "deviation" or a name of your own')
+    stage, start = table.get("stage", "wrist"), table.get("start", "rest")
+    if stage not in ("wrist", "regulator"):
+        raise InputError(f'{path}: stage {stage!r} is unknown; it is "wrist" or "regulator"')
+    if start not in ("rest", "unknown"):
+        raise InputError(f'{path}: start {start!r} is unknown; it is "rest" or "unknown"')
+    fit = _names(table, "fit", path, "they are what the model is fitted to")
+    validate = _names(
+        table, "validate", path, "the error is reported on recordings that took no part in the fit"
+    )
+    _check_separate(fit, validate, path)
+    return Declaration(
+        axis, stage, start, sample_time, fit, validate, parse_columns(table.get("columns"), str(path))
+    )
+
+
+def _read_declaration(folder: Path) -> bytes:
+    try:
+        return (folder / FILE).read_bytes()
+    except FileNotFoundError:
+        if not folder.exists():
+            raise InputError(f"{folder}: no such folder; give the folder of a campaign") from None
+        raise InputError(f"{folder}: holds no {FILE}; write one that names axis, fit and validate") from None
+    except NotADirectoryError:
+        raise InputError(f"{folder}: is a file; give the folder that holds it and {FILE}") from None
+    except OSError as error:
+        raise InputError(f"{folder / FILE}: cannot be read ({error.strerror})") from None
+
+
+def _sample_time(value: Any, path: Path) -> float:
+    if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value) and value > 0.0:
+        return float(value)
+    problem = "is missing" if value is None else f"{value!r} is not a positive number"
+    raise InputError(f"{path}: sample_time_s {problem}; give the log's sample time in seconds")
+
+
+def _names(table: Mapping[str, Any], key: str, path: Path, why: str) -> tuple[str, ...]:
+    names = table.get(key)
+    if names is None or names == []:
+        problem = "is missing" if names is None else "is empty"
+        raise InputError(f"{path}: {key} {problem}; list at least one recording: {why}")
+    if not isinstance(names, list) or not all(isinstance(n, str) and n for n in names):
+        raise InputError(f'{path}: {key} must be a list of file names such as ["steps.csv"]')
+    return tuple(Path(n).as_posix() for n in names)
+
+
+def _check_separate(fit: tuple[str, ...], validate: tuple[str, ...], path: Path) -> None:
+    both = [n for n in fit if n in validate]
+    if both:
+        raise InputError(
+            f"{path}: {both[0]!r} is in both fit and validate; the error must come from recordings "
+            "that took no part in the fit"
+        )
+    for key, names in (("fit", fit), ("validate", validate)):
+        twice = [n for i, n in enumerate(names) if n in names[:i]]
+        if twice:
+            raise InputError(f"{path}: {twice[0]!r} is listed twice in {key}; list it once")
+
+
+def _sources_in(table: Table, said: Declaration, tables: Mapping[str, Table]) -> dict[str, Source]:
+    """The mappings that concern one recording of the campaign.
+
+    A channel that not every run logged, such as the set-point, may be missing from some of the
+    files; one that is in none of them is a name mistyped, and stays to be refused.
+    """
+    optional_elsewhere = {
+        name
+        for name, source in said.columns.items()
+        if name not in required(said.stage) and any(source.name in t.columns for t in tables.values())
+    }
+    return {
+        name: source
+        for name, source in said.columns.items()
+        if source.name in table.columns or name not in optional_elsewhere
+    }
+
+
+def _checksum(declaration: bytes, folder: Path, names: tuple[str, ...]) -> str:
+    """SHA-256 [hex] of campaign.toml and the recordings, by name, whatever order they are listed in."""
+    digest = hashlib.sha256()
+    contents = [(FILE, declaration), *((n, (folder / n).read_bytes()) for n in sorted(names))]
+    for name, content in contents:
+        digest.update(f"{name}\0{len(content)}\0".encode())
+        digest.update(content)
+    return digest.hexdigest()

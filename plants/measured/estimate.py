@@ -1,0 +1,116 @@
+"""Robust nonlinear least squares from several starts, with standard errors that hold for coloured residuals."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+HUBER = 3.0
+"""Residuals beyond this many spreads count linearly, not squared."""
+
+
+class Problem(Protocol):
+    """What is estimated: residuals (rows, lanes) of vectors (lanes, n), and the block of each row."""
+
+    blocks: NDArray[np.intp]
+
+    def residuals(self, x: Array) -> Array: ...
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """An estimate x (n,); std_errors, None where the data does not determine an entry; costs of
+    the local minima from each start, best first; agreeing: starts that ended within 1 % of it."""
+
+    x: Array
+    std_errors: list[float | None]
+    costs: tuple[float, ...]
+    agreeing: int
+
+
+def estimate(problem: Problem, bounds: Array, starts: int, seed: int) -> Estimate:
+    """Minimise a Huber loss of the residuals within `bounds`, rows start, lower, upper, shape (3, n).
+
+    The loss's corner is set by the spread of the residuals themselves: first
+    that of the start, then that of the best minimum, so that a model that
+    misses something is not fitted to the few rows where it happens to be right.
+    """
+    x0, low, high = bounds
+    draws = np.random.default_rng(seed).uniform(-1.0, 1.0, (max(starts - 1, 0), x0.size))
+    reach = np.where(draws < 0.0, x0 - low, high - x0)
+    candidates = np.vstack([x0, np.clip(x0 + 0.5 * draws * reach * np.abs(draws), low, high)])
+    ends = [_minimise(problem, x, bounds, _corner(problem.residuals(x[None, :])[:, 0])) for x in candidates]
+    corner = min(_corner(problem.residuals(x[None, :])[:, 0]) for x, _ in ends)
+    ends = [_minimise(problem, x, bounds, corner) for x, _ in ends]
+    ends.sort(key=lambda end: end[1])
+    best = ends[0][1]
+    agreeing = sum(cost <= best * 1.01 for _, cost in ends)
+    errors = standard_errors(problem, ends[0][0], bounds, corner)
+    return Estimate(ends[0][0], errors, tuple(cost for _, cost in ends), agreeing)
+
+
+def _corner(residuals: Array) -> float:
+    """Corner of the Huber loss: some spreads of the residuals, never inside the noise."""
+    return HUBER * max(1.0, 1.4826 * float(np.median(np.abs(residuals))))
+
+
+def _scale(x: Array, bounds: Array) -> Array:
+    """Typical size of each entry; half its range for one that may be zero."""
+    scale: Array = np.where(np.abs(x) > 1e-6, np.abs(x), 0.5 * (bounds[2] - bounds[1]))
+    return scale
+
+
+def _jacobian(problem: Problem, x: Array, bounds: Array) -> tuple[Array, Array]:
+    """Residuals (rows,) and their derivatives (rows, n): perturbed copies run side by side in lanes."""
+    step = 1e-5 * _scale(x, bounds)
+    step = np.where(x + step > bounds[2], -step, step)
+    lanes = problem.residuals(np.vstack([x, x + np.diag(step)]))
+    return lanes[:, 0], (lanes[:, 1:] - lanes[:, :1]) / step
+
+
+def _minimise(problem: Problem, x: Array, bounds: Array, corner: float) -> tuple[Array, float]:
+    """Local minimum from x and its mean cost."""
+    from scipy.optimize import least_squares
+
+    at: dict[bytes, tuple[Array, Array]] = {}
+
+    def both(x: Array) -> tuple[Array, Array]:
+        key = x.tobytes()
+        if key not in at:
+            at.clear()
+            at[key] = _jacobian(problem, x, bounds)
+        return at[key]
+
+    found = least_squares(
+        lambda x: both(x)[0], x, lambda x: both(x)[1], bounds=(bounds[1], bounds[2]),
+        x_scale=_scale(bounds[0], bounds), loss="huber", f_scale=corner, max_nfev=40, xtol=1e-7, ftol=1e-7,
+    )  # fmt: skip
+    return found.x, float(found.cost / found.fun.size)
+
+
+def standard_errors(problem: Problem, x: Array, bounds: Array, corner: float) -> list[float | None]:
+    """Standard errors by the sandwich formula over blocks of time, None for undetermined entries.
+
+    Residuals within a block may be correlated in any way, so the errors hold
+    where a missing effect colours them (Cameron & Miller, J. Human Resources 50
+    (2015) 317).  An entry is undetermined where the data is blind to it or
+    where it cannot be told from others.
+    """
+    residual, jacobian = _jacobian(problem, x, bounds)
+    weight = np.minimum(1.0, corner / np.maximum(np.abs(residual), 1e-300))
+    scaled = jacobian * _scale(x, bounds)
+    bread = scaled.T @ (scaled * weight[:, None])
+    count = int(problem.blocks.max()) + 1
+    scores = np.zeros((count, x.size))
+    np.add.at(scores, problem.blocks, scaled * (weight * residual)[:, None])
+    vectors: Array
+    sizes, vectors = np.linalg.eigh(bread)
+    seen = sizes > 1e-9 * sizes.max(initial=0.0)
+    inverse = (vectors[:, seen] / sizes[seen]) @ vectors[:, seen].T
+    free = max(1, count - x.size)
+    cov = inverse @ (scores.T @ scores) @ inverse * (count / free)
+    blind = (vectors[:, ~seen] ** 2).sum(axis=1) > 1e-3
+    errors = np.sqrt(np.maximum(np.diag(cov), 0.0)) * _scale(x, bounds)
+    return [None if b else float(e) for b, e in zip(blind, errors, strict=True)]

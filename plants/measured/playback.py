@@ -1,0 +1,61 @@
+"""Playing a recording's command through wrists, and reading them where the recording has rows."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plants.measured.recording import Recording
+from plants.simulate import open_loop
+from plants.wrist import SAMPLE_TIME, State, Wrist
+
+Array = NDArray[np.float64]
+JUMP = 0.05
+"""A command that moves further than this [V] from one row to the next has jumped."""
+
+
+@dataclass(frozen=True)
+class Playback:
+    """A recording prepared for simulation at 1 ms."""
+
+    recording: Recording
+
+    @cached_property
+    def rows(self) -> NDArray[np.int64]:
+        """Index of the sample of 1 ms that each row falls on, (n,)."""
+        at: NDArray[np.int64] = np.rint((self.recording.time - self.recording.time[0]) / SAMPLE_TIME).astype(np.int64)
+        return at
+
+    @cached_property
+    def commands(self) -> Array:
+        """Command [V] of every sample of 1 ms.
+
+        In open loop the command changes on rows and is held.  Where the loop was
+        closed it moved at 1 kHz and the rows are samples of it: interpolated
+        where it moves smoothly, held where it jumps.
+        """
+        v, rows = self.recording.command, self.rows
+        samples = np.arange(rows[-1])
+        row = np.searchsorted(rows, samples, side="right") - 1
+        if self.recording.reference is None:
+            return v[row]
+        moved = np.diff(v)
+        jumped = (np.abs(moved) > JUMP) | (np.diff(self.recording.reference) != 0.0)
+        share = (samples - rows[row]) / (rows[row + 1] - rows[row])
+        between: Array = v[row] + np.where(jumped, 0.0, moved)[row] * share
+        return between
+
+    @cached_property
+    def _every(self) -> int:
+        return int(np.gcd.reduce(np.diff(self.rows)))
+
+    def play(self, wrist: Wrist, state: State | None = None) -> tuple[Array, Array]:
+        """Pressure [kPa] and angle [deg] of a wrist at the recording's rows.
+
+        Shape (n,), or (n, lanes) for a wrist with arrays as parameters.
+        """
+        response: Any = open_loop(wrist, self.commands, state, every=self._every, jobs=1)
+        at = self.rows // self._every
+        return response.pressure[at], response.angle[at]
