@@ -87,10 +87,14 @@ def controllers(wrist: Wrist, tuned: PI) -> dict[str, list[PI]]:
 
 def on_tasks(wrist: Wrist, pis: list[PI]) -> dict[str, list[Metrics]]:
     """Metrics by task, one for each PI."""
-    gains = PI(np.array([c.Kp for c in pis]), np.array([c.Ki for c in pis]), pis[0].gain, pis[0].rest_pressure)
+    gains = PI(
+        np.array([c.Kp for c in pis]), np.array([c.Ki for c in pis]), pis[0].gain, pis[0].rest_pressure
+    )
     found: dict[str, list[Metrics]] = {}
     for s in task_scenarios(wrist):
-        state = tree.like(wrist.rest(), [np.full(len(pis), x) for x in tree.leaves(wrist.rest(s.start, s.angle))])
+        state = tree.like(
+            wrist.rest(), [np.full(len(pis), x) for x in tree.leaves(wrist.rest(s.start, s.angle))]
+        )
         judged, _, _ = run(wrist, gains, np.full(len(pis), s.reference), state)
         found[f"0 to {s.reference:+g} deg, {s.start}"] = [judged[i] for i in range(len(pis))]
     for sign in (1, -1):

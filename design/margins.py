@@ -88,7 +88,9 @@ def _least(rows: Array) -> Array:
     at = np.clip(rows.argmin(axis=1), 1, rows.shape[1] - 2)
     before, here, after = (rows[np.arange(len(rows)), at + i] for i in (-1, 0, 1))
     bend = before - 2.0 * here + after
-    found: Array = here - np.where(bend > 0.0, (after - before) ** 2 / (8.0 * np.where(bend > 0.0, bend, 1.0)), 0.0)
+    found: Array = here - np.where(
+        bend > 0.0, (after - before) ** 2 / (8.0 * np.where(bend > 0.0, bend, 1.0)), 0.0
+    )
     return np.minimum(found, rows.min(axis=1))
 
 
@@ -146,7 +148,9 @@ def by_python_control(wrist: Wrist, controller: PI) -> list[dict[str, Any]]:
             response = control.frequency_response(loop, omega).complex
             size = np.abs(1.0 + response)
             # From the response, since polynomials in z lose digits at 1 ms.
-            gm, pm, _, _, wc, _ = control.stability_margins(control.frd(response, omega, smooth=True), returnall=True)
+            gm, pm, _, _, wc, _ = control.stability_margins(
+                control.frd(response, omega, smooth=True), returnall=True
+            )
             delays = np.mod(np.radians(pm), 2 * np.pi) / wc if len(wc) else np.array([np.inf])
             above = [g for g in gm if g > 1.0]
             rows.append({

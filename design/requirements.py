@@ -11,7 +11,7 @@ from design.loop import run
 from design.margins import BranchResponse, branch_responses, margins
 from design.metrics import Metrics
 from design.pi import PI
-from design.tasks import Scenario, stack, unreachable
+from design.tasks import Scenario, stack, unreachable, within_reach
 from plants import tree
 from plants.wrist import State, Wrist
 
@@ -94,6 +94,7 @@ class Problem:
     stacked: tuple[Wrist, State, Array]
     duration: float
     jobs: int | None = None
+    set_aside: tuple[Scenario, ...] = ()
 
     @classmethod
     def of(
@@ -105,12 +106,16 @@ class Problem:
         duration: float = 10.0,
         jobs: int | None = None,
     ) -> "Problem":
-        """The problem of tuning a wrist; raises ValueError for an unknown cost."""
+        """The problem of tuning a wrist; corners that no command can hold are set aside.
+
+        Raises ValueError for an unknown cost.
+        """
         if cost not in COSTS:
             raise ValueError(f"unknown cost {cost!r}; one of {', '.join(COSTS)}")
+        kept, aside = within_reach(scenarios)
         return cls(
-            wrist, tuple(scenarios), limits or Limits(), cost, tuple(branch_responses(wrist)),
-            stack(scenarios), duration, jobs,
+            wrist, tuple(kept), limits or Limits(), cost, tuple(branch_responses(wrist)),
+            stack(kept), duration, jobs, tuple(aside),
         )  # fmt: skip
 
     def place(self, limit: str, index: int) -> str:

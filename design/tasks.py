@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from plants import hysteresis, tree
-from plants.wrist import STARTS, Start, State, Wrist
+from plants.wrist import COMMAND_RANGE, STARTS, Start, State, Wrist
 
 STEP = 15.0
 """Size of the paper's step [deg] (section 7)."""
@@ -32,7 +32,9 @@ class Scenario:
     @property
     def name(self) -> str:
         """In words, such as ``0 to +15 deg from line1, nominal plant``."""
-        return f"{self.angle:+g} to {self.reference:+g} deg from {self.start}, {self.plant} plant".replace("+0", "0")
+        return f"{self.angle:+g} to {self.reference:+g} deg from {self.start}, {self.plant} plant".replace(
+            "+0", "0"
+        )
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,22 @@ def tuning_scenarios(wrist: Wrist, spread: Spread | None = None, step: float = S
         found.append(Scenario("line1", step, 0.0, plant, name))
         found.append(Scenario("line2", -step, 0.0, plant, name))
     return found
+
+
+HEADROOM = 0.1
+"""Command [V] that must be left beyond what holds a corner's reference, so that it can be reached."""
+
+
+def within_reach(scenarios: Sequence[Scenario]) -> tuple[list[Scenario], list[Scenario]]:
+    """Scenarios that a command in the range can hold, and corners that none can.
+
+    A corner that the actuator cannot reach says nothing about gains, so tuning
+    sets it aside (and reports it).  Scenarios of the nominal plant always stay:
+    that the task itself is out of reach is an answer.
+    """
+    low, high = COMMAND_RANGE[0] + HEADROOM, COMMAND_RANGE[1] - HEADROOM
+    kept = [s for s in scenarios if s.plant == "nominal" or unreachable(s, low, high) == 0.0]
+    return kept, [s for s in scenarios if s not in kept]
 
 
 def stack(scenarios: Sequence[Scenario]) -> tuple[Wrist, State, Any]:

@@ -7,7 +7,7 @@ is the one that a user of the model will see.
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -83,7 +83,8 @@ def fit_campaign(
     for channel in CHANNELS:
         logged = [v for r in (*campaign.fit, *campaign.validate) if (v := measured(r, channel)) is not None]
         noise[channel] = noise_of(logged)
-    if all(np.ptp(r.command) == 0.0 for r in campaign.fit):
+    # A wrist that does not start at rest moves without a command that does.
+    if campaign.start == "rest" and all(np.ptp(r.command) == 0.0 for r in campaign.fit):
         raise InputError(f"{campaign.name}: the command never moves in the recordings to fit on; add one that moves")
 
     has_pressure = all(r.pressure is not None for r in campaign.fit)
@@ -111,7 +112,7 @@ def fit_campaign(
         raise InputError(f"{campaign.name}: the best fit makes no loop ({trouble}); the data may not be a wrist's")
 
     origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
-    fitted = start.fitted({n: values[n] for n in errors}, errors, origin)
+    fitted = replace(start, axis=campaign.axis).fitted({n: values[n] for n in errors}, errors, origin)
     runs = tuple(_runs(campaign, start, fitted))
     bounds = {n: (p.low, p.high) for n, p in start.parameters.items()}
     edges = tuple(n for n in errors if min(abs(values[n] - b) for b in bounds[n]) < 1e-3 * np.ptp(bounds[n]))

@@ -1,0 +1,127 @@
+"""Options and output that the commands share.  Nothing heavy is imported before it is used."""
+
+import json
+import math
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from enum import Enum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from plants.quantities import ParameterSet
+
+
+class Axis(str, Enum):
+    """Motions of the paper's wrist."""
+
+    flexion = "flexion"
+    deviation = "deviation"
+
+
+AxisOption = Annotated[Axis, typer.Option(help="Motion of the wrist, with its built-in parameters.")]
+PlantOption = Annotated[
+    Path | None,
+    typer.Option(
+        help="Parameter set (TOML) in place of the built-in one, such as `wrist fit --save` writes."
+    ),
+]
+JsonOption = Annotated[
+    Path | None, typer.Option("--json", help="Write the result as JSON to this file; - for stdout.")
+]
+OutOption = Annotated[Path | None, typer.Option("--out", help="Folder for pictures and reports.")]
+SeedOption = Annotated[int, typer.Option(help="Seed of everything random.")]
+JobsOption = Annotated[int | None, typer.Option(help="Threads; all processors where not given.", min=1)]
+
+
+def parameter_set(axis: Axis, plant: Path | None) -> "ParameterSet":
+    """The set of a file, or the built-in one of an axis."""
+    from plants.quantities import built_in, load
+
+    return load(plant) if plant else built_in(axis.value)
+
+
+def console(json_path: Path | None) -> Any:
+    """Where people read: stdout, or stderr where JSON goes to stdout.  Plain when piped."""
+    from rich.console import Console
+
+    return Console(stderr=is_stdout(json_path), highlight=False, soft_wrap=False)
+
+
+def is_stdout(path: Path | None) -> bool:
+    """Whether a path stands for standard output."""
+    return path is not None and str(path) == "-"
+
+
+def finite(value: Any) -> Any:
+    """The same value with NumPy types made plain and infinite or undefined numbers None, since
+    JSON knows neither."""
+    if isinstance(value, Mapping):
+        return {str(k): finite(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(v) for v in value]
+    if hasattr(value, "tolist"):
+        return finite(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def write_json(path: Path | None, content: Mapping[str, Any]) -> None:
+    """Write JSON to a file, complete or not at all, or to stdout; nothing where no path is given."""
+    if path is None:
+        return
+    from plants.files import write_atomically
+
+    text = json.dumps(finite(content), indent=1, ensure_ascii=False) + "\n"
+    if is_stdout(path):
+        sys.stdout.write(text)
+    else:
+        write_atomically(path, text)
+
+
+@contextmanager
+def progress(what: str) -> Iterator[Callable[[str, float], None]]:
+    """A progress bar with the time left, on a terminal only; yields what is told stage and share."""
+    if not sys.stderr.isatty():
+        yield lambda stage, share: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(what, total=1.0)
+        seen = ""
+
+        def tell(stage: str, share: float) -> None:
+            nonlocal seen
+            if stage != seen:
+                bar.reset(task, description=f"{what}: {stage}", total=1.0)
+                seen = stage
+            bar.update(task, completed=share)
+
+        yield tell
+
+
+def pair(text: str, option: str) -> tuple[float, float]:
+    """Two numbers of an option such as ``--gains 1.2,2.2``."""
+    from plants.errors import InputError
+
+    try:
+        one, other = (float(part) for part in text.split(","))
+    except ValueError:
+        raise InputError(
+            f"{option}: {text!r} is not two numbers with a comma between, such as 1.2,2.2"
+        ) from None
+    if not (math.isfinite(one) and math.isfinite(other) and one >= 0.0 and other >= 0.0):
+        raise InputError(f"{option}: {text!r} must be two finite numbers that are not negative")
+    return one, other
+
+
+def seconds(value: float, horizon: float = 10.0) -> str:
+    """A time for reading; one that is not reached within the run is longer than it."""
+    return f"{value:.3g} s" if math.isfinite(value) else f"> {horizon:g} s"

@@ -1,0 +1,154 @@
+"""``wrist compare``: fit, tune, compare, report."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from design.cli.common import JobsOption, JsonOption, SeedOption, console, progress, seconds, write_json
+
+if TYPE_CHECKING:
+    from design.compare import Comparison
+    from plants.measured.fit import Fit
+    from plants.quantities import ParameterSet
+
+NAME = "compare"
+HELP = "Compare the tuned PI with the paper's and the textbook rules on 15 degree tasks; write a report."
+EXAMPLE = "Example: wrist compare plants/measured/examples/flexion --out build/compare"
+
+
+def command(
+    campaigns: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            help="Campaigns to fit, one a motion; the built-in parameters stand for a motion without one."
+        ),
+    ] = None,
+    plant: Annotated[
+        list[Path] | None,
+        typer.Option(help="Parameter set of a motion in place of a fit; may be given twice."),
+    ] = None,
+    example: Annotated[
+        bool, typer.Option("--example", help="Use the campaigns that ship with the project (synthetic).")
+    ] = False,
+    out: Annotated[Path, typer.Option("--out", help="Folder for the report.")] = Path("build/compare"),
+    json: JsonOption = None,
+    points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 40,
+    seed: SeedOption = 0,
+    jobs: JobsOption = None,
+) -> None:
+    import sys
+
+    from design.cli.tune import refusal, tuning_problem
+    from design.compare import compare
+    from design.tuning import Region, Tuning, tune
+    from plants.wrist import Wrist
+    from reports.comparison import comparison_record, write_comparison
+    from reports.html import Made
+
+    said = console(json)
+    folders = list(campaigns or []) + (example_campaigns() if example else [])
+    fits, sets = _plants(folders, plant or [], seed, said)
+    wrists = {name: Wrist.from_values(s.values) for name, s in sets.items()}
+    tunings: dict[str, Tuning] = {}
+    for name, wrist in wrists.items():
+        with progress(f"tune {name}") as tell:
+            tunings[name] = tune(tuning_problem(wrist, jobs=jobs), Region(points=points), progress=tell)
+        said.print(f"{name}: Kp = {tunings[name].Kp:.4g} kPa/deg, Ki = {tunings[name].Ki:.4g} kPa/(deg s)")
+    refusals = {n: no for n, t in tunings.items() if (no := refusal(t)) is not None}
+    for name, no in refusals.items():
+        said.print(f"{name}: {no}")
+    tuned = {n: _tuned(t) for n, t in tunings.items()}
+    comparison = compare(wrists, tuned)
+    for line in table(comparison):
+        said.print(line)
+    made = Made.now(
+        command="wrist " + " ".join(sys.argv[1:]), seed=seed, sets=sets,
+        data={f.campaign.name: f.campaign.checksum for f in fits.values()},
+    )  # fmt: skip
+    written = write_comparison(out, comparison, tunings, sets, fits, made)
+    for verdict in comparison.verdicts:
+        said.print(verdict)
+    said.print(f"report in {written}")
+    write_json(json, comparison_record(comparison, tunings, sets, fits, made))
+    if refusals:
+        raise typer.Exit(1)
+
+
+def example_campaigns() -> list[Path]:
+    """Folders of the campaigns that ship with the project."""
+    import plants.measured
+
+    return sorted(
+        p.parent for p in (Path(plants.measured.__file__).parent / "examples").glob("*/campaign.toml")
+    )
+
+
+def _tuned(tuning: "object") -> "object":
+    from design.requirements import controller
+
+    return controller(tuning.problem, tuning.Kp, tuning.Ki)  # type: ignore[attr-defined]
+
+
+def _plants(
+    folders: list[Path], files: list[Path], seed: int, said: "object"
+) -> tuple[dict[str, "Fit"], dict[str, "ParameterSet"]]:
+    """Fits of the campaigns, and the parameter set of each motion: fitted, given, or built in."""
+    from design.cli.fit import starting_set, tables
+    from plants.errors import InputError
+    from plants.measured.campaign import load_campaign
+    from plants.measured.fit import fit_campaign
+    from plants.quantities import built_in, load
+
+    sets: dict[str, ParameterSet] = {}
+    fits: dict[str, Fit] = {}
+    for path in files:
+        given = load(path)
+        if given.axis in sets:
+            raise InputError(f"{path}: a set for {given.axis!r} was given before; give one a motion")
+        sets[given.axis] = given
+    for folder in folders:
+        data = load_campaign(folder)
+        if data.stage == "regulator":
+            raise InputError(f"{folder}: has no angle; a comparison needs a campaign of the whole wrist")
+        if data.axis in sets:
+            raise InputError(f"{folder}: {data.axis!r} was given before; give one campaign or set a motion")
+        with progress(f"fit {data.name}") as tell:
+            fits[data.axis] = fit_campaign(data, starting_set(data, None), seed=seed, progress=tell)
+        for part in tables(fits[data.axis]):
+            said.print(part)  # type: ignore[attr-defined]
+        sets[data.axis] = fits[data.axis].fitted
+    for axis in ("flexion", "deviation"):
+        if len(sets) < 2 and axis not in sets:
+            sets[axis] = built_in(axis)  # type: ignore[arg-type]
+    order = sorted(sets, key=lambda name: (name != "flexion", name))
+    return fits, {name: sets[name] for name in order}
+
+
+def table(comparison: "Comparison") -> list[object]:
+    """One row a motion and controller."""
+    from rich.table import Table
+
+    result = Table(box=None, pad_edge=False)
+    for heading in (
+        "motion",
+        "controller",
+        "Kp",
+        "Ki",
+        "settles",
+        "overshoot",
+        "IAE deg s",
+        "Ms",
+        "delay margin",
+        "breaks",
+    ):
+        result.add_column(
+            heading, justify="left" if heading in ("motion", "controller", "breaks") else "right"
+        )
+    for s in comparison.standings:
+        result.add_row(
+            s.motion, s.controller, f"{s.Kp:.3g}", f"{s.Ki:.3g}", seconds(s.worst_settling_s),
+            f"{s.worst_overshoot_percent:.2g} %", f"{s.worst_iae_deg_s:.3g}", f"{s.Ms:.3g}",
+            f"{1000 * s.delay_margin_s:.0f} ms", ", ".join(b.rsplit("_", 1)[0] if "_" in b else b for b in s.breaks) or "-",
+        )  # fmt: skip
+    return [result]

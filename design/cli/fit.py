@@ -1,0 +1,128 @@
+"""``wrist fit``: parameters from a measured campaign."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from design.cli.common import JsonOption, OutOption, SeedOption, console, progress, write_json
+
+if TYPE_CHECKING:
+    from plants.measured.campaign import Campaign
+    from plants.measured.fit import Fit
+    from plants.quantities import ParameterSet
+
+NAME = "fit"
+HELP = "Fit the wrist to a measured campaign, and report the error on recordings that took no part."
+EXAMPLE = "Example: wrist fit plants/measured/examples/flexion --save build/fitted.toml"
+
+
+def command(
+    campaign: Annotated[Path, typer.Argument(help="Folder with campaign.toml and the recordings.")],
+    plant: Annotated[
+        Path | None,
+        typer.Option(help="Parameter set to start from; the built-in one of the axis if not given."),
+    ] = None,
+    save: Annotated[
+        Path | None, typer.Option(help="Write the fitted set as TOML, for the other commands.")
+    ] = None,
+    starts: Annotated[int, typer.Option(help="Starting points of each stage.", min=1)] = 6,
+    seed: SeedOption = 0,
+    json: JsonOption = None,
+    out: OutOption = None,
+) -> None:
+    from plants.measured.campaign import load_campaign
+    from plants.measured.fit import fit_campaign
+    from plants.quantities import dump
+
+    data = load_campaign(campaign)
+    with progress(f"fit {data.name}") as tell:
+        fitted = fit_campaign(data, starting_set(data, plant), starts, seed, tell)
+    said = console(json)
+    for part in tables(fitted):
+        said.print(part)
+    if save is not None:
+        dump(fitted.fitted, save)
+        said.print(f"fitted set in {save}")
+    if out is not None:
+        from reports.fitted import draw_fit
+        from reports.style import save as save_figure
+
+        path = out / f"fit-{data.name}.png"
+        save_figure(draw_fit(fitted), path)
+        said.print(f"picture in {path}")
+    write_json(json, record(fitted))
+
+
+def starting_set(data: "Campaign", plant: Path | None) -> "ParameterSet":
+    """The set that a fit starts from: the user's, or the built-in one of the campaign's axis."""
+    from plants.errors import InputError
+    from plants.quantities import built_in, load
+
+    if plant is not None:
+        return load(plant)
+    if data.axis in ("flexion", "deviation"):
+        return built_in(data.axis)  # type: ignore[arg-type]
+    raise InputError(
+        f"{data.name}: axis {data.axis!r} has no built-in parameters; give a set to start from with --plant"
+    )
+
+
+def tables(fit: "Fit") -> list[Any]:
+    """What people read of a fit: parameters, errors, how the search went."""
+    from rich.table import Table
+
+    from plants.quantities import Fitted
+
+    first = Table(box=None, pad_edge=False)
+    for heading in ("name", "before", "fitted", "s.e.", "unit"):
+        first.add_column(heading, justify="left" if heading in ("name", "unit") else "right")
+    for name, p in fit.fitted.parameters.items():
+        if not isinstance(p.provenance, Fitted):
+            continue
+        error = "not determined" if p.provenance.std_error is None else f"{p.provenance.std_error:.2g}"
+        mark = " (at bound)" if name in fit.at_bounds else ""
+        first.add_row(name, f"{fit.before.parameters[name].value:.5g}", f"{p.value:.5g}{mark}", error, p.unit)
+    second = Table(box=None, pad_edge=False)
+    for heading in ("channel", "before", "validate", "fit", "noise", "validate / noise"):
+        second.add_column(heading, justify="left" if heading == "channel" else "right")
+    for channel, unit in (("angle_deg", "deg"), ("pressure_kPa", "kPa")):
+        noise, after = fit.noise[channel], fit.validate_rmse[channel]
+        if noise is None or after is None:
+            continue
+        before, on_fit = fit.validate_rmse_before[channel], fit.fit_rmse[channel]
+        texts = ["-" if v is None else f"{v:.4g} {unit}" for v in (before, after, on_fit, noise)]
+        second.add_row(channel.split("_")[0], *texts, f"{after / noise:.2f}")
+    lines: list[Any] = [fit.fitted.title, first, "", "rms error of free runs from the command", second, ""]
+    for stage, found in fit.stages.items():
+        lines.append(
+            f"{stage} stage: {found.agreeing} of {len(found.costs)} starts ended at the same minimum"
+        )
+    worst = max(
+        (r / n for c in fit.noise if (r := fit.validate_rmse[c]) and (n := fit.noise[c])), default=0.0
+    )
+    if worst > 1.5:
+        lines.append("The error stays above the noise: the declared wrist lacks an effect that this rig has.")
+    return lines
+
+
+def record(fit: "Fit") -> dict[str, Any]:
+    """A fit for JSON."""
+    from plants.quantities import Fitted
+
+    return {
+        "campaign": fit.campaign.name,
+        "sha256": fit.campaign.checksum,
+        "axis": fit.campaign.axis,
+        "parameters": {
+            n: {"value": p.value, "unit": p.unit, "std_error": p.provenance.std_error}
+            for n, p in fit.fitted.parameters.items()
+            if isinstance(p.provenance, Fitted)
+        },
+        "noise_floor": fit.noise,
+        "validate_rmse": fit.validate_rmse,
+        "validate_rmse_before": fit.validate_rmse_before,
+        "fit_rmse": fit.fit_rmse,
+        "at_bounds": list(fit.at_bounds),
+        "stages": {n: {"costs": list(e.costs), "agreeing": e.agreeing} for n, e in fit.stages.items()},
+    }

@@ -1,0 +1,38 @@
+"""``wrist show``: the parameters and where they come from."""
+
+from design.cli.common import Axis, AxisOption, JsonOption, PlantOption, console, parameter_set, write_json
+
+NAME, HELP = "show", "Show the parameters of a wrist and where each comes from; assumed ones are marked."
+EXAMPLE = "Example: wrist show --axis deviation"
+
+
+def command(axis: AxisOption = Axis.flexion, plant: PlantOption = None, json: JsonOption = None) -> None:
+    from rich.padding import Padding
+    from rich.text import Text
+
+    from plants.quantities import KINDS, Assumed
+
+    chosen = parameter_set(axis, plant)
+    out = console(json)
+    out.print(Text(chosen.title, style="bold"))
+    for name, p in chosen.parameters.items():
+        assumed = isinstance(p.provenance, Assumed)
+        head = Text.assemble(
+            ("? " if assumed else "  ", "bold yellow"),
+            (f"{name:<14}", "bold"),
+            f"{p.value:>9.5g} {p.unit:<8}",
+            (f" within {p.low:g} to {p.high:g}", "dim"),
+        )
+        out.print(head)
+        out.print(Padding(Text(f"{KINDS[name].meaning}; {p.provenance}", style="dim"), (0, 0, 0, 4)))
+    if chosen.assumed:
+        out.print(Text(f"? assumed, not stated and not fitted: {', '.join(chosen.assumed)}", style="yellow"))
+    write_json(json, {name: _entry(p) for name, p in chosen.parameters.items()})
+
+
+def _entry(p: "object") -> dict[str, object]:
+    from plants.quantities import Parameter
+
+    assert isinstance(p, Parameter)
+    kind = type(p.provenance).__name__.lower()
+    return {"value": p.value, "unit": p.unit, "provenance": {"kind": kind, **vars(p.provenance)}}

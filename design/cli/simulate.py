@@ -1,0 +1,157 @@
+"""``wrist simulate``: open loop, closed loop, a recorded command, or a figure of the paper."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from design.cli.common import (
+    Axis, AxisOption, JobsOption, JsonOption, OutOption, PlantOption, console, pair, parameter_set, seconds, write_json,
+)  # fmt: skip
+
+if TYPE_CHECKING:
+    from plants.quantities import ParameterSet
+    from plants.wrist import Start, Wrist
+
+NAME, HELP = (
+    "simulate",
+    "Simulate the wrist: a voltage, a recorded command, a PI step, or a figure of the paper.",
+)
+EXAMPLE = "Example: wrist simulate --axis flexion --gains 1.2,2.2 --step 15 --json -"
+
+
+def command(
+    axis: AxisOption = Axis.flexion,
+    plant: PlantOption = None,
+    volts: Annotated[float, typer.Option(help="Command held in open loop [V].")] = 3.0,
+    recording: Annotated[
+        Path | None, typer.Option(help="Recording whose command is played in open loop.")
+    ] = None,
+    gains: Annotated[str | None, typer.Option(help="Kp,Ki of a PI: close the loop.")] = None,
+    step: Annotated[float, typer.Option(help="Reference of the closed loop [deg].")] = 15.0,
+    start: Annotated[str, typer.Option(help="Starting memory: virgin, line1, line2 or inside.")] = "virgin",
+    duration: Annotated[float, typer.Option(help="Length of the run [s].", min=0.01, max=3600.0)] = 10.0,
+    figure: Annotated[
+        int | None, typer.Option(help="Redraw a figure of the paper: 5, 6, 8, 10 to 15.")
+    ] = None,
+    json: JsonOption = None,
+    out: OutOption = None,
+    jobs: JobsOption = None,
+) -> None:
+    from plants.errors import InputError
+    from plants.wrist import STARTS, Wrist
+
+    if figure is not None:
+        _figure(figure, axis, plant, json, out)
+        return
+    if start not in STARTS:
+        raise InputError(f"--start: unknown memory {start!r}; one of {', '.join(STARTS)}")
+    chosen = parameter_set(axis, plant)
+    wrist = Wrist.from_values(chosen.values)
+    if gains is not None:
+        result = _closed(wrist, pair(gains, "--gains"), step, start, duration)  # type: ignore[arg-type]
+    elif recording is not None:
+        result = _played(wrist, recording)
+    else:
+        result = _open(wrist, volts, start, duration)  # type: ignore[arg-type]
+    said = console(json)
+    said.print(f"{chosen.title}: {result['summary']}")
+    if out is not None:
+        said.print(f"picture in {_picture(out, chosen, result)}")
+    write_json(json, {"axis": chosen.axis, "plant": chosen.title, **result})
+
+
+def _open(wrist: "Wrist", volts: float, start: "Start", duration: float) -> dict[str, Any]:
+    import math
+
+    from plants.errors import InputError
+    from plants.wrist import SAMPLE_TIME
+
+    if not math.isfinite(volts):
+        raise InputError(f"--volts: {volts} is not a finite number")
+    count = round(duration / SAMPLE_TIME)
+    r = wrist.simulate([volts] * count, wrist.rest(start), every=10 if count % 10 == 0 else 1)
+    summary = f"{volts:g} V for {duration:g} s leads to {r.pressure[-1]:.2f} kPa and {r.angle[-1]:.3f} deg"
+    return {
+        "summary": summary, "time_s": r.time, "command_V": [volts] * len(r.time), "pressure_kPa": r.pressure,
+        "static_angle_deg": r.static_angle, "angle_deg": r.angle,
+    }  # fmt: skip
+
+
+def _played(wrist: "Wrist", path: Path) -> dict[str, Any]:
+    import numpy as np
+
+    from plants.measured.playback import Playback
+    from plants.measured.recording import Recording  # noqa: F401  (documents what is played)
+    from plants.measured.campaign import load_recording
+
+    r = load_recording(path)
+    pressure, angle = Playback(r).play(wrist)
+    result: dict[str, Any] = {
+        "time_s": r.time, "command_V": r.command, "pressure_kPa": pressure, "angle_deg": angle,
+        "measured_angle_deg": r.angle, "measured_pressure_kPa": r.pressure,
+    }  # fmt: skip
+    errors = [
+        f"{np.sqrt(np.mean((a - b) ** 2)):.3g} {unit}"
+        for a, b, unit in ((angle, r.angle, "deg"), (pressure, r.pressure, "kPa")) if b is not None
+    ]  # fmt: skip
+    return {
+        "summary": f"{r.name} played from rest; rms error against the recording {' and '.join(errors)}",
+        **result,
+    }
+
+
+def _closed(
+    wrist: "Wrist", gains: tuple[float, float], step: float, start: "Start", duration: float
+) -> dict[str, Any]:
+    import math
+
+    from design.loop import run
+    from design.pi import PI
+    from plants.errors import InputError
+
+    if not math.isfinite(step) or step == 0.0:
+        raise InputError(f"--step: {step} is no step; give an angle in deg that is not 0")
+    controller = PI(*gains, gain=wrist.regulator.gain, rest_pressure=wrist.hysteresis.rest_pressure)
+    judged, _, t = run(wrist, controller, step, wrist.rest(start), duration=duration, record=True)
+    assert t is not None
+    metrics = {n: float(v[0]) for n, v in vars(judged).items()}
+    summary = (
+        f"step of {step:g} deg with Kp {gains[0]:g} kPa/deg, Ki {gains[1]:g} kPa/(deg s) settles in "
+        f"{seconds(metrics['settling_time_s'], duration)}, overshoot {metrics['overshoot_percent']:.2g} %, "
+        f"IAE {metrics['iae_deg_s']:.3g} deg s"
+    )
+    every = slice(None, None, 10)
+    return {
+        "summary": summary, "metrics": metrics, "time_s": t.time[every], "command_V": t.command[every, 0],
+        "pressure_kPa": t.pressure[every, 0], "static_angle_deg": t.static_angle[every, 0],
+        "angle_deg": t.angle[every, 0],
+    }  # fmt: skip
+
+
+def _figure(number: int, axis: Axis, plant: Path | None, json: Path | None, out: Path | None) -> None:
+    from plants.errors import InputError
+    from plants.wrist import Wrist
+    from reports import paper
+    from reports.style import save
+
+    if number not in paper.FIGURES:
+        known = ", ".join(map(str, paper.FIGURES))
+        raise InputError(f"--figure: {number} is not a figure that the model can redraw; one of {known}")
+    sets = {a: parameter_set(Axis(a), plant if a == axis.value else None) for a in ("flexion", "deviation")}
+    wrists = [Wrist.from_values(s.values) for s in sets.values()]
+    path = (out or Path("build/figures")) / f"figure-{number:02d}.png"
+    save(paper.draw(number, *wrists), path)
+    said = console(json)
+    said.print(f"Fig. {number} redrawn in {path}")
+    said.print(paper.caption(number))
+    write_json(json, {"figure": number, "caption": paper.caption(number), **paper.data(number, *wrists)})
+
+
+def _picture(folder: Path, chosen: "ParameterSet", result: dict[str, Any]) -> Path:
+    from reports.signals import draw
+    from reports.style import save
+
+    path = folder / f"simulate-{chosen.axis}.png"
+    save(draw(result), path)
+    return path

@@ -1,0 +1,1 @@
+"""Figures and pages for a colleague who never runs anything."""

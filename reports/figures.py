@@ -1,0 +1,188 @@
+"""Figures of a comparison: steps, worst values, the loop under the tuned controller, the map of gains."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from design.compare import PAPER, TUNED, Comparison
+from design.tasks import STEP
+from design.tuning import Tuning
+from plants import hysteresis
+from plants.wrist import COMMAND_RANGE, Wrist
+from reports.style import (
+    BLACK, BLUE, DASHED, GREY, ORANGE, PALE, VERMILLION, controller_line, new_figure, styled,
+)  # fmt: skip
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SOON = 3.0
+"""Where the axis of time changes its scale [s]: the tuned step is over, the paper's is on its way."""
+
+WINDOW = 10.0
+"""How long a task is watched [s]; what has not settled by then counts as infinite."""
+
+NAMES = {
+    TUNED: "tuned PI", PAPER: "paper's PI (stand-in)", "SIMC": "SIMC", "AMIGO": "AMIGO",
+    "Ziegler-Nichols": "Ziegler-Nichols",
+}  # fmt: skip
+TITLES = {"flexion": "Palmar/dorsal flexion", "deviation": "Radial/ulnar deviation"}
+
+
+def name_of(controller: str) -> str:
+    """What a page calls a controller."""
+    return NAMES.get(controller, controller)
+
+
+def title_of(motion: str) -> str:
+    """What a page calls a motion."""
+    return TITLES.get(motion, motion)
+
+
+def step_responses(comparison: Comparison, motion: str) -> "Figure":
+    """Angle, pressure and command of every controller on the step from rest; the first seconds are
+    drawn at a larger scale than the rest."""
+    signals = (("angle", "Angle [deg]"), ("pressure", "Pressure [kPa]"), ("command", "Command [V]"))
+    with styled():
+        figure, axes = new_figure(
+            3, 2, height=6.6, sharex="col", sharey="row", width_ratios=(3, 2), height_ratios=(4, 3, 3)
+        )
+        for row, (signal, label) in enumerate(signals):
+            for axis in axes[2 * row : 2 * row + 2]:
+                _signal(axis, comparison, motion, signal)
+            axes[2 * row].set_ylabel(label)
+        axes[0].set_title(f"{title_of(motion)}: the first {SOON:g} s")
+        axes[1].set_title(f"until {WINDOW:g} s")
+        for axis in axes[4:]:
+            axis.set_xlabel("Time [s]")
+            for bound in COMMAND_RANGE:
+                axis.axhline(bound, color=GREY, linewidth=0.8, linestyle=DASHED)
+        axes[4].set_xlim(0.0, SOON)
+        axes[5].set_xlim(SOON, WINDOW)
+        axes[5].text(9.9, COMMAND_RANGE[1] - 0.12, "range", fontsize=8, color=GREY, ha="right", va="top")
+        axes[4].set_ylim(COMMAND_RANGE[0] - 0.2, COMMAND_RANGE[1] + 0.2)
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+def _signal(axes: "Axes", comparison: Comparison, motion: str, signal: str) -> None:
+    named = [name for m, name in comparison.steps if m == motion]
+    for position, name in reversed(list(enumerate(named))):  # the tuned one, first, ends on top
+        t = comparison.steps[motion, name]
+        y = getattr(t, signal)[::5, 0]
+        axes.plot(t.time[::5], y, label=name_of(name), **controller_line(name, position))
+    if signal == "angle":
+        axes.axhline(STEP, color=BLACK, linewidth=0.8, zorder=1)
+
+
+def loop_trajectories(comparison: Comparison, wrists: Mapping[str, Wrist]) -> "Figure":
+    """The tuned step of each motion in the plane of pressure and angle, between lines 1 and 2."""
+    motions = [m for m in wrists if (m, TUNED) in comparison.steps]
+    with styled():
+        figure, both = new_figure(1, len(motions), height=3.8)
+        for axes, motion in zip(both, motions, strict=True):
+            t, loop = comparison.steps[motion, TUNED], wrists[motion].hysteresis
+            pressure, angle, static = t.pressure[:, 0], t.angle[:, 0], t.static_angle[:, 0]
+            low, high = float(pressure.min()) - 28.0, float(pressure.max()) + 8.0
+            p = np.array([low, high])
+            axes.plot(p, hysteresis.line1(p, loop), color=GREY, linestyle=DASHED, linewidth=1.0)
+            axes.plot(p, hysteresis.line2(p, loop), color=GREY, linestyle=DASHED, linewidth=1.0)
+            axes.axhline(STEP, color=BLACK, linewidth=0.8)
+            axes.plot(pressure, static, color=VERMILLION, linestyle=DASHED, label="static angle of the loop")
+            axes.plot(pressure, angle, color=BLUE, linewidth=2.0, label="angle")
+            _mark_times(axes, t.time, pressure, angle)
+            axes.set(
+                title=title_of(motion), xlabel="Pressure [kPa]", xlim=(low, high),
+                ylim=(-3.5, max(float(angle.max()), float(static.max())) + 3.5),
+            )  # fmt: skip
+            _line_names(axes, loop, low, high)
+        both[0].set_ylabel("Angle [deg]")
+        figure.legend(*both[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    return figure
+
+
+def _mark_times(axes: "Axes", time: Any, pressure: Any, angle: Any) -> None:
+    """Dots at some instants on the path, labelled with their times."""
+    for instant in (0.2, 0.5, 1.0):
+        i = int(np.searchsorted(time, instant))
+        axes.plot(pressure[i], angle[i], "o", color=BLUE, markerfacecolor="white", ms=4.5)
+        axes.annotate(
+            f"{instant:g} s", (pressure[i], angle[i]), (6, -3), textcoords="offset points", fontsize=8.5,
+            va="top",
+        )  # fmt: skip
+
+
+def _line_names(axes: "Axes", loop: hysteresis.Hysteresis, low: float, high: float) -> None:
+    bottom, top = axes.get_ylim()
+    for name, y, pressure, dx, side in (
+        ("line 1", bottom + 0.06 * (top - bottom), hysteresis.line1_pressure, 4, "left"),
+        ("line 2", 0.62 * top, hysteresis.line2_pressure, -4, "right"),
+    ):
+        x = float(pressure(y, loop))
+        if low < x < high:
+            axes.annotate(
+                name, (x, y), (dx, 0), textcoords="offset points", fontsize=8.5, color=GREY, ha=side,
+                va="center",
+            )  # fmt: skip
+
+
+def worst_values(comparison: Comparison) -> "Figure":
+    """Worst settling time and overshoot of each controller over the tasks of a motion, as dots; the
+    bar is what the paper's PI takes over the range of its gains, the line the limit."""
+    motions = list({s.motion: None for s in comparison.standings})
+    columns = (
+        ("settling_time_s", f"Worst settling time [s], of {WINDOW:g} s watched", None),
+        ("overshoot_percent", "Worst overshoot [% of the step]", comparison.limits.overshoot_percent),
+    )
+    with styled():
+        figure, axes = new_figure(len(motions), 2, height=0.75 + 1.75 * len(motions), sharey="row", sharex="col")
+        for row, motion in enumerate(motions):
+            for column, (metric, label, limit) in enumerate(columns):
+                panel = axes[2 * row + column]
+                _dots(panel, comparison, motion, metric)
+                if limit is not None:
+                    panel.axvline(limit, color=VERMILLION, linestyle=DASHED, linewidth=1.2)
+                    if row == 0:
+                        panel.text(limit, 1.0, f" limit {limit:g} %", transform=panel.get_xaxis_transform(),
+                                   fontsize=8.5, color=VERMILLION, va="bottom")  # fmt: skip
+                if row == len(motions) - 1:
+                    panel.set_xlabel(label)
+            axes[2 * row].set_title(title_of(motion))
+        axes[0].set_xlim(0.0, WINDOW * 1.13)
+        axes[1].set_xlim(left=0.0)
+    return figure
+
+
+def _dots(axes: "Axes", comparison: Comparison, motion: str, metric: str) -> None:
+    names = [s.controller for s in comparison.standings if s.motion == motion]
+    axes.grid(axis="y", visible=False)
+    for position, name in enumerate(names):
+        rows = [r for r in comparison.rows if (r.motion, r.controller) == (motion, name)]
+        low, value, high = (max(getattr(r, k)[metric] for r in rows) for k in ("low", "metrics", "high"))
+        look = controller_line(name, position)
+        end = WINDOW * 1.06 if not np.isfinite(high) else high
+        if high > low:
+            axes.plot([low, end], [position, position], color=PALE, linewidth=8, solid_capstyle="butt", zorder=1)
+        at, marker = (value, "o") if np.isfinite(value) else (WINDOW * 1.06, ">")
+        axes.plot(at, position, marker, color=look["color"], ms=7, zorder=3)
+        words = f"{value:.3g}" if np.isfinite(value) else f"> {WINDOW:g}"
+        axes.annotate(
+            words, (at, position), (0, 6), textcoords="offset points", fontsize=8, ha="center", va="bottom"
+        )
+        if not np.isfinite(high) and high > low:
+            axes.plot(end, position, ">", color=GREY, ms=6, zorder=2)
+    axes.set_yticks(range(len(names)), [name_of(n) for n in names])
+    axes.set_ylim(len(names) - 0.4, -0.75)
+
+
+def gain_map(tuning: Tuning) -> "Figure":
+    """The map of the gains; see `reports.gain_map`."""
+    from reports.gain_map import gain_map as drawn
+
+    return drawn(tuning)
+
+
+MARKS = {"SIMC": "s", "AMIGO": "^", "Ziegler-Nichols": "v", PAPER: "D"}
+MARK_COLOURS = {"face": "white", "edge": BLACK, "optimum": ORANGE}

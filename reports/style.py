@@ -1,0 +1,148 @@
+"""How every figure looks: one style, readable in colour, in grey, on a phone and on paper.
+
+Colours are those of Okabe and Ito, which the colour-blind tell apart; since
+print may be grey, what differs in colour also differs in line style or carries
+its label.  Text is drawn as paths, so that a figure looks the same everywhere.
+"""
+
+import io
+import re
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
+GREY, PALE = "#6b6b6b", "#d9d9d9"
+
+DASHED, DOTTED, DASH_DOT, LONG = (0, (5, 2)), (0, (1.2, 1.6)), (0, (6, 2, 1.2, 2)), (0, (9, 3))
+LINES: tuple[dict[str, Any], ...] = (
+    {"color": BLUE, "linestyle": "-"},
+    {"color": VERMILLION, "linestyle": DASHED},
+    {"color": GREEN, "linestyle": DASH_DOT},
+    {"color": PURPLE, "linestyle": LONG},
+    {"color": ORANGE, "linestyle": DOTTED},
+    {"color": SKY, "linestyle": (0, (3, 1, 1, 1, 1, 1))},
+)
+"""Colour and line style of the first, second, ... series of a figure."""
+
+CONTROLLER_LINES: Mapping[str, dict[str, Any]] = {
+    "tuned": {"color": BLUE, "linestyle": "-", "linewidth": 2.2},
+    "paper": {"color": BLACK, "linestyle": DASHED},
+    "SIMC": {"color": ORANGE, "linestyle": DASH_DOT},
+    "AMIGO": {"color": GREEN, "linestyle": LONG},
+    "Ziegler-Nichols": {"color": PURPLE, "linestyle": DOTTED, "linewidth": 1.9},
+}
+
+WIDTH = 6.9
+"""Width of a figure [inch]: the text of a page, so that print needs no scaling."""
+
+STYLE: Mapping[str, Any] = {
+    "font.family": "DejaVu Sans",  # ships with matplotlib
+    "font.size": 9.5,
+    "axes.titlesize": 10,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.labelsize": 9.5,
+    "axes.linewidth": 0.8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": "#444444",
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#e4e4e4",
+    "grid.linewidth": 0.7,
+    "xtick.labelsize": 9,
+    "ytick.labelsize": 9,
+    "lines.linewidth": 1.6,
+    "lines.solid_capstyle": "round",
+    "legend.frameon": False,
+    "legend.fontsize": 9,
+    "legend.handlelength": 3.0,
+    "hatch.linewidth": 0.6,
+    "figure.facecolor": "white",
+    "savefig.facecolor": "white",
+    "svg.fonttype": "path",
+    "mathtext.default": "regular",
+}
+
+
+def styled() -> AbstractContextManager[None]:
+    """The context in which figures are drawn; it leaves no trace in matplotlib's settings."""
+    import matplotlib
+
+    return matplotlib.rc_context(dict(STYLE))
+
+
+def new_figure(
+    rows: int = 1, columns: int = 1, height: float = 3.2, width: float = WIDTH, **grid: Any
+) -> "tuple[Figure, list[Axes]]":
+    """An empty figure of `width` x `height` [inch] and its axes, row by row.
+
+    `grid` goes to ``Figure.subplots``.  Call it, and draw, within `styled`.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False, **grid)
+    return figure, list(axes.ravel())
+
+
+def controller_line(name: str, position: int = 0) -> dict[str, Any]:
+    """Colour and line style of a controller; of an unknown one, by its position among them."""
+    return dict(CONTROLLER_LINES.get(name, LINES[position % len(LINES)]))
+
+
+def svg(figure: "Figure", name: str, description: str = "") -> str:
+    """The figure as an SVG element to be put into a page, scaling with the page's width.
+
+    name: unique within the page; it goes before every id, since several figures
+    share a page's ids.  description: what those hear who cannot see the figure.
+    The same figure gives the same text: no dates, ids hashed from the name.
+    """
+    import matplotlib
+
+    if not re.fullmatch(r"[A-Za-z][\w-]*", name):
+        raise ValueError(f"{name!r} cannot go before an id; letters, digits, - and _ only")
+    buffer = io.StringIO()
+    with matplotlib.rc_context({**STYLE, "svg.hashsalt": name}):
+        figure.savefig(buffer, format="svg", metadata={"Date": None})
+    text = buffer.getvalue()
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+    text = re.sub(r'\bid="', f'id="{name}-', text)
+    text = re.sub(r'((?:xlink:)?href="#|url\(#)', rf"\g<1>{name}-", text)
+    width = figure.get_size_inches()[0]
+    head = (
+        f'<svg class="figure" role="img" aria-label="{escape(description or name, quote=True)}" '
+        f'style="width:100%;max-width:{width * 72 * 1.5:.0f}px;height:auto" '
+    )
+    opening = re.sub(r'\s(?:width|height)="[^"]*"', "", text[: text.index(">") + 1], count=2)
+    return head + opening.removeprefix("<svg").lstrip() + text[text.index(">") + 1 :].strip()
+
+
+def save(figure: "Figure", path: str | Path, dpi: int = 200) -> Path:
+    """Write the figure as .png or .svg, by the ending of `path`, complete or not at all.
+
+    Raises InputError where the place cannot be written to, ValueError for another ending.
+    """
+    import matplotlib
+
+    from plants.files import write_atomically
+
+    path = Path(path)
+    ending = path.suffix.lower().removeprefix(".")
+    if ending not in ("png", "svg"):
+        raise ValueError(f"{path}: figures are written as .png or .svg")
+    buffer = io.BytesIO()
+    with matplotlib.rc_context({**STYLE, "svg.hashsalt": path.stem}):
+        metadata = {"Software": None} if ending == "png" else {"Date": None}
+        figure.savefig(buffer, format=ending, dpi=dpi, metadata=metadata)
+    write_atomically(path, buffer.getvalue())
+    return path

@@ -1,0 +1,60 @@
+"""Recordings that load but are probably not what was meant: a warning in one line."""
+
+import pytest
+
+from plants.errors import InputWarning
+from plants.measured.campaign import load_recording
+
+HEADER = ("time_s", "command_V", "angle_deg", "pressure_kPa")
+
+
+def rows_with(column: int = 0, row: int = 0, cell: str | None = None) -> list[list[str]]:
+    """Cells of a good recording but for one; `row` counts as the file does, the header being row 1."""
+    rows = [[f"{i / 100:.2f}", "2.0", f"{i}", f"{100 + i}"] for i in range(8)]
+    if cell is not None:
+        rows[row - 2][column] = cell
+    return rows
+
+
+def warning(load, *arguments, **named) -> str:
+    with pytest.warns(InputWarning) as caught:
+        load(*arguments, **named)
+    assert len(caught) == 1
+    message = str(caught[0].message)
+    assert "\n" not in message
+    return message
+
+
+@pytest.mark.parametrize(("cell", "stage"), [("-0.5", "wrist"), ("4.2", "wrist"), ("4.2", "regulator")])
+def test_a_command_outside_its_range_is_warned_of(write_csv, cell, stage):
+    path = write_csv(rows=rows_with(1, 4, cell))
+    assert warning(load_recording, path, stage=stage) == (
+        f"{path}: row 4, column 'command_V': command {cell} V is outside 0 to 4 V (1 of 8 rows); "
+        "if its unit is not volts, map it with a scale"
+    )
+
+
+@pytest.mark.parametrize(("volts", "kilopascals"), [(3.0, 0.0), (0.0, 150.0)])
+def test_an_angle_in_radians_is_warned_of(write_csv, volts, kilopascals):
+    rows = [
+        [f"{i / 100}", f"{volts * i / 7}", f"{0.1 * i:.1f}", f"{50 + kilopascals * i / 7}"] for i in range(8)
+    ]
+    path = write_csv(rows=rows)
+    assert warning(load_recording, path) == (
+        f"{path}: column 'angle_deg': the angle stays within 0.7 deg, which looks like radians; "
+        "map it with scale = 57.29578"
+    )
+    load_recording(path, {"angle_deg": {"name": "angle_deg", "scale": 57.29578}})
+
+
+def test_a_small_angle_under_small_commands_is_no_radian(write_csv):
+    rows = [[f"{i / 100}", f"{2 + i / 10}", f"{0.1 * i:.1f}", f"{100 + i}"] for i in range(8)]
+    assert load_recording(write_csv(rows=rows)).angle[-1] == pytest.approx(0.7)
+
+
+@pytest.mark.parametrize(("cell", "problem"), [("idle", "'idle' is not a number"), ("", "the cell is empty")])
+def test_a_further_column_that_is_not_numeric_is_dropped_with_a_warning(write_csv, cell, problem):
+    path = write_csv(rows=rows_with(3, 3, cell), header=(*HEADER[:3], "mode"))
+    assert warning(load_recording, path) == (
+        f"{path}: row 3, column 'mode': {problem}; the column is dropped"
+    )
