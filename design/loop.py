@@ -94,6 +94,6 @@ def run(
     if record:
         # The command of a row is given after its measurement: it stands in the row after.
         given = np.concatenate([rows[3, 1:], rows[3, -1:]])
-        time = np.arange(rows.shape[1]) * SAMPLE_TIME
+        time = np.asarray(np.arange(rows.shape[1]) * SAMPLE_TIME, float)
         trajectory = Trajectory(time, rows[0], rows[1], rows[2], given)
     return metrics.finish(last.tally, samples), last, trajectory

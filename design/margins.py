@@ -91,7 +91,8 @@ def _least(rows: Array) -> Array:
     found: Array = here - np.where(
         bend > 0.0, (after - before) ** 2 / (8.0 * np.where(bend > 0.0, bend, 1.0)), 0.0
     )
-    return np.minimum(found, rows.min(axis=1))
+    least: Array = np.minimum(found, rows.min(axis=1))
+    return least
 
 
 def _delay_margin(omega: Array, loop: NDArray[np.complex128]) -> Array:

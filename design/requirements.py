@@ -74,12 +74,23 @@ class Evaluation:
     @property
     def worst_excess(self) -> Array:
         """Largest excess over all limits, (n,)."""
-        return np.max(list(self.excess.values()), axis=0, initial=-1.0)
+        worst: Array = np.max(list(self.excess.values()), axis=0, initial=-1.0)
+        return worst
 
     @property
     def feasible(self) -> NDArray[np.bool_]:
         """Which gains hold every limit, (n,)."""
         return self.worst_excess <= 0.0
+
+    def only(self, n: int) -> "Evaluation":
+        """The evaluation of the n-th gains alone, arrays of length 1."""
+        one = slice(n, n + 1)
+        return Evaluation(
+            self.Kp[one], self.Ki[one], self.cost[one], self.cost_at[one],
+            {k: v[one] for k, v in self.values.items()},
+            {k: v[one] for k, v in self.values_at.items()},
+            {k: v[one] for k, v in self.excess.items()},
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -71,7 +71,8 @@ def reaction_curve(wrist: Wrist, low: float = 100.0, high: float = 150.0, durati
     seen = slice(None, None, 10)
 
     def residual(x: Array) -> Array:
-        return first_order(response.time[seen], *x) - angle[seen]
+        difference: Array = first_order(response.time[seen], *x) - angle[seen]
+        return difference
 
     fit = least_squares(residual, [angle[-1], 0.3, 0.05], bounds=([1e-4, 1e-3, 0.0], [10.0, 10.0, 2.0]))
     gain, time_constant, dead_time = map(float, fit.x)
@@ -96,7 +97,10 @@ def simc(wrist: Wrist) -> PI:
 
 
 def amigo(wrist: Wrist, r: Reaction) -> PI:
-    """AMIGO for PI; Astrom & Hagglund, J. Process Control 14 (2004) 635, doi 10.1016/j.jprocont.2004.01.002."""
+    """AMIGO for PI.
+
+    Astrom & Hagglund, J. Process Control 14 (2004) 635, doi 10.1016/j.jprocont.2004.01.002.
+    """
     T, L = r.time_constant, _dead(r)
     Kp = 0.15 / r.gain + (0.35 - L * T / (L + T) ** 2) * T / (r.gain * L)
     return _pi(wrist, Kp, 0.35 * L + 13.0 * L * T**2 / (T**2 + 12.0 * L * T + 7.0 * L**2))

@@ -3,7 +3,8 @@
 A dense map of the two gains comes first; it shows every valley.  Then a local
 search (Nelder-Mead, restarted once, since it stalls on the edge of a limit)
 runs from the lowest cells that are valleys of their own, and three ever finer
-maps are laid around the best of them.  Nothing here needs a derivative: the worst of many scenarios has none where the worst one changes.
+maps are laid around the best of them.  Nothing here needs a derivative: the
+worst of many scenarios has none where the worst one changes.
 """
 
 from collections.abc import Callable
@@ -216,10 +217,7 @@ def _around(at: Evaluation, region: Region, zoom: float) -> tuple[Array, Array]:
 def _best(at: Evaluation) -> Evaluation:
     """The gains of least cost among those that hold the limits, else those of least excess."""
     rank = np.where(at.feasible, at.cost, np.inf) if at.feasible.any() else at.worst_excess
-    n = int(np.argmin(rank))
-    one = slice(n, n + 1)
-    tables = ({k: v[one] for k, v in t.items()} for t in (at.values, at.values_at, at.excess))
-    return Evaluation(at.Kp[one], at.Ki[one], at.cost[one], at.cost_at[one], *tables)
+    return at.only(int(np.argmin(rank)))
 
 
 def join(parts: list[Evaluation]) -> Evaluation:

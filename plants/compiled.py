@@ -58,8 +58,9 @@ def run(coefficients, state, signals, steps, every, recorded, rows):
 {body}
             if every > 0 and (k + 1) % every == 0:
                 for j in range(recorded.shape[0]):
+                    row = ({n_coefficients} + recorded[j]) * {lanes}
                     for l in range({lanes}):
-                        rows[j, (k + 1) // every, first + l] = m[({n_coefficients} + recorded[j]) * {lanes} + l]
+                        rows[j, (k + 1) // every, first + l] = m[row + l]
         for j in range({n_state}):
             for l in range({lanes}):
                 state[j, first + l] = m[({n_coefficients} + j) * {lanes} + l]
@@ -180,7 +181,8 @@ def load(source: str) -> Callable[..., None]:
         part.write_text(source)
         part.replace(path)  # another process may be doing the same
     spec = importlib.util.spec_from_file_location(module, path)
-    assert spec is not None and spec.loader is not None
+    assert spec is not None
+    assert spec.loader is not None
     loaded = importlib.util.module_from_spec(spec)
     sys.modules[module] = loaded  # numba looks there when it reads its cache
     spec.loader.exec_module(loaded)

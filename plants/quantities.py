@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from math import isfinite
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from plants.errors import InputError
 
@@ -130,7 +130,7 @@ class ParameterSet:
 
 
 @cache
-def built_in(axis: Literal["flexion", "deviation"]) -> ParameterSet:
+def built_in(axis: str) -> ParameterSet:
     """The parameter set that ships with the project for one motion of the paper's wrist.
 
     >>> built_in("deviation").parameters["s"].provenance.section

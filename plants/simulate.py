@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -65,10 +66,9 @@ def run_lanes(
     recorded = np.array([names.index(r) for r in record], dtype=np.int64)
 
     run = kernel(law, tree.like(state, names), inputs, tree.like(coefficients, tree.names(coefficients)))
-    edges = (
-        np.linspace(0, padded // LANES, min(jobs or default_jobs(), padded // LANES) + 1).astype(int) * LANES
-    )
-    pieces = [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    blocks = padded // LANES
+    edges = np.linspace(0, blocks, min(jobs or default_jobs(), blocks) + 1).astype(int) * LANES
+    pieces = [slice(a, b) for a, b in pairwise(edges)]
 
     def work(piece: slice) -> tuple[Array, Array]:
         part = np.ascontiguousarray(s[:, piece])
@@ -123,4 +123,6 @@ def open_loop(
     )  # fmt: skip
     if not any(np.ndim(x) for x in tree.leaves((wrist.sampled(), state or ()))):
         rows, last = rows[:, :, 0], tree.like(last, [float(x[0]) for x in tree.leaves(last)])
-    return Response(np.arange(rows.shape[1]) * every * SAMPLE_TIME, rows[0], rows[1], rows[2], last)
+    return Response(
+        np.arange(rows.shape[1], dtype=float) * (every * SAMPLE_TIME), rows[0], rows[1], rows[2], last
+    )

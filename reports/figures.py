@@ -7,16 +7,18 @@ import numpy as np
 
 from design.compare import PAPER, TUNED, Comparison
 from design.tasks import STEP
-from design.tuning import Tuning
 from plants import hysteresis
 from plants.wrist import COMMAND_RANGE, Wrist
+from reports.gain_map import gain_map
 from reports.style import (
-    BLACK, BLUE, DASHED, GREY, ORANGE, PALE, VERMILLION, controller_line, new_figure, styled,
+    BLACK, BLUE, DASHED, GREY, PALE, VERMILLION, controller_line, new_figure, styled,
 )  # fmt: skip
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+__all__ = ["gain_map", "loop_trajectories", "name_of", "step_responses", "title_of", "worst_values"]
 
 SOON = 3.0
 """Where the axis of time changes its scale [s]: the tuned step is over, the paper's is on its way."""
@@ -69,10 +71,10 @@ def step_responses(comparison: Comparison, motion: str) -> "Figure":
 
 def _signal(axes: "Axes", comparison: Comparison, motion: str, signal: str) -> None:
     named = [name for m, name in comparison.steps if m == motion]
-    for position, name in reversed(list(enumerate(named))):  # the tuned one, first, ends on top
-        t = comparison.steps[motion, name]
-        y = getattr(t, signal)[::5, 0]
-        axes.plot(t.time[::5], y, label=name_of(name), **controller_line(name, position))
+    for position, name in enumerate(named):
+        t, look = comparison.steps[motion, name], controller_line(name, position)
+        on_top = {"zorder": 4 - 0.1 * position}
+        axes.plot(t.time[::5], getattr(t, signal)[::5, 0], label=name_of(name), **look, **on_top)
     if signal == "angle":
         axes.axhline(STEP, color=BLACK, linewidth=0.8, zorder=1)
 
@@ -105,8 +107,13 @@ def loop_trajectories(comparison: Comparison, wrists: Mapping[str, Wrist]) -> "F
 
 def _mark_times(axes: "Axes", time: Any, pressure: Any, angle: Any) -> None:
     """Dots at some instants on the path, labelled with their times."""
-    for instant in (0.2, 0.5, 1.0):
+    seen: list[tuple[float, float]] = []
+    for instant in (0.1, 0.2, 0.5, 1.0):
         i = int(np.searchsorted(time, instant))
+        here = (float(pressure[i]) / 8.0, float(angle[i]) / 1.2)  # in sizes of a label
+        if any(np.hypot(here[0] - x, here[1] - y) < 1.0 for x, y in seen):
+            continue
+        seen.append(here)
         axes.plot(pressure[i], angle[i], "o", color=BLUE, markerfacecolor="white", ms=4.5)
         axes.annotate(
             f"{instant:g} s", (pressure[i], angle[i]), (6, -3), textcoords="offset points", fontsize=8.5,
@@ -151,7 +158,7 @@ def worst_values(comparison: Comparison) -> "Figure":
                     panel.set_xlabel(label)
             axes[2 * row].set_title(title_of(motion))
         axes[0].set_xlim(0.0, WINDOW * 1.13)
-        axes[1].set_xlim(left=0.0)
+        axes[1].set_xlim(0.0, 1.1 * axes[1].get_xlim()[1])  # room for the numbers
     return figure
 
 
@@ -167,22 +174,10 @@ def _dots(axes: "Axes", comparison: Comparison, motion: str, metric: str) -> Non
             axes.plot([low, end], [position, position], color=PALE, linewidth=8, solid_capstyle="butt", zorder=1)
         at, marker = (value, "o") if np.isfinite(value) else (WINDOW * 1.06, ">")
         axes.plot(at, position, marker, color=look["color"], ms=7, zorder=3)
-        words = f"{value:.3g}" if np.isfinite(value) else f"> {WINDOW:g}"
-        axes.annotate(
-            words, (at, position), (0, 6), textcoords="offset points", fontsize=8, ha="center", va="bottom"
-        )
+        digits = 2 if metric.endswith("_s") else 1
+        words = f"{value:.{digits}f}" if np.isfinite(value) else f"> {WINDOW:g}"
+        axes.annotate(words, (at, position), (7, 0), textcoords="offset points", fontsize=8.5, va="center")
         if not np.isfinite(high) and high > low:
             axes.plot(end, position, ">", color=GREY, ms=6, zorder=2)
     axes.set_yticks(range(len(names)), [name_of(n) for n in names])
     axes.set_ylim(len(names) - 0.4, -0.75)
-
-
-def gain_map(tuning: Tuning) -> "Figure":
-    """The map of the gains; see `reports.gain_map`."""
-    from reports.gain_map import gain_map as drawn
-
-    return drawn(tuning)
-
-
-MARKS = {"SIMC": "s", "AMIGO": "^", "Ziegler-Nichols": "v", PAPER: "D"}
-MARK_COLOURS = {"face": "white", "edge": BLACK, "optimum": ORANGE}

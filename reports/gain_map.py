@@ -17,7 +17,7 @@ LIMIT_WORDS = {
     "Ms": "Ms > {:g}",
     "delay_margin_s": "delay margin < {:g} s",
     "total_variation_V": "travel > {:g} V",
-    "steady_error_percent": "left error > {:g} %",
+    "steady_error_percent": "steady error > {:g} %",
 }
 HATCHES = {
     "overshoot_percent": "///",
@@ -47,23 +47,25 @@ def gain_map(tuning: Tuning) -> "Figure":
         bar.set_label(f"Worst {COST_WORDS.get(tuning.problem.cost, tuning.problem.cost)}")
         bar.set_ticks(list(levels[::3]), labels=[f"{v:.3g}" for v in levels[::3]])
         bar.ax.minorticks_off()
-        _limits(axes, tuning, shape)
+        hatched = _limits(axes, tuning, shape)
         _marks(axes, tuning)
         axes.set(xlim=tuning.region.Kp, ylim=tuning.region.Ki)
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_formatter(lambda v, _: f"{v:g}")
-        figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+        figure.legend(handles=axes.get_legend_handles_labels()[0] + hatched, loc="outside lower center", ncols=3)
     return figure
 
 
-def _limits(axes: "Axes", tuning: Tuning, shape: tuple[int, int]) -> None:
-    """Hatch each limit's region, the cells where it is the one that is broken most."""
+def _limits(axes: "Axes", tuning: Tuning, shape: tuple[int, int]) -> list[Any]:
+    """Hatch each limit's region, the cells where it is the one that is broken most; what stands for
+    them in a legend."""
     from matplotlib.patches import Patch
 
     Kp, Ki = tuning.region.grid
     excess = {n: np.nan_to_num(v, posinf=1e6).reshape(shape).T for n, v in tuning.map.excess.items()}
+    shown: list[Any] = []
     if not excess:
-        return
+        return shown
     stacked = np.stack(list(excess.values()))
     worst, largest = stacked.argmax(axis=0), stacked.max(axis=0)
     limits = tuning.problem.limits.named
@@ -75,12 +77,12 @@ def _limits(axes: "Axes", tuning: Tuning, shape: tuple[int, int]) -> None:
                 Kp, Ki, here.astype(float), levels=[0.5, 1.5], colors="none", hatches=[HATCHES.get(name, "++")]
             )
             region.set(edgecolor="#555555", linewidth=0.0)
-            axes.add_patch(Patch(facecolor="white", edgecolor="#555555", hatch=HATCHES.get(name), label=words,
-                                 visible=True, transform=axes.transData))  # fmt: skip
+            shown.append(Patch(facecolor="white", edgecolor="#555555", hatch=HATCHES.get(name), label=words))
     held = largest <= 0.0
     if held.any() and not held.all():
         edge = np.clip(largest, -1.0, 1.0)
         axes.contour(Kp, Ki, edge, levels=[0.0], colors=BLACK, linewidths=1.6)
+    return shown
 
 
 def _marks(axes: "Axes", tuning: Tuning) -> None:
@@ -101,7 +103,7 @@ def _marks(axes: "Axes", tuning: Tuning) -> None:
     words = "tuned" if tuning.feasible else "nearest to the limits"
     mark(tuning.Kp, tuning.Ki, "*", words, ms=16, markerfacecolor=ORANGE)
     axes.annotate(
-        f"{words}\n{tuning.Kp:.3g}, {tuning.Ki:.3g}", (tuning.Kp, tuning.Ki), (-10, 8), ha="right",
+        f"{words}\n{tuning.Kp:.3g}, {tuning.Ki:.3g}", (tuning.Kp, tuning.Ki), (0, -11), ha="center", va="top",
         textcoords="offset points", fontsize=8.5, color=BLUE, fontweight="bold", zorder=6,
         bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
     )  # fmt: skip

@@ -65,6 +65,6 @@ def main(arguments: list[str] | None = None) -> None:
         raise SystemExit(2) from None
 
 
-def _say_warning(message: Any, category: Any, *_: Any) -> None:
+def _say_warning(message: Any, category: Any, *_: Any, **__: Any) -> None:
     if category.__name__ == "InputWarning":
         print(f"wrist: warning: {message}", file=sys.stderr)

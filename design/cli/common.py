@@ -5,7 +5,7 @@ import math
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from enum import Enum
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from plants.quantities import ParameterSet
 
 
-class Axis(str, Enum):
+class Axis(StrEnum):
     """Motions of the paper's wrist."""
 
     flexion = "flexion"

@@ -1,7 +1,7 @@
 """``wrist compare``: fit, tune, compare, report."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -9,6 +9,8 @@ from design.cli.common import JobsOption, JsonOption, SeedOption, console, progr
 
 if TYPE_CHECKING:
     from design.compare import Comparison
+    from design.pi import PI
+    from design.tuning import Tuning
     from plants.measured.fit import Fit
     from plants.quantities import ParameterSet
 
@@ -39,11 +41,12 @@ def command(
 ) -> None:
     import sys
 
+    from reports.comparison import comparison_record, write_comparison
+
     from design.cli.tune import refusal, tuning_problem
     from design.compare import compare
-    from design.tuning import Region, Tuning, tune
+    from design.tuning import Region, tune
     from plants.wrist import Wrist
-    from reports.comparison import comparison_record, write_comparison
     from reports.html import Made
 
     said = console(json)
@@ -84,14 +87,14 @@ def example_campaigns() -> list[Path]:
     )
 
 
-def _tuned(tuning: "object") -> "object":
+def _tuned(tuning: "Tuning") -> "PI":
     from design.requirements import controller
 
-    return controller(tuning.problem, tuning.Kp, tuning.Ki)  # type: ignore[attr-defined]
+    return controller(tuning.problem, tuning.Kp, tuning.Ki)
 
 
 def _plants(
-    folders: list[Path], files: list[Path], seed: int, said: "object"
+    folders: list[Path], files: list[Path], seed: int, said: Any
 ) -> tuple[dict[str, "Fit"], dict[str, "ParameterSet"]]:
     """Fits of the campaigns, and the parameter set of each motion: fitted, given, or built in."""
     from design.cli.fit import starting_set, tables
@@ -116,11 +119,11 @@ def _plants(
         with progress(f"fit {data.name}") as tell:
             fits[data.axis] = fit_campaign(data, starting_set(data, None), seed=seed, progress=tell)
         for part in tables(fits[data.axis]):
-            said.print(part)  # type: ignore[attr-defined]
+            said.print(part)
         sets[data.axis] = fits[data.axis].fitted
     for axis in ("flexion", "deviation"):
         if len(sets) < 2 and axis not in sets:
-            sets[axis] = built_in(axis)  # type: ignore[arg-type]
+            sets[axis] = built_in(axis)
     order = sorted(sets, key=lambda name: (name != "flexion", name))
     return fits, {name: sets[name] for name in order}
 
@@ -149,6 +152,6 @@ def table(comparison: "Comparison") -> list[object]:
         result.add_row(
             s.motion, s.controller, f"{s.Kp:.3g}", f"{s.Ki:.3g}", seconds(s.worst_settling_s),
             f"{s.worst_overshoot_percent:.2g} %", f"{s.worst_iae_deg_s:.3g}", f"{s.Ms:.3g}",
-            f"{1000 * s.delay_margin_s:.0f} ms", ", ".join(b.rsplit("_", 1)[0] if "_" in b else b for b in s.breaks) or "-",
+            f"{1000 * s.delay_margin_s:.0f} ms", ", ".join(b.rsplit("_", 1)[0] for b in s.breaks) or "-",
         )  # fmt: skip
     return [result]

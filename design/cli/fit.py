@@ -62,7 +62,7 @@ def starting_set(data: "Campaign", plant: Path | None) -> "ParameterSet":
     if plant is not None:
         return load(plant)
     if data.axis in ("flexion", "deviation"):
-        return built_in(data.axis)  # type: ignore[arg-type]
+        return built_in(data.axis)
     raise InputError(
         f"{data.name}: axis {data.axis!r} has no built-in parameters; give a set to start from with --plant"
     )

@@ -6,8 +6,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from design.cli.common import (
-    Axis, AxisOption, JobsOption, JsonOption, OutOption, PlantOption, console, pair, parameter_set, seconds, write_json,
-)  # fmt: skip
+    Axis,
+    AxisOption,
+    JobsOption,
+    JsonOption,
+    OutOption,
+    PlantOption,
+    console,
+    pair,
+    parameter_set,
+    seconds,
+    write_json,
+)
 
 if TYPE_CHECKING:
     from plants.quantities import ParameterSet
@@ -49,11 +59,11 @@ def command(
     chosen = parameter_set(axis, plant)
     wrist = Wrist.from_values(chosen.values)
     if gains is not None:
-        result = _closed(wrist, pair(gains, "--gains"), step, start, duration)  # type: ignore[arg-type]
+        result = _closed(wrist, pair(gains, "--gains"), step, start, duration)
     elif recording is not None:
         result = _played(wrist, recording)
     else:
-        result = _open(wrist, volts, start, duration)  # type: ignore[arg-type]
+        result = _open(wrist, volts, start, duration)
     said = console(json)
     said.print(f"{chosen.title}: {result['summary']}")
     if out is not None:
@@ -73,28 +83,36 @@ def _open(wrist: "Wrist", volts: float, start: "Start", duration: float) -> dict
     r = wrist.simulate([volts] * count, wrist.rest(start), every=10 if count % 10 == 0 else 1)
     summary = f"{volts:g} V for {duration:g} s leads to {r.pressure[-1]:.2f} kPa and {r.angle[-1]:.3f} deg"
     return {
-        "summary": summary, "time_s": r.time, "command_V": [volts] * len(r.time), "pressure_kPa": r.pressure,
-        "static_angle_deg": r.static_angle, "angle_deg": r.angle,
-    }  # fmt: skip
+        "summary": summary,
+        "time_s": r.time,
+        "command_V": [volts] * len(r.time),
+        "pressure_kPa": r.pressure,
+        "static_angle_deg": r.static_angle,
+        "angle_deg": r.angle,
+    }
 
 
 def _played(wrist: "Wrist", path: Path) -> dict[str, Any]:
     import numpy as np
 
-    from plants.measured.playback import Playback
-    from plants.measured.recording import Recording  # noqa: F401  (documents what is played)
     from plants.measured.campaign import load_recording
+    from plants.measured.playback import Playback
 
     r = load_recording(path)
     pressure, angle = Playback(r).play(wrist)
     result: dict[str, Any] = {
-        "time_s": r.time, "command_V": r.command, "pressure_kPa": pressure, "angle_deg": angle,
-        "measured_angle_deg": r.angle, "measured_pressure_kPa": r.pressure,
-    }  # fmt: skip
+        "time_s": r.time,
+        "command_V": r.command,
+        "pressure_kPa": pressure,
+        "angle_deg": angle,
+        "measured_angle_deg": r.angle,
+        "measured_pressure_kPa": r.pressure,
+    }
     errors = [
         f"{np.sqrt(np.mean((a - b) ** 2)):.3g} {unit}"
-        for a, b, unit in ((angle, r.angle, "deg"), (pressure, r.pressure, "kPa")) if b is not None
-    ]  # fmt: skip
+        for a, b, unit in ((angle, r.angle, "deg"), (pressure, r.pressure, "kPa"))
+        if b is not None
+    ]
     return {
         "summary": f"{r.name} played from rest; rms error against the recording {' and '.join(errors)}",
         **result,
@@ -123,10 +141,14 @@ def _closed(
     )
     every = slice(None, None, 10)
     return {
-        "summary": summary, "metrics": metrics, "time_s": t.time[every], "command_V": t.command[every, 0],
-        "pressure_kPa": t.pressure[every, 0], "static_angle_deg": t.static_angle[every, 0],
+        "summary": summary,
+        "metrics": metrics,
+        "time_s": t.time[every],
+        "command_V": t.command[every, 0],
+        "pressure_kPa": t.pressure[every, 0],
+        "static_angle_deg": t.static_angle[every, 0],
         "angle_deg": t.angle[every, 0],
-    }  # fmt: skip
+    }
 
 
 def _figure(number: int, axis: Axis, plant: Path | None, json: Path | None, out: Path | None) -> None:
@@ -144,8 +166,9 @@ def _figure(number: int, axis: Axis, plant: Path | None, json: Path | None, out:
     save(paper.draw(number, *wrists), path)
     said = console(json)
     said.print(f"Fig. {number} redrawn in {path}")
-    said.print(paper.caption(number))
-    write_json(json, {"figure": number, "caption": paper.caption(number), **paper.data(number, *wrists)})
+    caption = paper.caption(number, sets)
+    said.print(caption)
+    write_json(json, {"figure": number, "caption": caption, **paper.data(number, *wrists)})
 
 
 def _picture(folder: Path, chosen: "ParameterSet", result: dict[str, Any]) -> Path:
@@ -153,5 +176,5 @@ def _picture(folder: Path, chosen: "ParameterSet", result: dict[str, Any]) -> Pa
     from reports.style import save
 
     path = folder / f"simulate-{chosen.axis}.png"
-    save(draw(result), path)
+    save(draw(result, chosen.title), path)
     return path

@@ -1,13 +1,22 @@
 """``wrist tune``: gains of least worst cost under hard limits."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from design.cli.common import (
-    Axis, AxisOption, JobsOption, JsonOption, OutOption, PlantOption, console, parameter_set, progress, seconds, write_json,
-)  # fmt: skip
+    Axis,
+    AxisOption,
+    JobsOption,
+    JsonOption,
+    OutOption,
+    PlantOption,
+    console,
+    parameter_set,
+    progress,
+    seconds,
+    write_json,
+)
 
 COST_TEXT = {
     "iae": "IAE {:.4g} deg s",
@@ -111,42 +120,39 @@ def refusal(found: "Tuning") -> str | None:
 
 def lines(found: "Tuning") -> list[str]:
     """What people read of a tuning."""
-    from design.requirements import COSTS
-
     no = refusal(found)
     if no is not None:
         return [no]
-    problem, at = found.problem, found.at
+    problem, at, region = found.problem, found.at, found.region
     metrics = record(found, "")["metrics"]
-    active = (
-        f"{found.active}, on {problem.place(found.active, int(at.values_at[found.active][0]))}"
-        if found.active
-        else "none; the optimum lies inside all limits"
-    )
-    feasible = sum(s.feasible for s in found.searches)
-    aside = (
-        [
-            f"set aside, since no command in the range holds them: {len(problem.set_aside)} scenarios, such as {problem.set_aside[0].name}"
-        ]
-        if problem.set_aside
-        else []
-    )
-    edge = ["the optimum lies on the edge of the searched gains; widen them"] if found.on_edge else []
-    return [
+    apart = " and ".join(f"{100 * (r - 1):.0f} %" for r in region.resolution)
+    said = [
         f"Kp = {found.Kp:.4g} kPa/deg, Ki = {found.Ki:.4g} kPa/(deg s)",
         f"worst {COST_TEXT[problem.cost].format(at.cost[0])} over {len(problem.scenarios)} scenarios, on "
         f"{problem.scenarios[int(at.cost_at[0])].name}",
-        f"nominal +15 deg step from rest: settles in {seconds(metrics['settling_time_s'], problem.duration)}, "
+        f"nominal step of +15 deg: settles in {seconds(metrics['settling_time_s'], problem.duration)}, "
         f"overshoot {metrics['overshoot_percent']:.2g} %, IAE {metrics['iae_deg_s']:.4g} deg s",
         f"worst overshoot {at.values['overshoot_percent'][0]:.3g} %, Ms {at.values['Ms'][0]:.3g}, "
-        f"delay margin {1000 * at.values['delay_margin_s'][0]:.0f} ms, travel {at.values['total_variation_V'][0]:.3g} V",
-        f"active limit: {active}",
-        f"map of {found.region.points} x {found.region.points} gains, {found.map.feasible.sum()} within the limits, "
-        f"neighbours {100 * (found.region.resolution[0] - 1):.0f} % (Kp) and {100 * (found.region.resolution[1] - 1):.0f} % (Ki) apart; "
-        f"{len(found.searches)} local searches, {feasible} ended within the limits, none below the result",
-        *aside,
-        *edge,
+        f"delay margin {1000 * at.values['delay_margin_s'][0]:.0f} ms, "
+        f"travel of the command {at.values['total_variation_V'][0]:.3g} V",
+        "active limit: "
+        + (
+            f"{found.active}, on {problem.place(found.active, int(at.values_at[found.active][0]))}"
+            if found.active
+            else "none; the optimum lies inside all limits"
+        ),
+        f"map of {region.points} x {region.points} gains, neighbours {apart} apart (Kp and Ki), "
+        f"{found.map.feasible.sum()} within the limits; {sum(s.feasible for s in found.searches)} of "
+        f"{len(found.searches)} local searches ended within the limits, none below the result",
     ]
+    if problem.set_aside:
+        said.append(
+            f"{len(problem.set_aside)} scenarios set aside, since no command can hold them, such as "
+            f"{problem.set_aside[0].name}"
+        )
+    if found.on_edge:
+        said.append("the optimum lies on the edge of the searched gains, so it may go on outside")
+    return said
 
 
 def record(found: "Tuning", axis: str) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Robust nonlinear least squares from several starts, with standard errors that hold for coloured residuals."""
+"""Robust nonlinear least squares from several starts, with errors that hold for coloured residuals."""
 
 from dataclasses import dataclass
 from typing import Protocol

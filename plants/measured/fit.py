@@ -26,6 +26,7 @@ from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
 Errors = dict[str, float | None]
+Role = Literal["fit", "validate"]
 CHANNELS = ("pressure_kPa", "angle_deg")
 
 
@@ -35,7 +36,7 @@ class Run:
     each; angles are None for a campaign of the regulator alone."""
 
     recording: Recording
-    role: Literal["fit", "validate"]
+    role: Role
     pressure: Array
     angle: Array | None
     pressure_before: Array
@@ -85,17 +86,20 @@ def fit_campaign(
         noise[channel] = noise_of(logged)
     # A wrist that does not start at rest moves without a command that does.
     if campaign.start == "rest" and all(np.ptp(r.command) == 0.0 for r in campaign.fit):
-        raise InputError(f"{campaign.name}: the command never moves in the recordings to fit on; add one that moves")
+        raise InputError(
+            f"{campaign.name}: the command never moves in the recordings to fit on; add one that moves"
+        )
 
     has_pressure = all(r.pressure is not None for r in campaign.fit)
     plan: list[tuple[str, tuple[str, ...], tuple[str, ...]]] = []
     if has_pressure:
         plan.append(("regulator", REGULATOR_NAMES, ("pressure_kPa",)))
     if campaign.stage == "wrist":
-        names = WRIST_NAMES if has_pressure else REGULATOR_NAMES + WRIST_NAMES
+        names: tuple[str, ...] = WRIST_NAMES if has_pressure else REGULATOR_NAMES + WRIST_NAMES
         plan.append(("wrist", names, ("angle_deg",)))
 
-    values, errors = dict(start.values), {}
+    values: dict[str, float] = dict(start.values)
+    errors: Errors = {}
     stages: dict[str, Estimate] = {}
     begins: list[State] | None = None
     for number, (stage, names, channels) in enumerate(plan):
@@ -109,7 +113,9 @@ def fit_campaign(
     tell("done", 1.0)
     trouble = loop_problem(values, 0.0, 4.0 * values["gain"]) if campaign.stage == "wrist" else None
     if trouble:
-        raise InputError(f"{campaign.name}: the best fit makes no loop ({trouble}); the data may not be a wrist's")
+        raise InputError(
+            f"{campaign.name}: the best fit makes no loop ({trouble}); the data may not be a wrist's"
+        )
 
     origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
     fitted = replace(start, axis=campaign.axis).fitted({n: values[n] for n in errors}, errors, origin)
@@ -190,7 +196,9 @@ class _Problem:
             return parts
 
         with ThreadPoolExecutor(default_jobs()) as pool:
-            return np.concatenate([part for parts in pool.map(one, range(len(self.playbacks))) for part in parts])
+            return np.concatenate(
+                [part for parts in pool.map(one, range(len(self.playbacks))) for part in parts]
+            )
 
 
 def _bounds(problem: _Problem, start: ParameterSet) -> Array:
@@ -209,7 +217,11 @@ def _bounds(problem: _Problem, start: ParameterSet) -> Array:
 def _runs(campaign: Campaign, start: ParameterSet, fitted: ParameterSet) -> list[Run]:
     """Every recording beside its simulations; unknown starts are taken from its first rows."""
     found = []
-    for role, recordings in (("fit", campaign.fit), ("validate", campaign.validate)):
+    roles: tuple[tuple[Role, tuple[Recording, ...]], ...] = (
+        ("fit", campaign.fit),
+        ("validate", campaign.validate),
+    )
+    for role, recordings in roles:
         for recording in recordings:
             sides = []
             for parameters in (fitted, start):

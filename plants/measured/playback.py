@@ -25,7 +25,9 @@ class Playback:
     @cached_property
     def rows(self) -> NDArray[np.int64]:
         """Index of the sample of 1 ms that each row falls on, (n,)."""
-        at: NDArray[np.int64] = np.rint((self.recording.time - self.recording.time[0]) / SAMPLE_TIME).astype(np.int64)
+        at: NDArray[np.int64] = np.rint((self.recording.time - self.recording.time[0]) / SAMPLE_TIME).astype(
+            np.int64
+        )
         return at
 
     @cached_property

@@ -1,0 +1,186 @@
+"""The tables of a comparison page."""
+
+from collections.abc import Mapping
+
+from design.compare import METRICS, PAPER, TUNED, Comparison, Row
+from design.metrics import UNITS
+from design.requirements import LIMIT_UNITS, Limits
+from design.tuning import Tuning
+from plants.quantities import KINDS, Assumed, Fitted, ParameterSet, Stated
+from reports.figures import WINDOW, name_of, title_of
+from reports.fitted import Fit
+from reports.tables import Cell, Column, Group, Table, fixed, number, row, with_error
+
+BEYOND = f"> {WINDOW:g}"
+"""What a time reads that is longer than a task is watched."""
+
+LIMITS = {
+    "overshoot_percent": ("Overshoot", "at most", "of the step, on every task"),
+    "Ms": ("Ms", "at most", "peak of the sensitivity on every branch of the loop, at both regulator rates"),
+    "delay_margin_s": ("Delay margin", "at least", "dead time that may come on top before the loop swings"),
+    "total_variation_V": ("Travel of the command", "at most", "up and down added up, in one step"),
+    "steady_error_percent": ("Steady error", "at most", f"of the step, what is left after {WINDOW:g} s"),
+}
+"""Each limit's name for people, which side is allowed, and its meaning."""
+
+HEADINGS = {
+    "rise_time_s": "Rise", "settling_time_s": "Settling", "overshoot_percent": "Overshoot",
+    "steady_state_error_deg": "Steady error", "iae_deg_s": "IAE", "ise_deg2_s": "ISE",
+    "itae_deg_s2": "ITAE", "total_variation_V": "Travel",
+}  # fmt: skip
+DECIMALS = {
+    "rise_time_s": 2, "settling_time_s": 2, "overshoot_percent": 1, "steady_state_error_deg": 3,
+    "iae_deg_s": 2, "ise_deg2_s": 1, "itae_deg_s2": 2, "total_variation_V": 2,
+}  # fmt: skip
+CHANNELS = {"angle_deg": ("Angle", "deg"), "pressure_kPa": ("Pressure", "kPa")}
+
+
+def limit_name(name: str) -> str:
+    """What a page calls a limit."""
+    return LIMITS[name][0] if name in LIMITS else name
+
+
+def limits_table(limits: Limits) -> Table:
+    """The limits in force."""
+    rows = []
+    for name, value in limits.named.items():
+        words, side, meaning = LIMITS.get(name, (name, "", ""))
+        unit = LIMIT_UNITS.get(name, "").replace("1", "")
+        rows.append(row(words, f"{side} {number(value)} {unit}".strip(), meaning))
+    columns = (Column("Limit", number=False), Column("Bound", number=False), Column("Meaning", number=False))
+    return Table(columns, (Group("", tuple(rows)),))
+
+
+def parameter_table(sets: ParameterSet, before: ParameterSet | None = None) -> Table:
+    """Every parameter with its evidence; with the set before the fit, where there was one."""
+    rows = []
+    for name, p in sets.parameters.items():
+        kind, origin = KINDS[name], p.provenance
+        value = with_error(p.value, origin.std_error) if isinstance(origin, Fitted) else number(p.value, 4)
+        first = [number(before.parameters[name].value, 4)] if before else []
+        rows.append(row(name, kind.meaning, p.unit, *first, value, provenance(origin)))
+    columns = [Column("Name", number=False), Column("Meaning", number=False), Column("Unit", number=False)]
+    columns += [Column("Before"), Column("Fitted")] if before else [Column("Value")]
+    return Table((*columns, Column("Where from", number=False)), (Group("", tuple(rows)),))
+
+
+def provenance(origin: Stated | Assumed | Fitted) -> str:
+    """Where a value is from, in few words; reasons of assumptions have a table of their own."""
+    if isinstance(origin, Assumed):
+        return "assumed"
+    if isinstance(origin, Fitted):
+        return "fitted" if origin.std_error is not None else "fitted, not determined"
+    return f"stated, {origin.section}"
+
+
+def error_table(fit: Fit) -> Table:
+    """Errors of free runs against the noise of the sensors."""
+    rows = []
+    for channel, (words, unit) in CHANNELS.items():
+        errors = (fit.noise, fit.validate_rmse_before, fit.validate_rmse, fit.fit_rmse)
+        values = [e.get(channel) for e in errors]
+        if any(v is not None for v in values):
+            rows.append(row(words, *(f"{number(v)} {unit}" if v is not None else "–" for v in values)))
+    columns = (
+        Column("Channel", number=False), Column("Noise floor"), Column("Before"), Column("Fitted"),
+        Column("Fitted, on what it was fitted to"),
+    )  # fmt: skip
+    return Table(columns, (Group("", tuple(rows)),))
+
+
+def tuning_table(tuning: Tuning) -> Table:
+    """Each limit at the tuned gains: bound, worst value, where it is taken, and what is active."""
+    problem, at, rows = tuning.problem, tuning.at, []
+    strong = []
+    for i, (name, bound) in enumerate(problem.limits.named.items()):
+        value, unit = float(at.values[name][0]), LIMIT_UNITS.get(name, "").replace("1", "")
+        words, side, _ = LIMITS.get(name, (name, "", ""))
+        broken = float(at.excess[name][0]) > 0.0
+        note = "broken" if broken else "active" if name == tuning.active else "held"
+        strong += [i] if note != "held" else []
+        rows.append(row(
+            words, f"{side} {number(bound)} {unit}".strip(), Cell(f"{number(value)} {unit}".strip(), "", broken),
+            note, problem.place(name, int(at.values_at[name][0])),
+        ))  # fmt: skip
+    columns = (
+        Column("Limit", number=False), Column("Bound"), Column("Worst value"),
+        Column("State", number=False), Column("Where", number=False),
+    )  # fmt: skip
+    return Table(columns, (Group("", tuple(rows), tuple(strong)),))
+
+
+def standings_table(comparison: Comparison) -> Table:
+    """One row a motion and controller: gains, worst values, margins, limits broken."""
+    groups = []
+    for motion in {s.motion: None for s in comparison.standings}:
+        of = [s for s in comparison.standings if s.motion == motion]
+        rows = []
+        for s in of:
+            tasks = [r for r in comparison.rows if (r.motion, r.controller) == (motion, s.controller)]
+            rows.append(row(
+                name_of(s.controller), fixed(s.Kp, 2), fixed(s.Ki, 2),
+                _worst(tasks, "settling_time_s", "settling_time_s" in s.breaks),
+                _worst(tasks, "overshoot_percent", "overshoot_percent" in s.breaks),
+                _worst(tasks, "iae_deg_s", False),
+                Cell(fixed(s.Ms, 2), "", "Ms" in s.breaks),
+                Cell(fixed(1000.0 * s.delay_margin_s, 0), "", "delay_margin_s" in s.breaks),
+                Cell(", ".join(limit_name(b) for b in s.breaks) or "none", "", bool(s.breaks)),
+            ))  # fmt: skip
+        groups.append(
+            Group(title_of(motion), tuple(rows), tuple(i for i, s in enumerate(of) if s.controller == TUNED))
+        )
+    columns = (
+        Column("Controller", number=False), Column("Kp", "kPa/deg"), Column("Ki", "kPa/(deg s)"),
+        Column("Worst settling", "s"), Column("Worst overshoot", "%"), Column("Worst IAE", "deg s"),
+        Column("Ms"), Column("Delay margin", "ms"), Column("Limits broken", number=False),
+    )  # fmt: skip
+    return Table(columns, tuple(groups))
+
+
+def _worst(tasks: list[Row], metric: str, broken: bool) -> Cell:
+    low, value, high = (max(getattr(t, k)[metric] for t in tasks) for k in ("low", "metrics", "high"))
+    return _ranged(metric, low, value, high, broken)
+
+
+def _ranged(metric: str, low: float, value: float, high: float, broken: bool = False) -> Cell:
+    beyond = BEYOND if metric in ("rise_time_s", "settling_time_s") else "∞"
+    texts = [fixed(v, DECIMALS[metric], beyond) for v in (low, value, high)]
+    return Cell(texts[1], f"{texts[0]} to {texts[2]}" if high > low else "", broken)
+
+
+def task_table(comparison: Comparison) -> Table:
+    """Every controller on every task, with the range of the paper's gains under its values."""
+    groups: dict[tuple[str, str], list[Row]] = {}
+    for r in comparison.rows:
+        groups.setdefault((r.motion, r.task), []).append(r)
+    found = []
+    for (motion, task), rows in groups.items():
+        cells = tuple(
+            row(name_of(r.controller), *(_ranged(m, r.low[m], r.metrics[m], r.high[m]) for m in METRICS))
+            for r in rows
+        )
+        strong = tuple(i for i, r in enumerate(rows) if r.controller == TUNED)
+        found.append(Group(f"{title_of(motion)}: {task}", cells, strong))
+    columns = (Column("Controller", number=False), *(Column(HEADINGS[m], UNITS[m]) for m in METRICS))
+    return Table(columns, tuple(found))
+
+
+def assumption_table(sets: Mapping[str, ParameterSet]) -> Table:
+    """Every assumed parameter with its reason; motions that share value and reason share a row."""
+    shared: dict[tuple[str, str, str], list[str]] = {}
+    for motion, s in sets.items():
+        for name in s.assumed:
+            p = s.parameters[name]
+            assert isinstance(p.provenance, Assumed)
+            shared.setdefault((name, f"{number(p.value, 4)} {p.unit}", p.provenance.why), []).append(motion)
+    order = list(KINDS)
+    keys = sorted(shared, key=lambda k: order.index(k[0]) if k[0] in order else len(order))
+    rows = tuple(row(k[0], k[1], ", ".join(shared[k]), k[2]) for k in keys)
+    columns = (Column("Name", number=False), Column("Value"), Column("Motion", number=False),
+               Column("Why this value is taken all the same", number=False))  # fmt: skip
+    return Table(columns, (Group("", rows),))
+
+
+def paper_note() -> str:
+    """What the second lines in the tables are."""
+    return f"Beneath the values of {name_of(PAPER)}: their range over the range of its gains."

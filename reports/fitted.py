@@ -1,0 +1,122 @@
+"""Figures of a fit: measured and simulated, before and after, on recordings that took no part."""
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from plants.measured.recording import Recording
+from plants.quantities import ParameterSet
+from reports.style import BLACK, BLUE, DASHED, DOTTED, GREY, VERMILLION, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+POINTS = 1500
+"""A curve is thinned to about this many points: more cannot be seen, and a page must stay light."""
+
+LOOP_SECONDS = 20.0
+"""How much of a recording is drawn in the plane of pressure and angle [s]."""
+
+
+class FitRun(Protocol):
+    """What a figure needs of a recording beside its simulations; see `plants.measured.fit.Run`."""
+
+    @property
+    def recording(self) -> Recording: ...
+    @property
+    def role(self) -> str: ...
+    @property
+    def pressure(self) -> Any: ...
+    @property
+    def angle(self) -> Any: ...
+    @property
+    def pressure_before(self) -> Any: ...
+    @property
+    def angle_before(self) -> Any: ...
+
+
+class Fit(Protocol):
+    """What a report needs of a fit; see `plants.measured.fit.Fit`."""
+
+    @property
+    def campaign(self) -> Any: ...
+    @property
+    def before(self) -> ParameterSet: ...
+    @property
+    def fitted(self) -> ParameterSet: ...
+    @property
+    def noise(self) -> dict[str, float | None]: ...
+    @property
+    def validate_rmse(self) -> dict[str, float | None]: ...
+    @property
+    def validate_rmse_before(self) -> dict[str, float | None]: ...
+    @property
+    def fit_rmse(self) -> dict[str, float | None]: ...
+    @property
+    def runs(self) -> tuple[Any, ...]: ...
+
+
+def shown_run(fit: Fit) -> FitRun:
+    """The recording to be drawn: of those that took no part in the fit, the one that moves over the widest range;
+    of all, where every recording took part."""
+    runs = [r for r in fit.runs if r.role == "validate"] or list(fit.runs)
+    best: FitRun = max(runs, key=lambda r: float(np.ptp(_channel(r)[0])))
+    return best
+
+
+def _channel(run: FitRun) -> tuple[Any, Any, Any, str]:
+    """Measured, simulated after and before, and the label, of the angle, or else of the pressure."""
+    if run.angle is not None and run.recording.angle is not None:
+        return run.recording.angle, run.angle, run.angle_before, "Angle [deg]"
+    return run.recording.pressure, run.pressure, run.pressure_before, "Pressure [kPa]"
+
+
+def draw_fit(fit: Fit) -> "Figure":
+    """Measured and simulated over time with the starting and the fitted set, the errors of both,
+    and the loop in the plane of pressure and angle, on one recording (`shown_run`)."""
+    run = shown_run(fit)
+    measured, after, before, label = _channel(run)
+    time = run.recording.time
+    every = slice(None, None, max(1, len(time) // POINTS))
+    loop = label.startswith("Angle") and run.recording.pressure is not None
+    with styled():
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(6.9, 7.4 if loop else 4.4), layout="constrained")
+        rows = figure.add_gridspec(3 if loop else 2, 2, height_ratios=(3, 1.6, 3.2)[: 3 if loop else 2])
+        signal = figure.add_subplot(rows[0, :])
+        error = figure.add_subplot(rows[1, :], sharex=signal)
+        took = "took no part in the fit" if run.role == "validate" else "took part in the fit"
+        signal.set(title=f"{run.recording.name} ({took})", ylabel=label)
+        signal.plot(time[every], measured[every], label="measured", **_MEASURED)
+        signal.plot(time[every], before[every], label="before", **_BEFORE)
+        signal.plot(time[every], after[every], label="fitted", **_AFTER)
+        signal.legend(loc="best", ncols=3)
+        error.plot(time[every], (before - measured)[every], **_BEFORE)
+        error.plot(time[every], (after - measured)[every], **_AFTER)
+        error.axhline(0.0, color=GREY, linewidth=0.7)
+        error.set(xlabel="Time [s]", ylabel=f"Error {label[label.index('['):]}", xlim=(time[0], time[-1]))
+        if loop:
+            left = figure.add_subplot(rows[2, 0])
+            right = figure.add_subplot(rows[2, 1], sharex=left, sharey=left)
+            _loop(left, run, run.pressure_before, run.angle_before, _BEFORE, "before")
+            _loop(right, run, run.pressure, run.angle, _AFTER, "fitted")
+            left.set_ylabel(label)
+    return figure
+
+
+_MEASURED: dict[str, Any] = {"color": BLACK, "linewidth": 0.9, "linestyle": "-", "alpha": 0.75}
+_BEFORE: dict[str, Any] = {"color": VERMILLION, "linestyle": DASHED, "linewidth": 1.2}
+_AFTER: dict[str, Any] = {"color": BLUE, "linestyle": (0, DOTTED[1]), "linewidth": 2.0}
+
+
+def _loop(axes: "Axes", run: FitRun, pressure: Any, angle: Any, look: dict[str, Any], words: str) -> None:
+    """Angle against pressure for the first seconds only: more loops than a few hide each other."""
+    time = run.recording.time
+    first = slice(0, int(np.searchsorted(time, time[0] + LOOP_SECONDS)), max(1, len(time) // (2 * POINTS)))
+    axes.plot(run.recording.pressure[first], run.recording.angle[first], label="measured", **_MEASURED)
+    axes.plot(pressure[first], angle[first], label=words, **look)
+    part = f", first {LOOP_SECONDS:g} s" if time[-1] - time[0] > LOOP_SECONDS else ""
+    axes.set(title=f"Loop, {words}{part}", xlabel="Pressure [kPa]")
+    axes.legend(loc="upper left")

@@ -1,0 +1,95 @@
+"""A page as one file: templates rendered with everything inside, and what made the page."""
+
+import os
+import subprocess
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from plants.quantities import ParameterSet
+
+DISTRIBUTION = "wrist-workbench"
+
+
+@dataclass(frozen=True)
+class Made:
+    """What made a page: version of the workbench and its commit, the command line, the seed, the
+    titles of the parameter sets by motion, and SHA-256 of the data by name."""
+
+    version: str
+    commit: str
+    command: str
+    seed: int | None
+    sets: Mapping[str, str] = field(default_factory=dict)
+    data: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def now(
+        cls,
+        command: str,
+        seed: int | None = None,
+        sets: Mapping[str, ParameterSet] | None = None,
+        data: Mapping[str, str] | None = None,
+    ) -> "Made":
+        """The provenance of a page that this installation is about to make."""
+        titles = {motion: s.title for motion, s in (sets or {}).items()}
+        return cls(version(), commit(), command, seed, titles, dict(data or {}))
+
+
+def version() -> str:
+    """Version of the installed workbench, ``unknown`` where it is not installed."""
+    from importlib.metadata import PackageNotFoundError
+    from importlib.metadata import version as installed
+
+    try:
+        return installed(DISTRIBUTION)
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def commit(root: Path | None = None) -> str:
+    """Commit of the checkout that this file belongs to, with ``-dirty`` where files differ from it;
+    ``not in a checkout`` for an installed package."""
+    root = root or Path(__file__).resolve().parent.parent
+    top = _git(root, "rev-parse", "--show-toplevel")
+    # An installed package may lie inside a checkout of something else.
+    if top is None or Path(top).resolve() != root:
+        return "not in a checkout"
+    return _git(root, "describe", "--always", "--abbrev=12", "--dirty", "--exclude=*") or "no commit yet"
+
+
+def _git(root: Path, *words: str) -> str | None:
+    environment = {**os.environ, "GIT_OPTIONAL_LOCKS": "0"}  # looking must not write
+    try:
+        done = subprocess.run(
+            ["git", "-C", str(root), *words], capture_output=True, text=True, timeout=10, env=environment
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    return done.stdout.strip() if done.returncode == 0 else None
+
+
+def render(template: str, **content: Any) -> str:
+    """A template of ``reports/templates`` with its content, as one HTML text.
+
+    Strings are escaped; SVG goes in as ``markup(svg)``.  Raises
+    ``jinja2.UndefinedError`` for content that the template needs and did not get.
+    """
+    import jinja2
+
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("reports", "templates"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template(template).render(**content)
+
+
+def markup(text: str) -> Any:
+    """Text that is HTML already and is to be put into a page as it is."""
+    from markupsafe import Markup
+
+    return Markup(text)
