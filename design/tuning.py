@@ -165,11 +165,13 @@ def tune(
     problem: Problem,
     region: Region | None = None,
     starts: int = 5,
+    seed: int = 0,
     progress: Callable[[str, float], None] | None = None,
 ) -> Tuning:
     """Gains of least worst cost under the problem's limits.
 
-    `starts` is the number of local searches; `progress`, if given, is told the
+    `starts` is the number of local searches, from the valleys of the map and, where
+    these are fewer, from gains drawn with `seed`; `progress`, if given, is told the
     stage and the share that is done.  The result says whether the limits are
     held (`Tuning.feasible`); it is for the caller to say no.
     """
@@ -184,16 +186,17 @@ def tune(
     whole = join(parts)
 
     cells = valleys(merit(whole).reshape(rows.size, columns.size), starts)
-    by_merit = np.argsort(merit(whole), kind="stable")
-    for index in by_merit[:: max(1, by_merit.size // (8 * starts))]:  # where valleys are few, spread on
-        cell = (int(index) // columns.size, int(index) % columns.size)
-        if len(cells) < starts and cell not in cells:
-            cells.append(cell)
+    begins = [(float(rows[i]), float(columns[j])) for i, j in cells]
+    drawn = np.random.default_rng(seed).uniform(
+        np.log([region.Kp[0], region.Ki[0]]), np.log([region.Kp[1], region.Ki[1]]), (starts, 2)
+    )
+    begins += [(float(a), float(b)) for a, b in np.exp(drawn)][: starts - len(begins)]
     searches = []
-    for number, (i, j) in enumerate(cells):
-        tell("local search", number / len(cells))
-        searches.append(local_search(problem, region, (float(rows[i]), float(columns[j]))))
-    ends = [s.end for s in searches] + [(float(Kp[by_merit[0]]), float(Ki[by_merit[0]]))]
+    for number, begin in enumerate(begins):
+        tell("local search", number / len(begins))
+        searches.append(local_search(problem, region, begin))
+    lowest = int(np.argmin(merit(whole)))
+    ends = [s.end for s in searches] + [(float(Kp[lowest]), float(Ki[lowest]))]
     at = _best(evaluate(problem, *np.array(ends).T))
     for zoom in (1.0, 0.3, 0.1):
         tell("fine map", 1.0 - zoom)

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from design.compare import METRICS, PAPER, TUNED, Comparison, Row
 from design.metrics import UNITS
 from design.requirements import LIMIT_UNITS, Limits
-from design.tuning import Tuning
+from design.tuning import ACTIVE, Tuning
 from plants.quantities import KINDS, Assumed, Fitted, ParameterSet, Stated
 from reports.figures import WINDOW, name_of, title_of
 from reports.fitted import Fit
@@ -57,8 +57,9 @@ def parameter_table(sets: ParameterSet, before: ParameterSet | None = None) -> T
     for name, p in sets.parameters.items():
         kind, origin = KINDS[name], p.provenance
         value = with_error(p.value, origin.std_error) if isinstance(origin, Fitted) else number(p.value, 4)
+        where = Cell(provenance(origin), marked=isinstance(origin, Assumed))
         first = [number(before.parameters[name].value, 4)] if before else []
-        rows.append(row(name, kind.meaning, p.unit, *first, value, provenance(origin)))
+        rows.append(row(name, kind.meaning, p.unit, *first, value, where))
     columns = [Column("Name", number=False), Column("Meaning", number=False), Column("Unit", number=False)]
     columns += [Column("Before"), Column("Fitted")] if before else [Column("Value")]
     return Table((*columns, Column("Where from", number=False)), (Group("", tuple(rows)),))
@@ -96,11 +97,13 @@ def tuning_table(tuning: Tuning) -> Table:
         value, unit = float(at.values[name][0]), LIMIT_UNITS.get(name, "").replace("1", "")
         words, side, _ = LIMITS.get(name, (name, "", ""))
         broken = float(at.excess[name][0]) > 0.0
-        note = "broken" if broken else "active" if name == tuning.active else "held"
+        near = float(at.excess[name][0]) > -ACTIVE
+        note = "broken" if broken else "active" if near else "held"
         strong += [i] if note != "held" else []
         rows.append(row(
-            words, f"{side} {number(bound)} {unit}".strip(), Cell(f"{number(value)} {unit}".strip(), "", broken),
-            note, problem.place(name, int(at.values_at[name][0])),
+            words, f"{side} {number(bound)} {unit}".strip(),
+            Cell(f"{number(value)} {unit}".strip(), "", broken), note,
+            problem.place(name, int(at.values_at[name][0])),
         ))  # fmt: skip
     columns = (
         Column("Limit", number=False), Column("Bound"), Column("Worst value"),
@@ -183,4 +186,4 @@ def assumption_table(sets: Mapping[str, ParameterSet]) -> Table:
 
 def paper_note() -> str:
     """What the second lines in the tables are."""
-    return f"Beneath the values of {name_of(PAPER)}: their range over the range of its gains."
+    return f"Beneath the values of the {name_of(PAPER)}: their range over the range of its gains."

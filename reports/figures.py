@@ -11,7 +11,15 @@ from plants import hysteresis
 from plants.wrist import COMMAND_RANGE, Wrist
 from reports.gain_map import gain_map
 from reports.style import (
-    BLACK, BLUE, DASHED, GREY, PALE, VERMILLION, controller_line, new_figure, styled,
+    BLACK,
+    BLUE,
+    DASHED,
+    GREY,
+    PALE,
+    VERMILLION,
+    controller_line,
+    new_figure,
+    styled,
 )  # fmt: skip
 
 if TYPE_CHECKING:
@@ -73,7 +81,7 @@ def _signal(axes: "Axes", comparison: Comparison, motion: str, signal: str) -> N
     named = [name for m, name in comparison.steps if m == motion]
     for position, name in enumerate(named):
         t, look = comparison.steps[motion, name], controller_line(name, position)
-        on_top = {"zorder": 4 - 0.1 * position}
+        on_top: dict[str, Any] = {"zorder": 4 - 0.1 * position}
         axes.plot(t.time[::5], getattr(t, signal)[::5, 0], label=name_of(name), **look, **on_top)
     if signal == "angle":
         axes.axhline(STEP, color=BLACK, linewidth=0.8, zorder=1)
@@ -144,7 +152,9 @@ def worst_values(comparison: Comparison) -> "Figure":
         ("overshoot_percent", "Worst overshoot [% of the step]", comparison.limits.overshoot_percent),
     )
     with styled():
-        figure, axes = new_figure(len(motions), 2, height=0.75 + 1.75 * len(motions), sharey="row", sharex="col")
+        figure, axes = new_figure(
+            len(motions), 2, height=0.75 + 1.75 * len(motions), sharey="row", sharex="col"
+        )
         for row, motion in enumerate(motions):
             for column, (metric, label, limit) in enumerate(columns):
                 panel = axes[2 * row + column]
@@ -171,12 +181,17 @@ def _dots(axes: "Axes", comparison: Comparison, motion: str, metric: str) -> Non
         look = controller_line(name, position)
         end = WINDOW * 1.06 if not np.isfinite(high) else high
         if high > low:
-            axes.plot([low, end], [position, position], color=PALE, linewidth=8, solid_capstyle="butt", zorder=1)
+            bar: dict[str, Any] = {"color": PALE, "linewidth": 8, "solid_capstyle": "butt", "zorder": 1}
+            axes.plot([low, end], [position, position], **bar)
         at, marker = (value, "o") if np.isfinite(value) else (WINDOW * 1.06, ">")
         axes.plot(at, position, marker, color=look["color"], ms=7, zorder=3)
         digits = 2 if metric.endswith("_s") else 1
         words = f"{value:.{digits}f}" if np.isfinite(value) else f"> {WINDOW:g}"
-        axes.annotate(words, (at, position), (7, 0), textcoords="offset points", fontsize=8.5, va="center")
+        place: dict[str, Any] = {"ha": "center", "va": "bottom"} if high > low else {"va": "center"}
+        axes.annotate(
+            words, (at, position), (0, 5) if high > low else (7, 0), textcoords="offset points", fontsize=8.5,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.3}, **place,
+        )  # fmt: skip
         if not np.isfinite(high) and high > low:
             axes.plot(end, position, ">", color=GREY, ms=6, zorder=2)
     axes.set_yticks(range(len(names)), [name_of(n) for n in names])

@@ -58,8 +58,8 @@ class Fit(Protocol):
 
 
 def shown_run(fit: Fit) -> FitRun:
-    """The recording to be drawn: of those that took no part in the fit, the one that moves over the widest range;
-    of all, where every recording took part."""
+    """The recording to be drawn: of those that took no part in the fit, the one of the widest
+    range; of all, where every recording took part."""
     runs = [r for r in fit.runs if r.role == "validate"] or list(fit.runs)
     best: FitRun = max(runs, key=lambda r: float(np.ptp(_channel(r)[0])))
     return best
@@ -83,7 +83,7 @@ def draw_fit(fit: Fit) -> "Figure":
     with styled():
         from matplotlib.figure import Figure
 
-        figure = Figure(figsize=(6.9, 7.4 if loop else 4.4), layout="constrained")
+        figure = Figure(figsize=(6.9, 6.7 if loop else 4.2), layout="constrained")
         rows = figure.add_gridspec(3 if loop else 2, 2, height_ratios=(3, 1.6, 3.2)[: 3 if loop else 2])
         signal = figure.add_subplot(rows[0, :])
         error = figure.add_subplot(rows[1, :], sharex=signal)
@@ -96,7 +96,7 @@ def draw_fit(fit: Fit) -> "Figure":
         error.plot(time[every], (before - measured)[every], **_BEFORE)
         error.plot(time[every], (after - measured)[every], **_AFTER)
         error.axhline(0.0, color=GREY, linewidth=0.7)
-        error.set(xlabel="Time [s]", ylabel=f"Error {label[label.index('['):]}", xlim=(time[0], time[-1]))
+        error.set(xlabel="Time [s]", ylabel=f"Error {label[label.index('[') :]}", xlim=(time[0], time[-1]))
         if loop:
             left = figure.add_subplot(rows[2, 0])
             right = figure.add_subplot(rows[2, 1], sharex=left, sharey=left)
@@ -113,9 +113,11 @@ _AFTER: dict[str, Any] = {"color": BLUE, "linestyle": (0, DOTTED[1]), "linewidth
 
 def _loop(axes: "Axes", run: FitRun, pressure: Any, angle: Any, look: dict[str, Any], words: str) -> None:
     """Angle against pressure for the first seconds only: more loops than a few hide each other."""
-    time = run.recording.time
+    time, measured = run.recording.time, run.recording
+    assert measured.pressure is not None
+    assert measured.angle is not None
     first = slice(0, int(np.searchsorted(time, time[0] + LOOP_SECONDS)), max(1, len(time) // (2 * POINTS)))
-    axes.plot(run.recording.pressure[first], run.recording.angle[first], label="measured", **_MEASURED)
+    axes.plot(measured.pressure[first], measured.angle[first], label="measured", **_MEASURED)
     axes.plot(pressure[first], angle[first], label=words, **look)
     part = f", first {LOOP_SECONDS:g} s" if time[-1] - time[0] > LOOP_SECONDS else ""
     axes.set(title=f"Loop, {words}{part}", xlabel="Pressure [kPa]")

@@ -42,7 +42,9 @@ def gain_map(tuning: Tuning) -> "Figure":
         axes.grid(False)
         known = np.where(np.isfinite(cost), cost, np.nan)
         levels = np.geomspace(np.nanmin(known), np.nanmax(known) * 1.001, 13)
-        filled = axes.contourf(Kp, Ki, known, levels=levels, cmap="Blues", vmax=1.6 * levels[-1], extend="max")
+        filled = axes.contourf(
+            Kp, Ki, known, levels=levels, cmap="Blues", vmax=1.6 * levels[-1], extend="max"
+        )
         bar = figure.colorbar(filled, ax=axes, pad=0.02, aspect=30)
         bar.set_label(f"Worst {COST_WORDS.get(tuning.problem.cost, tuning.problem.cost)}")
         bar.set_ticks(list(levels[::3]), labels=[f"{v:.3g}" for v in levels[::3]])
@@ -52,7 +54,9 @@ def gain_map(tuning: Tuning) -> "Figure":
         axes.set(xlim=tuning.region.Kp, ylim=tuning.region.Ki)
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_formatter(lambda v, _: f"{v:g}")
-        figure.legend(handles=axes.get_legend_handles_labels()[0] + hatched, loc="outside lower center", ncols=3)
+        figure.legend(
+            handles=axes.get_legend_handles_labels()[0] + hatched, loc="outside lower center", ncols=3
+        )
     return figure
 
 
@@ -74,7 +78,12 @@ def _limits(axes: "Axes", tuning: Tuning, shape: tuple[int, int]) -> list[Any]:
         words = LIMIT_WORDS.get(name, name + " {:g}").format(limits[name])
         if here.any():
             region = axes.contourf(
-                Kp, Ki, here.astype(float), levels=[0.5, 1.5], colors="none", hatches=[HATCHES.get(name, "++")]
+                Kp,
+                Ki,
+                here.astype(float),
+                levels=[0.5, 1.5],
+                colors="none",
+                hatches=[HATCHES.get(name, "++")],
             )
             region.set(edgecolor="#555555", linewidth=0.0)
             shown.append(Patch(facecolor="white", edgecolor="#555555", hatch=HATCHES.get(name), label=words))
@@ -87,7 +96,7 @@ def _limits(axes: "Axes", tuning: Tuning, shape: tuple[int, int]) -> list[Any]:
 
 def _marks(axes: "Axes", tuning: Tuning) -> None:
     def mark(Kp: float, Ki: float, marker: str, words: str, **look: Any) -> None:
-        shown = {"linestyle": "none", "markeredgecolor": BLACK, "markerfacecolor": "white", "ms": 8} | look
+        shown: dict[str, Any] = {"linestyle": "none", "markeredgecolor": BLACK, "markerfacecolor": "white", "ms": 8} | look
         axes.plot(Kp, Ki, marker=marker, label=words, zorder=5, **shown)
 
     for i, search in enumerate(tuning.searches):

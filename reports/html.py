@@ -15,7 +15,8 @@ DISTRIBUTION = "wrist-workbench"
 @dataclass(frozen=True)
 class Made:
     """What made a page: version of the workbench and its commit, the command line, the seed, the
-    titles of the parameter sets by motion, and SHA-256 of the data by name."""
+    titles of the parameter sets by motion, SHA-256 of the data by name, and a remark that a reader
+    has to know, such as that the recordings are synthetic."""
 
     version: str
     commit: str
@@ -23,6 +24,7 @@ class Made:
     seed: int | None
     sets: Mapping[str, str] = field(default_factory=dict)
     data: Mapping[str, str] = field(default_factory=dict)
+    remark: str = ""
 
     @classmethod
     def now(
@@ -31,10 +33,11 @@ class Made:
         seed: int | None = None,
         sets: Mapping[str, ParameterSet] | None = None,
         data: Mapping[str, str] | None = None,
+        remark: str = "",
     ) -> "Made":
         """The provenance of a page that this installation is about to make."""
         titles = {motion: s.title for motion, s in (sets or {}).items()}
-        return cls(version(), commit(), command, seed, titles, dict(data or {}))
+        return cls(version(), commit(), command, seed, titles, dict(data or {}), remark)
 
 
 def version() -> str:

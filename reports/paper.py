@@ -58,8 +58,8 @@ FIGURES: Mapping[int, PaperFigure] = {
         "Simulation with variable P control model (3 V)",
         partial(series.regulator_step, variable=True), plots.regulator_responses,
         "The same test with the variable P model, the lag beside it. Both rise alike, but the last few "
-        "kilopascals take seconds, as the paper tells of the real regulator. Both motions share the "
-        "regulator.",
+        "kilopascals take seconds, as the paper tells of the real regulator. In the paper both motions "
+        "share the regulator.",
         REGULATOR_NAMES,
     ),
     10: PaperFigure(
@@ -152,7 +152,7 @@ def _rests_on(figure: PaperFigure, sets: Mapping[str, ParameterSet]) -> str:
     fitted = {
         m: [n for n in figure.names if isinstance(s.parameters[n].provenance, Fitted)] for m, s in of.items()
     }
-    said = [f"It rests on the assumed {_listed(assumed)}."] if any(assumed.values()) else []
+    said = [f"It rests on the assumed parameters {_listed(assumed)}."] if any(assumed.values()) else []
     if any(fitted.values()):
         said.append(f"Fitted to data: {_listed(fitted)}.")
     if figure.stand_in:
@@ -168,9 +168,9 @@ def _listed(names: Mapping[str, list[str]]) -> str:
     """Names of parameters, once if the motions agree.
 
     >>> _listed({"flexion": ["a1"], "deviation": ["a1"]}), _listed({"flexion": ["a1"], "deviation": []})
-    ('parameters a1', 'parameters a1 of palmar/dorsal flexion')
+    ('a1', 'a1 of palmar/dorsal flexion')
     """
     different = {tuple(n) for n in names.values()}
     if len(different) == 1:
-        return "parameters " + ", ".join(different.pop())
-    return "parameters " + " and ".join(f"{', '.join(n)} of {SHORT.get(m, m)}" for m, n in names.items() if n)
+        return ", ".join(different.pop())
+    return " and ".join(f"{', '.join(n)} of {SHORT.get(m, m)}" for m, n in names.items() if n)

@@ -39,7 +39,7 @@ def plot_series(axes: "Axes", panel: Panel) -> None:
             look |= LINES[models % len(LINES)]
             models += 1
         if s.low is not None and s.high is not None:
-            band = {"color": PALE, "linewidth": 0, "label": "over the range of its gains"}
+            band: dict[str, Any] = {"color": PALE, "linewidth": 0, "label": "over the range of its gains"}
             axes.fill_between(s.x, s.low, s.high, **band)
         axes.plot(s.x, s.y, label=s.name, **look)
 
@@ -48,7 +48,8 @@ def note(
     axes: "Axes", text: str, at: tuple[float, float], place: tuple[float, float], **text_look: Any
 ) -> None:
     """Write at `place` a label [offset in points] with a thin line to a point [data]."""
-    look = {"fontsize": SMALL, "color": "#222222", "ha": "left", "va": "center"} | text_look
+    look: dict[str, Any] = {"fontsize": SMALL, "color": "#222222", "ha": "left", "va": "center"}
+    look |= text_look
     arrow = {"arrowstyle": "-", "color": GREY, "linewidth": 0.7, "shrinkB": 2}
     axes.annotate(text, at, place, textcoords="offset points", arrowprops=arrow, **look)
 
@@ -72,12 +73,13 @@ def regulator_responses(panels: tuple[Panel, ...]) -> "Figure":
         axes.set_xlim(panel.series[0].x[0], panel.series[0].x[-1])
     whole.set_ylim(95, 153)
     asked = float(panels[0].series[0].y.max())
-    if len(panels[0].series) > 2:
+    if any(s.role == "beside" for s in panels[0].series):
         near.set_ylim(asked - 0.3 * (asked - 100.0), asked + 2.5)
     else:
         near.set_ylim(95, 153)
     near.set_ylabel("")
-    figure.legend(*whole.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    entries = whole.get_legend_handles_labels()
+    figure.legend(*entries, loc="outside lower center", ncols=2 if len(entries[0]) > 3 else 3)
     return figure
 
 
@@ -103,10 +105,8 @@ def staircase_pressures(panels: tuple[Panel, ...]) -> "Figure":
     """Fig. 11."""
     figure, (axes,) = new_figure(height=3.2)
     (panel,) = panels
-    axes.set(title=panel.title, xlabel=panel.x_label, ylabel=panel.y_label)
-    for s in panel.series:
-        steps = {"drawstyle": "steps-post"} if s.role == "command" else {}
-        axes.plot(s.x, s.y, label=s.name, **ROLES[s.role], **steps)
+    plot_series(axes, panel)
+    axes.lines[0].set_drawstyle("steps-post")  # the applied pressure jumps
     axes.set(xlim=(0, len(STAIRCASE) * HOLD), ylim=(-12, 235), xticks=np.arange(len(STAIRCASE) + 1) * HOLD)
     reached = panel.series[1]
     first = 3 * HOLD

@@ -13,6 +13,7 @@ from design.pi import PI
 from design.rules import paper_range
 from design.tasks import STEP
 from plants import hysteresis
+from plants.quantities import REGULATOR_NAMES
 from plants.regulator import Regulator
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
 from reports.series import Array, Panel, Series
@@ -30,6 +31,9 @@ STAIRCASE = (100.0, 150.0, 200.0, 150.0, 100.0, 50.0, 0.0, 50.0, 100.0, 150.0, 2
 """Applied pressure [kPa], one level after the other (section 5.2); its order beyond the first
 step is assumed: up, all the way down, and up again, so that the loop closes."""
 
+ALIKE = 0.005
+"""Regulators that differ by no more than this share of each parameter are drawn as one."""
+
 MOTIONS = {"flexion": "Palmar/dorsal flexion", "deviation": "Radial/ulnar deviation"}
 PLUS = {"flexion": "dorsal", "deviation": "ulnar"}
 TIME, PRESSURE, ANGLE = "Time [s]", "Pressure [kPa]", "Angle [deg]"
@@ -46,9 +50,13 @@ def commands(levels: Sequence[float], regulator: Regulator, hold: float = HOLD) 
     return np.repeat([volts(p, regulator) for p in levels], round(hold / SAMPLE_TIME))
 
 
-def by_regulator(flexion: Wrist, deviation: Wrist) -> dict[str, Wrist]:
-    """The wrists whose regulators differ, by what to call them: one, where both motions share it."""
-    if flexion.regulator == deviation.regulator:
+def by_regulator(
+    flexion: Wrist, deviation: Wrist, names: Sequence[str] = REGULATOR_NAMES
+) -> dict[str, Wrist]:
+    """The wrists whose regulators differ in the parameters of `names`, by what to call them: one
+    where both motions share the regulator, or where fits of it differ by less than can be seen."""
+    one, other = flexion.values, deviation.values
+    if all(abs(one[n] - other[n]) <= ALIKE * abs(one[n]) for n in names):
         return {"": flexion}
     return {"flexion": flexion, "deviation": deviation}
 
@@ -61,7 +69,7 @@ def regulator_steady(flexion: Wrist, deviation: Wrist) -> tuple[Panel, ...]:
     """Fig. 5: command voltage to steady-state pressure."""
     levels = np.arange(COMMAND_RANGE[0], COMMAND_RANGE[1] + 0.25, 0.5)
     found = []
-    for whose, wrist in by_regulator(flexion, deviation).items():
+    for whose, wrist in by_regulator(flexion, deviation, ("gain",)).items():
         held = round(HOLD / SAMPLE_TIME)
         steady = [float(wrist.simulate(np.full(held, v), every=held).pressure[-1]) for v in levels]
         line = _called(f"P = {wrist.regulator.gain:.3g} kPa/V · v", whose)
@@ -77,7 +85,8 @@ def regulator_step(
     """Figs. 6 and 8: 100 kPa, a command [V] for 12 s, 100 kPa again; with the lag regulator, or
     with the variable P one and the lag beside it.  The second panel is a close-up of the first."""
     found: list[Series] = []
-    for whose, wrist in by_regulator(flexion, deviation).items():
+    gains = by_regulator(flexion, deviation, ("gain",))
+    for whose, wrist in (by_regulator(flexion, deviation) if variable else gains).items():
         rest, gain = wrist.hysteresis.rest_pressure, wrist.regulator.gain
         pressures = (rest, command * gain, rest)
         v = np.concatenate([
@@ -85,11 +94,11 @@ def regulator_step(
         ])  # fmt: skip
         r, lag = wrist.simulate(v, every=10), wrist.as_lag_regulator(LAG).simulate(v, every=10)
         time = r.time - 2.0
-        shared, role = f"first-order lag, {LAG:g} s", "beside" if variable else "model"
-        if gain != flexion.regulator.gain or not found:  # else command and lag are there already
+        role, owner = "beside" if variable else "model", whose if len(gains) > 1 else ""
+        if len(gains) > 1 or not found:  # else command and lag are there already
             asked = np.concatenate([v[::10], v[-1:]]) * gain
-            found.append(Series(_called("command", whose), time, asked, "command"))
-            found.append(Series(_called(shared, whose), time, lag.pressure, role))
+            found.append(Series(_called("command", owner), time, asked, "command"))
+            found.append(Series(_called(f"lag of {LAG:g} s", owner), time, lag.pressure, role))
         if variable:
             found.append(Series(_called("variable P model", whose), time, r.pressure))
     whole = Panel(f"A command of {command:g} V and back", TIME, PRESSURE, tuple(found))

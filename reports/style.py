@@ -43,7 +43,7 @@ CONTROLLER_LINES: Mapping[str, dict[str, Any]] = {
 WIDTH = 6.9
 """Width of a figure [inch]: the text of a page, so that print needs no scaling."""
 
-STYLE: Mapping[str, Any] = {
+STYLE: Mapping[Any, Any] = {
     "font.family": "DejaVu Sans",  # ships with matplotlib
     "font.size": 9.5,
     "axes.titlesize": 10,

@@ -6,11 +6,13 @@ from math import floor, isfinite, log10
 
 @dataclass(frozen=True)
 class Cell:
-    """What stands in a cell: text, a smaller second line (a range), and whether it breaks a limit."""
+    """What stands in a cell: text, a smaller second line (a range), whether it breaks a limit, and
+    whether it is marked as something to be wary of."""
 
     text: str
     under: str = ""
     broken: bool = False
+    marked: bool = False
 
 
 @dataclass(frozen=True)

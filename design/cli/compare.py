@@ -41,12 +41,11 @@ def command(
 ) -> None:
     import sys
 
-    from reports.comparison import comparison_record, write_comparison
-
     from design.cli.tune import refusal, tuning_problem
     from design.compare import compare
     from design.tuning import Region, tune
     from plants.wrist import Wrist
+    from reports.comparison import comparison_record, write_comparison
     from reports.html import Made
 
     said = console(json)
@@ -56,7 +55,9 @@ def command(
     tunings: dict[str, Tuning] = {}
     for name, wrist in wrists.items():
         with progress(f"tune {name}") as tell:
-            tunings[name] = tune(tuning_problem(wrist, jobs=jobs), Region(points=points), progress=tell)
+            tunings[name] = tune(
+                tuning_problem(wrist, jobs=jobs), Region(points=points), seed=seed, progress=tell
+            )
         said.print(f"{name}: Kp = {tunings[name].Kp:.4g} kPa/deg, Ki = {tunings[name].Ki:.4g} kPa/(deg s)")
     refusals = {n: no for n, t in tunings.items() if (no := refusal(t)) is not None}
     for name, no in refusals.items():
@@ -129,29 +130,31 @@ def _plants(
 
 
 def table(comparison: "Comparison") -> list[object]:
-    """One row a motion and controller."""
+    """A table for each motion, one row a controller; what breaks a limit carries a mark."""
     from rich.table import Table
 
-    result = Table(box=None, pad_edge=False)
-    for heading in (
-        "motion",
-        "controller",
-        "Kp",
-        "Ki",
-        "settles",
-        "overshoot",
-        "IAE deg s",
-        "Ms",
-        "delay margin",
-        "breaks",
-    ):
-        result.add_column(
-            heading, justify="left" if heading in ("motion", "controller", "breaks") else "right"
+    parts: list[object] = []
+    for motion in {s.motion: None for s in comparison.standings}:
+        one = Table(
+            title=f"{motion}: gains, worst values over the tasks, and margins",
+            title_justify="left",
+            box=None,
+            pad_edge=False,
         )
-    for s in comparison.standings:
-        result.add_row(
-            s.motion, s.controller, f"{s.Kp:.3g}", f"{s.Ki:.3g}", seconds(s.worst_settling_s),
-            f"{s.worst_overshoot_percent:.2g} %", f"{s.worst_iae_deg_s:.3g}", f"{s.Ms:.3g}",
-            f"{1000 * s.delay_margin_s:.0f} ms", ", ".join(b.rsplit("_", 1)[0] for b in s.breaks) or "-",
-        )  # fmt: skip
-    return [result]
+        for heading in ("controller", "Kp", "Ki", "settles", "overshoot", "IAE deg s", "Ms", "delay"):
+            one.add_column(heading, justify="left" if heading == "controller" else "right", no_wrap=True)
+        for s in comparison.standings:
+            if s.motion != motion:
+                continue
+            cells = {
+                "": f"{s.Kp:.3g}",
+                " ": f"{s.Ki:.3g}",
+                "steady_error_percent": seconds(s.worst_settling_s),
+                "overshoot_percent": f"{s.worst_overshoot_percent:.2g} %",
+                "  ": f"{s.worst_iae_deg_s:.3g}",
+                "Ms": f"{s.Ms:.3g}",
+                "delay_margin_s": f"{1000 * s.delay_margin_s:.0f} ms",
+            }
+            one.add_row(s.controller, *(text + ("!" if n in s.breaks else " ") for n, text in cells.items()))
+        parts += [one, ""]
+    return [*parts, "! beyond its limit"]

@@ -11,6 +11,7 @@ from design.cli.common import (
     JsonOption,
     OutOption,
     PlantOption,
+    SeedOption,
     console,
     parameter_set,
     progress,
@@ -53,6 +54,7 @@ def command(
     ] = 16.0,
     points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 40,
     starts: Annotated[int, typer.Option(help="Local searches.", min=1, max=100)] = 5,
+    seed: SeedOption = 0,
     json: JsonOption = None,
     out: OutOption = None,
     jobs: JobsOption = None,
@@ -68,7 +70,7 @@ def command(
     limits = Limits(overshoot, ms, None if nominal else delay_margin, variation)
     problem = tuning_problem(Wrist.from_values(chosen.values), limits, cost, nominal, jobs)
     with progress("tune") as tell:
-        found = tune(problem, Region(points=points), starts, tell)
+        found = tune(problem, Region(points=points), starts, seed, tell)
     said = console(json)
     for line in lines(found):
         said.print(line)

@@ -46,7 +46,7 @@ regulators = st.builds(
 @st.composite
 def wrists(draw: st.DrawFn, loop: st.SearchStrategy[Hysteresis] | None = None) -> Wrist:
     """Wrists whose loop is open over the whole command range."""
-    air, shape = draw(regulators), draw(loop or loops())
+    air, shape = draw(regulators), draw(loops() if loop is None else loop)
     fair = Regulator(HIGH / 4.0, air.k_fast, air.k_slow, air.e0)
     return Wrist(fair, shape, draw(between(0.01, 1.0)))
 
@@ -58,7 +58,9 @@ def commands(draw: st.DrawFn) -> list[float]:
     return [level for level, samples in levels for _ in range(samples)]
 
 
-def walk(loop: Hysteresis, path: Sequence[float], start: float = REST, memory: Memory | None = None) -> Memory:
+def walk(
+    loop: Hysteresis, path: Sequence[float], start: float = REST, memory: Memory | None = None
+) -> Memory:
     """The loop's memory after monotone moves from one turning point of a path to the next."""
     memory = memory or Memory(0.0, 1.0)
     for after in path:

@@ -1,5 +1,7 @@
 """The sampled lag is the continuous one behind a first-order hold, as python-control has it."""
 
+from itertools import pairwise
+
 import control
 import numpy as np
 import pytest
@@ -15,7 +17,7 @@ TW = [0.01, 0.13, 0.16, 1.0]
 def response(Tw: float, dt: float, h: np.ndarray) -> np.ndarray:
     c = lag.sampled(Tw, dt)
     y = [0.0]
-    for before, after in zip(h[:-1], h[1:], strict=True):
+    for before, after in pairwise(h):
         y.append(float(lag.step(y[-1], before, after, c)))
     return np.array(y)
 
@@ -47,7 +49,7 @@ def test_a_ramp_is_followed_as_the_closed_form_says(Tw, start, slope):
     h = start + slope * time
     c = lag.sampled(Tw, 0.001)
     y = start
-    for before, after in zip(h[:-1], h[1:], strict=True):
+    for before, after in pairwise(h):
         y = float(lag.step(y, before, after, c))
     assert abs(y - (h[-1] + slope * Tw * np.expm1(-time[-1] / Tw))) < 1e-11
 

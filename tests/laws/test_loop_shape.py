@@ -82,7 +82,9 @@ def test_line_pressures_are_the_inverse_of_the_lines(loop, h):
     assert abs(line2(line2_pressure(h, loop), loop) - h) < ROUNDING
 
 
-@given(st.sampled_from(["flexion", "deviation"]), st.sampled_from(["line1", "line2", "inside"]), between(-15, 15))
+@given(
+    st.sampled_from(["flexion", "deviation"]), st.sampled_from(["line1", "line2", "inside"]), between(-15, 15)
+)
 def test_a_wrist_at_rest_lies_in_the_band_and_stays_there(axis, start, angle):
     wrist = getattr(Wrist, axis)()
     state = wrist.rest(start, angle)

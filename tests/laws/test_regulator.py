@@ -94,20 +94,20 @@ def test_the_closed_form_is_the_solution_of_the_law():
     np.testing.assert_allclose([time_taken(p, TARGET, e) for e in found], at, rtol=1e-10)
 
 
-@pytest.mark.parametrize("duration", [0.1, 0.3, 1.0, 5.0])
-def test_at_1_ms_the_declared_regulator_is_within_1e_3_kPa_of_the_closed_form(duration):
-    error = abs(pressures(DECLARED, 0.001, duration)[-1] - exact(DECLARED, duration))
-    print(error)
-    assert error < 1e-3
+def test_at_1_ms_the_declared_regulator_stays_within_5e_5_kPa_of_the_closed_form():
+    # Observed: 2.6e-5 kPa at the worst, where the error passes e0.
+    found = pressures(DECLARED, 0.001, 5.0)
+    at = np.arange(20, 5001, 20)
+    truth = np.array([exact(DECLARED, i * 0.001) for i in at])
+    assert np.abs(found[at] - truth).max() < 5e-5
 
 
 @pytest.mark.parametrize("duration", [0.2, 0.4, 0.8])
 def test_halving_the_sample_time_quarters_the_error(duration):
     truth = exact(DECLARED, duration)
     errors = [abs(pressures(DECLARED, dt, duration)[-1] - truth) for dt in (0.004, 0.002, 0.001)]
-    print(errors)
-    assert 3.6 < errors[0] / errors[1] < 4.4
-    assert 3.8 < errors[1] / errors[2] < 4.2
+    assert 3.8 < errors[0] / errors[1] < 4.2
+    assert 3.9 < errors[1] / errors[2] < 4.1
 
 
 @given(regulators, between(0.0, 200.0), between(0.0, 4.0))
@@ -119,5 +119,5 @@ def test_the_pressure_approaches_the_commanded_one_and_never_passes_it(p, start,
 
 
 def test_the_last_kilopascals_take_seconds_where_the_lag_takes_a_fraction_of_one():
-    last = [time_taken(p, 2.0, 0.2) for p in (DECLARED, Regulator(49.4, 9.0, 8.9999999, 9.0))]
+    last = [time_taken(p, 2.0, 0.2) for p in (DECLARED, Regulator.lag(49.4, 0.111))]
     assert last[0] > 10 * last[1]

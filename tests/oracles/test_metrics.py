@@ -1,0 +1,98 @@
+"""Metrics computed sample by sample are those of ``control.step_info`` and of sums over the whole response."""
+
+import control
+import numpy as np
+import pytest
+
+from design import metrics
+from design.loop import run
+from design.pi import PI
+from plants import Wrist
+
+SAMPLES = 8000
+TIME = np.arange(SAMPLES) * 0.001
+
+
+def judged(angle, command, start=0.0, reference=1.0, held=0.0):
+    """Metrics of signals by the running tally, in plain Python."""
+    yard, tally = metrics.yardstick(start, reference), metrics.begin(held)
+    for k, (y, u) in enumerate(zip(angle, command, strict=True)):
+        tally = metrics.update(tally, float(k), y, u, yard)
+    return metrics.finish(tally, len(angle))
+
+
+def second_order(seed: int) -> tuple[np.ndarray, float]:
+    """Step response of a random second-order system, damped little or much, and its reference.
+
+    The reference is off the steady state by up to 1 %, as a response that is not yet there.
+    """
+    rng = np.random.default_rng(seed)
+    damping, speed = rng.uniform(0.2, 1.5), rng.uniform(2.0, 12.0)
+    gain = rng.uniform(0.5, 30.0)
+    system = control.tf([gain * speed**2], [1.0, 2.0 * damping * speed, speed**2])
+    return np.asarray(control.step_response(system, TIME).outputs), gain * rng.uniform(0.99, 1.01)
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize(("start", "sign"), [(0.0, 1.0), (5.0, -1.0)])
+def test_times_and_overshoot_are_those_of_python_control(seed, start, sign):
+    response, reference = second_order(seed)
+    theirs = control.step_info(response, TIME, final_output=reference)
+    ours = judged(start + sign * response, np.zeros(SAMPLES), start, start + sign * reference)
+    assert float(ours.rise_time_s) == pytest.approx(theirs["RiseTime"], abs=1e-9)
+    assert float(ours.settling_time_s) == pytest.approx(theirs["SettlingTime"], abs=1e-9)
+    assert float(ours.overshoot_percent) == pytest.approx(theirs["Overshoot"], abs=1e-9)
+
+
+def test_the_random_responses_are_of_every_kind():
+    overshoots = [control.step_info(second_order(s)[0], TIME)["Overshoot"] for s in range(12)]
+    assert min(overshoots) < 0.1
+    assert max(overshoots) > 20.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_integrals_are_sums_over_the_samples(seed):
+    rng = np.random.default_rng(seed)
+    angle, command = rng.normal(10.0, 4.0, 500), rng.uniform(0.0, 4.0, 500)
+    ours = judged(angle, command, start=3.0, reference=12.0, held=2.0)
+    error, time = 12.0 - angle, np.arange(500) * 0.001
+    expected = {
+        "iae_deg_s": np.sum(np.abs(error)) * 0.001,
+        "ise_deg2_s": np.sum(error**2) * 0.001,
+        "itae_deg_s2": np.sum(time * np.abs(error)) * 0.001,
+        "total_variation_V": np.abs(np.diff(command, prepend=2.0)).sum(),
+        "steady_state_error_deg": abs(error[-1]),
+    }
+    for name, value in expected.items():
+        assert float(getattr(ours, name)) == pytest.approx(value, rel=1e-12), name
+
+
+def test_what_does_not_get_there_takes_for_ever():
+    angle = np.linspace(0.0, 0.5, 200)
+    ours = judged(angle, np.zeros(200))
+    assert np.isinf([float(ours.rise_time_s), float(ours.settling_time_s)]).all()
+    assert float(ours.overshoot_percent) == 0.0
+
+
+def test_what_leaves_the_band_in_the_last_sample_has_not_settled():
+    angle = np.ones(200)
+    assert float(judged(angle, angle).settling_time_s) == 0.0
+    angle[-1] = 1.021
+    assert float(judged(angle, angle).settling_time_s) == np.inf
+    angle[-2:] = [1.021, 1.0]
+    assert float(judged(angle, angle).settling_time_s) == pytest.approx(0.199)
+
+
+@pytest.mark.parametrize("gains", [(1.2, 2.2), (9.0, 60.0)])
+@pytest.mark.parametrize("reference", [15.0, -15.0])
+def test_the_compiled_tally_is_the_plain_one(gains, reference):
+    w = Wrist.deviation()
+    compiled, _, t = run(w, PI(*gains), reference, duration=3.0, record=True)
+    plain = judged(t.angle[:-1, 0], t.command[:-1, 0], 0.0, reference, 100.0 / 49.4)
+    for name in metrics.UNITS:
+        got, want = float(getattr(compiled, name)[0]), float(getattr(plain, name))
+        assert got == pytest.approx(want, rel=1e-10, abs=1e-12), name
+
+
+def test_every_metric_has_a_unit():
+    assert set(metrics.UNITS) == set(vars(judged(np.ones(3), np.ones(3))))
