@@ -47,7 +47,7 @@ class Margins:
     delay_at: NDArray[np.intp]
 
 
-def branch_responses(wrist: Wrist, points: int = 1200) -> list[BranchResponse]:
+def branch_responses(wrist: Wrist, points: int = 800) -> list[BranchResponse]:
     """Frequency responses on {transit, line1, line2} x {slow, fast}, up to the Nyquist frequency."""
     import control
 
@@ -57,7 +57,8 @@ def branch_responses(wrist: Wrist, points: int = 1200) -> list[BranchResponse]:
         for rate in RATES:
             system = branch_ss(wrist, branch, rate)
             response = control.frequency_response(system, omega).complex
-            found.append(BranchResponse(branch, rate, omega, np.ravel(response), system.A, system.B[:, 0]))
+            plain = np.array(np.ravel(response))  # python-control's own array type is slow to index
+            found.append(BranchResponse(branch, rate, omega, plain, system.A, system.B[:, 0]))
     return found
 
 
@@ -97,16 +98,16 @@ def _least(rows: Array) -> Array:
 
 def _delay_margin(omega: Array, loop: NDArray[np.complex128]) -> Array:
     """Least dead time [s] that turns the phase at a gain crossing to -180 degrees; one per row."""
-    size = np.log(np.abs(loop))
-    crossing = size[:, :-1] * size[:, 1:] < 0.0
-    share = np.where(crossing, size[:, :-1] / (size[:, :-1] - size[:, 1:] + ~crossing), 0.0)
-    log_omega = np.log(omega)
-    at = np.exp(log_omega[:-1] + share * np.diff(log_omega))
+    above = np.abs(loop) > 1.0
+    rows, columns = np.nonzero(above[:, 1:] != above[:, :-1])
+    before, after = loop[rows, columns], loop[rows, columns + 1]
+    low, high = np.log(np.abs(before)), np.log(np.abs(after))
+    share = low / (low - high)
+    at = omega[columns] * (omega[columns + 1] / omega[columns]) ** share
     # Unit-size phasors, so that interpolating them interpolates the phase across -180 degrees.
-    unit = loop / np.abs(loop)
-    phase = np.angle((1.0 - share) * unit[:, :-1] + share * unit[:, 1:])
-    lead = np.mod(phase + np.pi, 2.0 * np.pi)
-    found: Array = np.where(crossing, lead / at, np.inf).min(axis=1)
+    phase = np.angle((1.0 - share) * before / np.abs(before) + share * after / np.abs(after))
+    found = np.full(len(loop), np.inf)
+    np.minimum.at(found, rows, np.mod(phase + np.pi, 2.0 * np.pi) / at)
     return found
 
 

@@ -124,10 +124,13 @@ def valleys(values: Array, count: int) -> list[tuple[int, int]]:
     >>> valleys(np.array([[3., 9., 9.], [9., 9., 9.], [9., 9., 1.]]), 5)
     [(2, 2), (0, 0)]
     """
-    around = np.pad(values, 1, constant_values=np.inf)
     n, m = values.shape
-    neighbours = [around[1 + i : 1 + i + n, 1 + j : 1 + j + m] for i in (-1, 0, 1) for j in (-1, 0, 1)]
-    low = (values <= np.min(neighbours, axis=0)) & (values < np.max(neighbours, axis=0))
+
+    def neighbours(edge: float) -> list[Array]:
+        around = np.pad(values, 1, constant_values=edge)
+        return [around[1 + i : 1 + i + n, 1 + j : 1 + j + m] for i in (-1, 0, 1) for j in (-1, 0, 1)]
+
+    low = (values <= np.min(neighbours(np.inf), axis=0)) & (values < np.max(neighbours(-np.inf), axis=0))
     cells = sorted(zip(*np.nonzero(low), strict=True), key=lambda cell: float(values[cell]))
     return [(int(i), int(j)) for i, j in cells[:count]]
 
@@ -171,7 +174,7 @@ def tune(
     """Gains of least worst cost under the problem's limits.
 
     `starts` is the number of local searches, from the valleys of the map and, where
-    these are fewer, from gains drawn with `seed`; `progress`, if given, is told the
+    these are fewer, from cells of it drawn with `seed`; `progress`, if given, is told the
     stage and the share that is done.  The result says whether the limits are
     held (`Tuning.feasible`); it is for the caller to say no.
     """
@@ -185,12 +188,7 @@ def tune(
         parts.append(evaluate(problem, Kp[piece], Ki[piece]))
     whole = join(parts)
 
-    cells = valleys(merit(whole).reshape(rows.size, columns.size), starts)
-    begins = [(float(rows[i]), float(columns[j])) for i, j in cells]
-    drawn = np.random.default_rng(seed).uniform(
-        np.log([region.Kp[0], region.Ki[0]]), np.log([region.Kp[1], region.Ki[1]]), (starts, 2)
-    )
-    begins += [(float(a), float(b)) for a, b in np.exp(drawn)][: starts - len(begins)]
+    begins = _begins(whole, rows, columns, starts, seed)
     searches = []
     for number, begin in enumerate(begins):
         tell("local search", number / len(begins))
@@ -203,6 +201,19 @@ def tune(
         at = _best(join([at, evaluate(problem, *_around(at, region, zoom))]))
     tell("done", 1.0)
     return Tuning(problem, region, at, whole, tuple(searches))
+
+
+def _begins(
+    whole: Evaluation, rows: Array, columns: Array, count: int, seed: int
+) -> list[tuple[float, float]]:
+    """Gains that local searches start from: valleys of the map, then cells drawn at random; of
+    those that hold the limits, where there are any."""
+    cells = valleys(merit(whole).reshape(rows.size, columns.size), rows.size * columns.size)
+    usable = whole.feasible if whole.feasible.any() else np.ones(whole.Kp.size, bool)
+    indices = [i * columns.size + j for i, j in cells if usable[i * columns.size + j]]
+    drawn = np.random.default_rng(seed).permutation(np.flatnonzero(usable))
+    chosen = list(dict.fromkeys([*indices, *map(int, drawn)]))[:count]
+    return [(float(whole.Kp[n]), float(whole.Ki[n])) for n in chosen]
 
 
 def _around(at: Evaluation, region: Region, zoom: float) -> tuple[Array, Array]:

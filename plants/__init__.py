@@ -2,7 +2,7 @@
 
 >>> from plants import Wrist
 >>> Wrist.flexion().simulate([3.0] * 5000).angle[-1].round(2)
-np.float64(11.09)
+np.float64(11.28)
 """
 
 from plants.errors import InputError, InputWarning

@@ -112,7 +112,7 @@ def open_loop(
     >>> from plants import Wrist
     >>> r = open_loop(Wrist.deviation(), [2.5] * 5000)
     >>> len(r.time), round(float(r.angle[-1]), 2)
-    (5001, 3.23)
+    (5001, 3.25)
     """
     v = np.asarray(commands, float)
     if v.ndim != 1 or not np.isfinite(v).all():

@@ -65,7 +65,7 @@ class Wrist:
     (0.0803, 49.4)
     >>> response = wrist.simulate([3.0] * 10_000)
     >>> round(float(response.pressure[-1]), 1)
-    148.1
+    148.2
     """
 
     regulator: Regulator

@@ -139,6 +139,6 @@ def steps_caption(comparison: Comparison, motion: str) -> str:
     """How to read the responses."""
     count = sum(m == motion for m, _ in comparison.steps)
     return (
-        f"{title_of(motion)}: a step of {STEP:g} deg from rest under {count} controllers; angle, pressure and "
-        f"command. The scale of time changes at {SOON:g} s. The {name_of(TUNED)} is drawn thick."
+        f"{title_of(motion)}: a step of {STEP:g} deg from rest under {count} controllers; angle, pressure "
+        f"and command. The scale of time changes at {SOON:g} s. The {name_of(TUNED)} is drawn thick."
     )

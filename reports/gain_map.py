@@ -41,14 +41,14 @@ def gain_map(tuning: Tuning) -> "Figure":
         axes.set(xscale="log", yscale="log", xlabel="Kp [kPa/deg]", ylabel="Ki [kPa/(deg s)]")
         axes.grid(False)
         known = np.where(np.isfinite(cost), cost, np.nan)
-        levels = np.geomspace(np.nanmin(known), np.nanmax(known) * 1.001, 13)
-        filled = axes.contourf(
-            Kp, Ki, known, levels=levels, cmap="Blues", vmax=1.6 * levels[-1], extend="max"
-        )
-        bar = figure.colorbar(filled, ax=axes, pad=0.02, aspect=30)
-        bar.set_label(f"Worst {COST_WORDS.get(tuning.problem.cost, tuning.problem.cost)}")
-        bar.set_ticks(list(levels[::3]), labels=[f"{v:.3g}" for v in levels[::3]])
-        bar.ax.minorticks_off()
+        if np.isfinite(cost).any():  # no gains may settle at all, where the cost is the settling time
+            levels = np.geomspace(np.nanmin(known), np.nanmax(known) * 1.001, 13)
+            top = 1.6 * levels[-1]  # keeps the darkest blue light enough for hatches and marks
+            filled = axes.contourf(Kp, Ki, known, levels=levels, cmap="Blues", vmax=top, extend="max")
+            bar = figure.colorbar(filled, ax=axes, pad=0.02, aspect=30)
+            bar.set_label(f"Worst {COST_WORDS.get(tuning.problem.cost, tuning.problem.cost)}")
+            bar.set_ticks(list(levels[::3]), labels=[f"{v:.3g}" for v in levels[::3]])
+            bar.ax.minorticks_off()
         hatched = _limits(axes, tuning, shape)
         _marks(axes, tuning)
         axes.set(xlim=tuning.region.Kp, ylim=tuning.region.Ki)
@@ -96,8 +96,8 @@ def _limits(axes: "Axes", tuning: Tuning, shape: tuple[int, int]) -> list[Any]:
 
 def _marks(axes: "Axes", tuning: Tuning) -> None:
     def mark(Kp: float, Ki: float, marker: str, words: str, **look: Any) -> None:
-        shown: dict[str, Any] = {"linestyle": "none", "markeredgecolor": BLACK, "markerfacecolor": "white", "ms": 8} | look
-        axes.plot(Kp, Ki, marker=marker, label=words, zorder=5, **shown)
+        shown: dict[str, Any] = {"markeredgecolor": BLACK, "markerfacecolor": "white", "ms": 8} | look
+        axes.plot(Kp, Ki, linestyle="none", marker=marker, label=words, zorder=5, **shown)
 
     for i, search in enumerate(tuning.searches):
         mark(*search.end, "o", "end of a local search" if i == 0 else "_", ms=6, markeredgecolor=GREY)

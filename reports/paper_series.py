@@ -120,7 +120,7 @@ def initial_motion(flexion: Wrist, deviation: Wrist) -> tuple[Panel, ...]:
         ends = [wrist.simulate(commands([p], wrist.regulator), every=1000) for p in INITIAL_LEVELS]
         reached = np.array([r.pressure[-1] for r in ends]), np.array([r.angle[-1] for r in ends])
         loop = wrist.hysteresis
-        p = np.linspace(0.0, wrist.regulator.gain * COMMAND_RANGE[1], 200)
+        p: Array = np.linspace(0.0, wrist.regulator.gain * COMMAND_RANGE[1], 200)
         ends_of_zone = [hysteresis.line2_pressure(0.0, loop), hysteresis.line1_pressure(0.0, loop)]
         p = np.sort(np.concatenate([p, np.clip(ends_of_zone, p[0], p[-1])]))
         virgin = np.minimum(np.maximum(0.0, hysteresis.line1(p, loop)), hysteresis.line2(p, loop))
@@ -131,7 +131,7 @@ def initial_motion(flexion: Wrist, deviation: Wrist) -> tuple[Panel, ...]:
 
 def staircase(flexion: Wrist, deviation: Wrist) -> tuple[Panel, ...]:
     """Fig. 11: applied pressure against time, and the pressure that follows."""
-    time = np.arange(len(STAIRCASE) + 1) * HOLD
+    time: Array = np.linspace(0.0, len(STAIRCASE) * HOLD, len(STAIRCASE) + 1)
     found = [Series("applied", time, np.array([*STAIRCASE, STAIRCASE[-1]]), "command")]
     for whose, wrist in by_regulator(flexion, deviation).items():
         r = wrist.simulate(commands(STAIRCASE, wrist.regulator), every=50)
@@ -146,7 +146,7 @@ def loops(flexion: Wrist, deviation: Wrist) -> tuple[Panel, ...]:
     for motion, wrist in (("flexion", flexion), ("deviation", deviation)):
         r = wrist.simulate(commands(STAIRCASE, wrist.regulator), every=20)
         ends = np.arange(1, len(STAIRCASE) + 1) * round(HOLD / SAMPLE_TIME) // 20
-        p = np.linspace(0.0, wrist.regulator.gain * COMMAND_RANGE[1], 50)
+        p: Array = np.linspace(0.0, wrist.regulator.gain * COMMAND_RANGE[1], 50)
         series = (
             Series("line 1", p, hysteresis.line1(p, wrist.hysteresis), "guide"),
             Series("line 2", p, hysteresis.line2(p, wrist.hysteresis), "guide"),

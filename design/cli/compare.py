@@ -67,9 +67,14 @@ def command(
     for line in table(comparison):
         said.print(line)
     made = Made.now(
-        command="wrist " + " ".join(sys.argv[1:]), seed=seed, sets=sets,
+        command="wrist " + " ".join(sys.argv[1:]),
+        seed=seed,
+        sets=sets,
         data={f.campaign.name: f.campaign.checksum for f in fits.values()},
-    )  # fmt: skip
+        remark="The example campaigns are synthetic: they come from a simulator, not from a rig."
+        if example
+        else "",
+    )
     written = write_comparison(out, comparison, tunings, sets, fits, made)
     for verdict in comparison.verdicts:
         said.print(verdict)

@@ -168,7 +168,7 @@ def _figure(number: int, axis: Axis, plant: Path | None, json: Path | None, out:
     said.print(f"Fig. {number} redrawn in {path}")
     caption = paper.caption(number, sets)
     said.print(caption)
-    write_json(json, {"figure": number, "caption": caption, **paper.data(number, *wrists)})
+    write_json(json, {**paper.data(number, *wrists), "caption": caption})
 
 
 def _picture(folder: Path, chosen: "ParameterSet", result: dict[str, Any]) -> Path:

@@ -18,7 +18,7 @@ def noise_floor(values: Array) -> float:
     Raises ValueError for fewer than 8 values.
 
     >>> rng = np.random.default_rng(1)
-    >>> float(noise_floor(np.sin(np.arange(20_000) / 50) + 0.1 * rng.standard_normal(20_000)).round(3))
+    >>> round(noise_floor(np.sin(np.arange(20_000) / 50) + 0.1 * rng.standard_normal(20_000)), 3)
     0.1
     """
     from scipy.stats import norm

@@ -49,7 +49,9 @@ def test_the_strong_pair_clips_at_both_ends_and_the_integrator_does_not_wind_up(
 
 
 @pytest.mark.parametrize("axis", AXES)
-@pytest.mark.parametrize(("start", "angle"), [("virgin", 0.0), ("line1", 10.0), ("line2", -8.0), ("inside", 3.0)])
+@pytest.mark.parametrize(
+    ("start", "angle"), [("virgin", 0.0), ("line1", 10.0), ("line2", -8.0), ("inside", 3.0)]
+)
 def test_a_loop_that_is_where_it_should_be_stays_there(axis, start, angle):
     w = getattr(Wrist, axis)()
     _, last, t = run(w, PI(5.0, 10.0), angle + 1e-9, w.rest(start, angle), duration=1.0, record=True)

@@ -36,7 +36,9 @@ def test_the_poles_are_those_of_the_two_lags(axis, branch, speed):
 @cases
 def test_the_steady_state_is_gain_times_slope(axis, branch, speed):
     w = getattr(Wrist, axis)()
-    assert branch_ss(w, branch, speed).dcgain() == pytest.approx(w.regulator.gain * slope(w, branch), rel=1e-9)
+    assert branch_ss(w, branch, speed).dcgain() == pytest.approx(
+        w.regulator.gain * slope(w, branch), rel=1e-9
+    )
 
 
 @cases

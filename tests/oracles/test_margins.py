@@ -96,10 +96,10 @@ def test_the_worst_branch_is_the_one_that_is_named(axis, gains):
 @each_axis
 @each_gains
 def test_ms_is_the_largest_sensitivity_on_a_grid_far_finer_than_the_one_used(axis, gains):
-    omega = np.geomspace(1e-2, np.pi / DT, 200_000)
+    omega = np.geomspace(1e-2, np.pi / DT, 100_000)
     for (branch, rate), response in zip(PLACES, RESPONSES[axis], strict=True):
         exact = 1.0 / np.abs(1.0 + by_hand(WRISTS[axis], gains, branch, rate, omega)).min()
-        assert float(margins([response], PI(*gains)).Ms) == pytest.approx(exact, rel=1e-4)
+        assert float(margins([response], PI(*gains)).Ms) == pytest.approx(exact, rel=5e-4)
 
 
 @each_axis
@@ -108,7 +108,7 @@ def test_every_branch_survives_a_little_less_dead_time_than_its_margin_and_not_a
     w = WRISTS[axis]
     for (branch, rate), response in zip(PLACES, RESPONSES[axis], strict=True):
         samples = float(margins([response], PI(*gains)).delay_margin_s) / DT
-        if samples > 600:  # a matrix for each sample of dead time
+        if samples > 300:  # a matrix for each sample of dead time
             continue
         assert radius(w, gains, branch, rate, int(np.floor(samples * 0.999))) < 1.0
         assert radius(w, gains, branch, rate, int(np.ceil(samples * 1.001))) > 1.0
@@ -117,14 +117,16 @@ def test_every_branch_survives_a_little_less_dead_time_than_its_margin_and_not_a
 @each_axis
 def test_some_of_those_margins_are_short_enough_to_be_tried(axis):
     worst = [float(margins(RESPONSES[axis], PI(*g)).delay_margin_s) for g in GAINS]
-    assert sum(d < 0.6 for d in worst) >= 4
+    assert sum(d < 0.3 for d in worst) >= 4
 
 
 @each_axis
 def test_without_dead_time_the_loop_is_stable_just_where_its_poles_say(axis):
     Kp, Ki = (g.ravel() for g in np.meshgrid(np.geomspace(0.3, 2e4, 12), np.geomspace(0.3, 2e4, 12)))
     found = np.isfinite(margins(RESPONSES[axis], PI(Kp, Ki)).Ms)
-    stable = [max(radius(WRISTS[axis], g, *place) for place in PLACES) < 1.0 for g in zip(Kp, Ki, strict=True)]
+    stable = [
+        max(radius(WRISTS[axis], g, *place) for place in PLACES) < 1.0 for g in zip(Kp, Ki, strict=True)
+    ]
     assert 0 < sum(stable) < len(stable)
     np.testing.assert_array_equal(found, stable)
 
@@ -154,7 +156,7 @@ def test_gains_in_an_array_have_the_margins_that_they_have_alone(axis):
 @each_axis
 def test_phase_and_gain_margin_are_where_the_loop_by_hand_crosses(axis):
     w, gains = WRISTS[axis], (9.0, 27.0)
-    omega = np.geomspace(1e-2, np.pi / DT * 0.999, 400_000)
+    omega = np.geomspace(1e-2, np.pi / DT * 0.999, 200_000)
     for row, place in zip(by_python_control(w, PI(*gains)), PLACES, strict=True):
         loop = by_hand(w, gains, *place, omega)
         crossing = np.flatnonzero(np.diff(np.sign(np.abs(loop) - 1.0)))

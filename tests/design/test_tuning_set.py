@@ -1,0 +1,104 @@
+"""Gains are tuned on every sign, memory and corner of the plant, and reported on what they were not tuned on."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from design.compare import on_tasks, task_scenarios
+from design.pi import PI
+from design.requirements import Problem, rollouts
+from design.tasks import STEP, Scenario, Spread, corners, stack, tuning_scenarios, within_reach
+from plants import Wrist, tree
+from plants.quantities import loop_problem
+from plants.wrist import STARTS
+
+AXES = ["flexion", "deviation"]
+every_axis = pytest.mark.parametrize("axis", AXES)
+
+
+@every_axis
+def test_there_are_at_most_96_and_no_two_are_the_same(axis):
+    found = tuning_scenarios(getattr(Wrist, axis)())
+    assert len({s.name for s in found}) == len(found) <= 96
+
+
+@every_axis
+def test_every_corner_is_stepped_both_ways_from_every_memory_and_back(axis):
+    w = getattr(Wrist, axis)()
+    found = tuning_scenarios(w)
+    assert {s.wrist for s in found} == {plant for _, plant in corners(w, Spread())}
+    for name, _ in corners(w, Spread()):
+        here = {(s.start, s.angle, s.reference) for s in found if s.plant == name}
+        assert here >= set(product(STARTS, [0.0], [STEP, -STEP]))
+        assert {(a, r) for _, a, r in here} >= {(STEP, 0.0), (-STEP, 0.0)}
+
+
+@every_axis
+def test_the_corners_are_all_signs_of_the_declared_spread(axis):
+    w, spread = getattr(Wrist, axis)(), Spread(width=0.3, slope=0.05, lag=0.4)
+    ratios = {
+        tuple(round(plant.values[n] / w.values[n] - 1.0, 12) for n in ("w1", "a1", "Tw"))
+        for _, plant in corners(w, spread)[1:]
+    }
+    assert ratios == set(product((0.3, -0.3), (0.05, -0.05), (0.4, -0.4)))
+    for _, plant in corners(w, spread):
+        assert plant.values["w2"] / w.values["w2"] == pytest.approx(plant.values["w1"] / w.values["w1"])
+        assert plant.values["s"] / w.values["s"] == pytest.approx(plant.values["a2"] / w.values["a2"])
+
+
+@every_axis
+def test_every_corner_still_is_a_loop(axis):
+    for name, plant in corners(getattr(Wrist, axis)(), Spread()):
+        assert loop_problem(plant.values, 0.0, 200.0) is None, name
+
+
+@every_axis
+def test_the_tuning_set_is_not_the_set_of_reported_tasks(axis):
+    w = getattr(Wrist, axis)()
+    tuned_on = {(s.start, s.angle, s.reference, s.wrist) for s in tuning_scenarios(w)}
+    reported = {(s.start, s.angle, s.reference, s.wrist) for s in task_scenarios(w)}
+    assert tuned_on - reported
+    assert {s[3] for s in reported} == {w}
+    assert len({s[3] for s in tuned_on}) == 9
+    # What tuning never sees: a return from a step that is still under way after 5 s of holding.
+    (there,) = on_tasks(w, [PI(1.2, 2.2)])["return from +15 to 0 deg"]
+    problem = Problem.of(w, [Scenario("line1", STEP, 0.0, w)])
+    rested = rollouts(problem, np.array([1.2]), np.array([2.2]))
+    assert abs(there.iae_deg_s - rested.iae_deg_s[0, 0]) > 1e-3
+
+
+def test_corners_that_no_command_holds_are_set_aside_and_the_task_itself_never_is():
+    w = Wrist.flexion()
+    out = w.with_values(w1=25.0)
+    scenarios = [Scenario("virgin", 0.0, 15.0, out, "wide"), Scenario("virgin", 0.0, 15.0, out),
+                 Scenario("virgin", 0.0, 15.0, w, "as it is")]  # fmt: skip
+    kept, aside = within_reach(scenarios)
+    assert ([s.plant for s in kept], [s.plant for s in aside]) == (["nominal", "as it is"], ["wide"])
+    problem = Problem.of(w, scenarios, duration=1.0)
+    assert (len(problem.scenarios), len(problem.set_aside)) == (2, 1)
+    assert rollouts(problem, np.array([1.0, 2.0]), np.array([1.0, 2.0])).iae_deg_s.shape == (2, 2)
+
+
+@every_axis
+def test_stacked_scenarios_are_the_scenarios(axis):
+    found = tuning_scenarios(getattr(Wrist, axis)())[5:40:7]
+    wrist, state, reference = stack(found)
+    for i, s in enumerate(found):
+        assert {n: float(v[i]) for n, v in wrist.values.items()} == s.wrist.values
+        assert [float(x[i]) for x in tree.leaves(state)] == [
+            float(x) for x in tree.leaves(s.wrist.rest(s.start, s.angle))
+        ]
+        assert reference[i] == s.reference
+
+
+@every_axis
+def test_a_rollout_of_many_gains_is_a_table_of_gains_by_scenarios(axis):
+    w = getattr(Wrist, axis)()
+    scenarios = tuning_scenarios(w)[::31]
+    Kp, Ki = np.array([1.0, 5.0, 9.0]), np.array([2.0, 10.0, 5.0])
+    table = rollouts(Problem.of(w, scenarios, duration=1.0), Kp, Ki)
+    for i, j in np.ndindex(3, len(scenarios)):
+        alone = rollouts(Problem.of(w, [scenarios[j]], duration=1.0), Kp[i : i + 1], Ki[i : i + 1])
+        assert table.iae_deg_s[i, j] == alone.iae_deg_s[0, 0]
+        assert table.overshoot_percent[i, j] == alone.overshoot_percent[0, 0]

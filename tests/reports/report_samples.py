@@ -1,0 +1,64 @@
+"""One small comparison, and the fit of a small synthetic campaign, for all tests of the reports."""
+
+from dataclasses import dataclass
+from functools import cache
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from design.compare import Comparison, compare
+from design.pi import PI
+from design.requirements import Problem
+from design.tasks import tuning_scenarios
+from design.tuning import Region, Tuning, tune
+from plants import ParameterSet, Wrist, built_in
+from plants.measured.recording import Recording
+
+
+@dataclass(frozen=True)
+class Compared:
+    """What a page is made of."""
+
+    comparison: Comparison
+    tunings: dict[str, Tuning]
+    sets: dict[str, ParameterSet]
+    wrists: dict[str, Wrist]
+    fits: dict[str, Any]
+
+
+def small_fit(motion: str) -> Any:
+    """A stand-in for a fit of one motion: the model's own response with noise, judged on itself."""
+    before, wrist = built_in(motion), Wrist.from_values(built_in(motion).values)
+    names = ["a1", "w1", "Tw"]
+    fitted = before.fitted(
+        {n: before.values[n] * 1.05 for n in names}, {"a1": 0.002, "w1": None, "Tw": 0.01}, "rig"
+    )
+    v = 2.0 + 1.5 * np.sin(np.arange(6000) / 1500.0)
+    r = wrist.simulate(v, every=10)
+    noise = 0.05 * np.sin(np.arange(r.time.size) * 7.0)
+    recording = Recording("sine.csv", r.time, np.append(v[::10], v[-1]), r.angle + noise, r.pressure + noise)
+    runs = tuple(
+        SimpleNamespace(
+            recording=recording, role=role, pressure=r.pressure, angle=r.angle, pressure_before=r.pressure,
+            angle_before=r.angle * 1.1,
+        )
+        for role in ("fit", "validate")
+    )  # fmt: skip
+    errors = {"angle_deg": 0.3, "pressure_kPa": 0.06}
+    return SimpleNamespace(
+        campaign=SimpleNamespace(name=f"{motion} rig", axis=motion, checksum="0123456789abcdef" * 4),
+        before=before, fitted=fitted, noise={"angle_deg": 0.05, "pressure_kPa": 0.05}, validate_rmse=errors,
+        validate_rmse_before={k: 2 * v for k, v in errors.items()}, fit_rmse=errors, runs=runs,
+    )  # fmt: skip
+
+
+@cache
+def compare_both() -> Compared:
+    """Both motions compared with given gains; one of them tuned on a coarse map, and fitted."""
+    sets = {m: built_in(m) for m in ("flexion", "deviation")}
+    wrists = {m: Wrist.from_values(s.values) for m, s in sets.items()}
+    comparison = compare(wrists, {"flexion": PI(3.0, 10.0), "deviation": PI(6.5, 19.0)})
+    problem = Problem.of(wrists["flexion"], tuning_scenarios(wrists["flexion"])[:10], duration=6.0)
+    tunings = {"flexion": tune(problem, Region(points=8), starts=2)}
+    return Compared(comparison, tunings, sets, wrists, {"flexion": small_fit("flexion")})

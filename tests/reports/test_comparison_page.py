@@ -1,0 +1,192 @@
+"""The page of a comparison is one file that says everything; JSON and CSV say the same in numbers."""
+
+import csv
+import json
+from html.parser import HTMLParser
+
+import pytest
+from report_samples import Compared, compare_both
+
+from design.compare import row_record
+from plants import InputError
+from reports.comparison import comparison_page, comparison_record, write_comparison
+from reports.html import Made, commit, render
+
+VOID = {"meta", "br", "hr", "img", "link", "input", "wbr"}
+
+
+class Page(HTMLParser):
+    """Tags, attributes and text of a page; raises where tags do not nest."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.words: list[str] = []
+        self.open: list[str] = []
+        self.feed(text)
+        assert not self.open, self.open
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+    @property
+    def text(self) -> str:
+        return " ".join(" ".join(self.words).split())
+
+
+@pytest.fixture(scope="module")
+def compared() -> Compared:
+    return compare_both()
+
+
+@pytest.fixture(scope="module")
+def made(compared):
+    data = {f.campaign.name: f.campaign.checksum for f in compared.fits.values()}
+    return Made.now("wrist compare a&b <c>", 7, compared.sets, data, "The recordings are synthetic.")
+
+
+@pytest.fixture(scope="module")
+def folder(compared, made, tmp_path_factory):
+    place = tmp_path_factory.mktemp("compare") / "new"
+    c = compared
+    path = write_comparison(place, c.comparison, c.tunings, c.sets, c.fits, made)
+    assert path == place / "comparison.html"
+    return place
+
+
+@pytest.fixture(scope="module")
+def page(folder):
+    return Page((folder / "comparison.html").read_text(encoding="utf-8"))
+
+
+def test_the_page_loads_nothing_from_elsewhere_and_runs_nothing(page):
+    tags = [t for t, _ in page.tags]
+    assert not {"script", "link", "iframe", "img", "object", "embed"} & set(tags)
+    for _, attributes in page.tags:
+        for key in ("src", "href", "xlink:href", "data"):
+            assert (attributes.get(key) or "#").startswith("#")
+    styles = "".join(page.words)
+    assert "@import" not in styles
+    assert "url(http" not in styles
+
+
+def test_links_within_the_page_lead_somewhere_and_ids_are_unique(page):
+    ids = [a["id"] for _, a in page.tags if "id" in a]
+    assert len(ids) == len(set(ids))
+    used = {a[k][1:] for _, a in page.tags for k in ("href", "xlink:href") if a.get(k)}
+    assert used <= set(ids)
+
+
+def test_the_page_names_every_controller_limit_task_and_assumption(page, compared):
+    for words in ("tuned PI", "paper's PI (stand-in)", "SIMC", "AMIGO", "Ziegler-Nichols"):
+        assert words in page.text
+    for words in ("Overshoot", "Ms", "Delay margin", "return from -15 to 0 deg", "0 to +15 deg, line2"):
+        assert words in page.text
+    for s in compared.sets.values():
+        for name in s.assumed:
+            assert s.parameters[name].provenance.why in page.text
+
+
+def test_the_page_opens_with_at_most_three_sentences_among_them_the_verdicts(page, compared):
+    start = page.text.index("Holding 15 degrees", 80)
+    opening = page.text[start : page.text.index("What was asked")].lower()
+    for verdict in compared.comparison.verdicts:
+        assert verdict.lower() in opening
+
+
+def test_nine_figures_of_the_paper_and_those_of_the_comparison_are_inside(page):
+    figures = [a for t, a in page.tags if t == "svg"]
+    assert len(figures) == 9 + 2 + 2 + 1 + 1  # paper, steps, worst and loops, one map, one fit
+    assert all(a.get("aria-label") and "viewbox" in a for a in figures)
+    assert page.text.count("of the paper, redrawn:") == 9
+
+
+def test_times_beyond_the_window_are_said_to_be_beyond_it(page):
+    assert "> 10" in page.text
+    assert "inf" not in {w.strip() for w in page.words}
+    assert "nan" not in page.text.lower().split()
+
+
+def test_the_fit_is_shown_with_errors_of_the_parameters_and_of_the_model(page):
+    assert "0.3780 ± 0.0020" in page.text
+    assert "6.3 ± not determined" in page.text
+    assert "The angle errs by 6 times the noise: the model lacks something." in page.text
+
+
+def test_the_footer_says_what_made_the_page(page, compared):
+    for words in ("wrist compare a&b <c>", "0123456789abcdef" * 4, "Seed 7", "The recordings are synthetic."):
+        assert words in page.text
+    for s in compared.sets.values():
+        assert s.title in page.text
+
+
+def test_csv_agrees_with_the_rows(folder, compared):
+    with (folder / "comparison.csv").open(newline="", encoding="utf-8") as file:
+        found = list(csv.DictReader(file))
+    rows = [row_record(r) for r in compared.comparison.rows]
+    assert len(found) == len(rows)
+    for got, expected in zip(found, rows, strict=True):
+        assert list(got) == list(expected)
+        for key, value in expected.items():
+            if isinstance(value, str):
+                assert got[key] == value
+            else:
+                assert got[key] == "" if value is None else float(got[key]) == value
+
+
+def test_json_agrees_with_the_comparison(folder, compared, made):
+    found = json.loads((folder / "comparison.json").read_text(encoding="utf-8"))
+    c = compared
+    assert found == json.loads(json.dumps(comparison_record(c.comparison, c.tunings, c.sets, c.fits, made)))
+    assert found["rows"] == [row_record(r) for r in c.comparison.rows]
+    assert found["verdicts"] == list(c.comparison.verdicts)
+    assert [s["Kp"] for s in found["standings"]] == [s.Kp for s in c.comparison.standings]
+    assert found["tunings"]["flexion"]["Ki"] == c.tunings["flexion"].Ki
+    assert found["fits"]["flexion"]["fitted"]["a1"]["provenance"]["std_error"] == 0.002
+    assert found["made"]["seed"] == 7
+
+
+def test_pictures_lie_beside_the_page_and_nothing_half_written(folder):
+    names = {p.name for p in folder.iterdir()}
+    pictures = {
+        "steps-flexion.png", "steps-deviation.png", "gains-flexion.png", "fit-flexion.png", "loops.png",
+        "worst-values.png",
+    }  # fmt: skip
+    assert names == pictures | {"comparison.html", "comparison.json", "comparison.csv"}
+    assert all((folder / p).read_bytes().startswith(b"\x89PNG") for p in pictures)
+
+
+def test_the_same_comparison_makes_the_same_page_and_does_without_a_fit(compared, made):
+    c = compared
+    pages = [comparison_page(c.comparison, c.tunings, c.sets, {}, made) for _ in range(2)]
+    assert pages[0] == pages[1]
+    assert "No recordings were given" in Page(pages[0]).text
+
+
+def test_a_place_that_cannot_be_written_to_is_said(compared, made, tmp_path):
+    (tmp_path / "file").write_text("")
+    c = compared
+    with pytest.raises(InputError, match="cannot be written"):
+        write_comparison(tmp_path / "file" / "in", c.comparison, c.tunings, c.sets, c.fits, made)
+
+
+def test_outside_a_checkout_no_commit_is_claimed(tmp_path):
+    assert commit(tmp_path) == "not in a checkout"
+
+
+def test_a_template_that_lacks_content_is_an_error_not_a_blank():
+    import jinja2
+
+    with pytest.raises(jinja2.UndefinedError):
+        render("comparison.html", title="only this")
