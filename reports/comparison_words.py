@@ -20,7 +20,7 @@ FURTHER = (
     "The law by which the regulator's P gain varies: dP/dt = k(e) e with "
     "k(e) = k_slow + (k_fast − k_slow) e² / (e² + e0²).",
     "The form of the controller: command = (rest pressure + Kp e + Ki ∫e dt) / gain, on kilopascals, the "
-    "integrator stopped while the command is clipped.",
+    "integrator stopped while the command is clipped, unless the error drives it back.",
     f"The paper's gains: Kp = {PAPER_GAINS[0]:g} kPa/deg, Ki = {PAPER_GAINS[1]:g} kPa/(deg s) stand in for "
     f"the lost ones, with a factor of {PAPER_FACTOR:g} either way, because a PI with them is as slow as the "
     "paper reads.",
@@ -104,7 +104,7 @@ def found(t: Tuning) -> str:
     if not t.feasible:
         return f"{words} No gains hold every limit; these come nearest."
     if t.active:
-        return f"{words} The active limit is {limit_name(t.active).lower()}: less cost would break it."
+        return f"{words} The active limit is {limit_name(t.active)}: less cost would break it."
     return f"{words} No limit is active: the optimum lies inside all of them."
 
 
@@ -120,9 +120,14 @@ def evidence(t: Tuning) -> str:
         f"Evidence that this is the global optimum: a map of {region.points} × {region.points} gains covers "
         f"Kp from {region.Kp[0]:g} to {region.Kp[1]:g} kPa/deg and Ki from {region.Ki[0]:g} to "
         f"{region.Ki[1]:g} kPa/(deg s), neighbours {100 * (ratio[0] - 1):.0f} % and "
-        f"{100 * (ratio[1] - 1):.0f} % apart. Of {len(t.searches)} local searches from its valleys, {held}. "
+        f"{100 * (ratio[1] - 1):.0f} % apart. Of {len(t.searches)} local searches from its valleys and other cells, {held}. "
         "Three ever finer maps around the best point end at the gains given."
     )
+    if t.problem.set_aside:
+        words += (
+            f" {len(t.problem.set_aside)} of {len(t.problem.scenarios) + len(t.problem.set_aside)} scenarios "
+            f"were set aside, such as {t.problem.set_aside[0].name}: no command in the range holds them."
+        )
     edge = " The optimum lies on the edge of the searched region: a wider one may hold a better one."
     return words + (edge if t.on_edge else "")
 

@@ -116,17 +116,20 @@ def _plants(
         if given.axis in sets:
             raise InputError(f"{path}: a set for {given.axis!r} was given before; give one a motion")
         sets[given.axis] = given
-    for folder in folders:
+    campaigns = {}
+    for folder in folders:  # all are read before any is fitted, so that bad input ends the run at once
         data = load_campaign(folder)
         if data.stage == "regulator":
             raise InputError(f"{folder}: has no angle; a comparison needs a campaign of the whole wrist")
-        if data.axis in sets:
+        if data.axis in sets or data.axis in campaigns:
             raise InputError(f"{folder}: {data.axis!r} was given before; give one campaign or set a motion")
+        campaigns[data.axis] = (data, starting_set(data, None))
+    for axis, (data, start) in campaigns.items():
         with progress(f"fit {data.name}") as tell:
-            fits[data.axis] = fit_campaign(data, starting_set(data, None), seed=seed, progress=tell)
-        for part in tables(fits[data.axis]):
+            fits[axis] = fit_campaign(data, start, seed=seed, progress=tell)
+        for part in tables(fits[axis]):
             said.print(part)
-        sets[data.axis] = fits[data.axis].fitted
+        sets[axis] = fits[axis].fitted
     for axis in ("flexion", "deviation"):
         if len(sets) < 2 and axis not in sets:
             sets[axis] = built_in(axis)

@@ -1,4 +1,4 @@
-"""The comparison is complete, carries what is not known about the paper, and ranks nothing within that range."""
+"""The comparison is complete, carries the doubt about the paper's gains, and ranks nothing within it."""
 
 from dataclasses import replace
 from functools import cache
@@ -7,9 +7,19 @@ import numpy as np
 import pytest
 
 from design.compare import (
-    METRICS, PAPER, TUNED, Comparison, Row, Standing, compare, on_tasks, row_record, task_scenarios, together,
+    METRICS,
+    PAPER,
+    TUNED,
+    Comparison,
+    Row,
+    Standing,
+    compare,
+    on_tasks,
+    row_record,
+    task_scenarios,
+    together,
     verdicts,
-)  # fmt: skip
+)
 from design.loop import run
 from design.metrics import Metrics
 from design.pi import PI

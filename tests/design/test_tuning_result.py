@@ -8,7 +8,7 @@ from design.loop import run
 from design.margins import by_python_control
 from design.pi import PI
 from design.requirements import COSTS, Limits, evaluate
-from design.tuning import ACTIVE, merit
+from design.tuning import ACTIVE, merit, tune
 from plants import Wrist
 
 AXES = ["flexion", "deviation"]
@@ -17,7 +17,7 @@ PROBLEMS = {
     "no overshoot to speak of": Limits(overshoot_percent=0.5),
     "a robust loop": Limits(Ms=1.5),
     "a long tube": Limits(overshoot_percent=20.0, delay_margin_s=0.2),
-    "a gentle command": Limits(total_variation_V=2.0),
+    "a gentle command": Limits(total_variation_V=1.8),
 }
 every_problem = pytest.mark.parametrize("limits", PROBLEMS.values(), ids=PROBLEMS)
 every_axis = pytest.mark.parametrize("axis", AXES)
@@ -41,11 +41,12 @@ def test_the_limits_hold_when_each_scenario_is_run_by_itself(solve, axis, limits
         worst = {n: max(worst[n], float(found[n])) for n in worst}
         cost = max(cost, float(judged.iae_deg_s[0]))
     rows = by_python_control(getattr(Wrist, axis)(), pi)
-    worst["Ms"] = max(r["Ms"] for r in rows)
     assert t.feasible
     for name, value in worst.items():
         assert value <= limits.named[name] * (1 + 1e-9), name
-    assert min(r["delay_margin_s"] for r in rows) >= limits.named["delay_margin_s"] * 0.999
+    # Read off two grids of frequencies, which agree so far.
+    assert max(r["Ms"] for r in rows) <= limits.named["Ms"] * (1 + 1e-4)
+    assert min(r["delay_margin_s"] for r in rows) >= limits.named["delay_margin_s"] * (1 - 1e-3)
     assert cost == pytest.approx(float(t.at.cost[0]), rel=1e-12)
 
 
@@ -97,14 +98,18 @@ def test_an_active_limit_is_reached_and_otherwise_none_is_near(solve, axis, limi
         assert near[t.active] == max(near.values())
 
 
+TIGHTENED = {
+    "no overshoot to speak of": "overshoot_percent",
+    "a robust loop": "Ms",
+    "a long tube": "delay_margin_s",
+    "a gentle command": "total_variation_V",
+}
+
+
 @every_axis
-def test_each_limit_can_be_the_one_that_binds(solve, axis):
-    active = {name: solve(axis, limits).active for name, limits in PROBLEMS.items()}
-    assert active["no overshoot to speak of"] == "overshoot_percent"
-    assert active["a robust loop"] in ("Ms", "overshoot_percent")
-    assert active["a gentle command"] == "total_variation_V"
-    assert active["a long tube"] in ("delay_margin_s", "Ms")
-    assert len(set(active.values())) >= 3
+@pytest.mark.parametrize(("problem", "limit"), TIGHTENED.items())
+def test_a_limit_that_is_tightened_comes_to_bind(solve, axis, problem, limit):
+    assert solve(axis, PROBLEMS[problem]).at.excess[limit][0] > -ACTIVE
 
 
 @every_axis
@@ -125,8 +130,6 @@ def test_each_cost_is_the_least_of_its_kind(solve, cost):
 
 @every_axis
 def test_the_same_problem_has_the_same_answer(solve, axis):
-    from design.tuning import tune
-
     t = solve(axis, Limits())
     again = tune(t.problem, t.region, starts=3)
     assert (again.Kp, again.Ki) == (t.Kp, t.Ki)

@@ -1,4 +1,4 @@
-"""Gains are tuned on every sign, memory and corner of the plant, and reported on what they were not tuned on."""
+"""Gains are tuned on every sign of the step, every memory and every corner of the plant."""
 
 from itertools import product
 

@@ -1,7 +1,7 @@
 """Valleys of a map are its local minima, lowest first."""
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
@@ -35,6 +35,7 @@ def test_every_cell_lower_than_all_its_neighbours_is_a_valley(values):
 @given(maps)
 @fixed
 def test_the_lowest_cell_comes_first_and_the_others_rise(values):
+    assume(values.min() < values.max())  # a plain has no valley
     heights = [values[cell] for cell in valleys(values, values.size)]
     assert heights == sorted(heights)
     assert heights[0] == values.min()

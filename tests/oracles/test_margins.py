@@ -1,4 +1,4 @@
-"""Margins over whole maps of gains are those of python-control, and those of a formula written out by hand."""
+"""Margins over maps of gains are those of python-control, and those of a formula written out by hand."""
 
 from itertools import product
 

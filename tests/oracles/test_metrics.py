@@ -1,4 +1,4 @@
-"""Metrics computed sample by sample are those of ``control.step_info`` and of sums over the whole response."""
+"""Metrics computed sample by sample are those of ``control.step_info`` and of sums over the response."""
 
 import control
 import numpy as np

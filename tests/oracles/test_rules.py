@@ -6,9 +6,17 @@ import numpy as np
 import pytest
 
 from design.rules import (
-    PAPER_FACTOR, PAPER_GAINS, Reaction, amigo, baselines, first_order, paper_range, reaction_curve, simc,
+    PAPER_FACTOR,
+    PAPER_GAINS,
+    Reaction,
+    amigo,
+    baselines,
+    first_order,
+    paper_range,
+    reaction_curve,
+    simc,
     ziegler_nichols,
-)  # fmt: skip
+)
 from plants import Regulator, Wrist
 
 WRIST = Wrist.flexion()
