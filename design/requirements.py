@@ -74,7 +74,9 @@ class Evaluation:
     @property
     def worst_excess(self) -> Array:
         """Largest excess over all limits, (n,)."""
-        worst: Array = np.max(list(self.excess.values()), axis=0, initial=-1.0)
+        worst = np.full(self.Kp.shape, -1.0)
+        for excess in self.excess.values():
+            worst = np.maximum(worst, excess)
         return worst
 
     @property
@@ -172,10 +174,8 @@ def evaluate(problem: Problem, Kp: Any, Ki: Any) -> Evaluation:
     at |= {"Ms": linear.Ms_at, "delay_margin_s": linear.delay_at}
     excess = {}
     for name, limit in problem.limits.named.items():
-        if name == "delay_margin_s":
-            excess[name] = 1.0 - values[name] / limit
-        else:
-            excess[name] = values[name] / limit - 1.0
+        beyond = limit - values[name] if name == "delay_margin_s" else values[name] - limit
+        excess[name] = beyond / (limit or 1.0)  # a limit of zero has no share of itself
     cost = getattr(judged, COSTS[problem.cost])
     return Evaluation(Kp, Ki, cost.max(axis=1), cost.argmax(axis=1), values, at, excess)
 

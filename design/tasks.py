@@ -1,7 +1,7 @@
 """What the wrist is asked to do: steps of 15 degrees, from every starting memory, on every plant.
 
-Tuning and comparison use different scenarios: `tuning_scenarios` puts the task
-on corners of the plant, `reported_tasks` on the plant as it is.
+Tuning puts the task on the nominal plant and on corners around it; what is
+reported of a tuned controller is `design.compare`'s business.
 """
 
 from collections.abc import Sequence

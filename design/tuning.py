@@ -193,9 +193,7 @@ def tune(
     for number, begin in enumerate(begins):
         tell("local search", number / len(begins))
         searches.append(local_search(problem, region, begin))
-    lowest = int(np.argmin(merit(whole)))
-    ends = [s.end for s in searches] + [(float(Kp[lowest]), float(Ki[lowest]))]
-    at = _best(evaluate(problem, *np.array(ends).T))
+    at = _best(join([_best(whole), evaluate(problem, *np.array([s.end for s in searches]).T)]))
     for zoom in (1.0, 0.3, 0.1):
         tell("fine map", 1.0 - zoom)
         at = _best(join([at, evaluate(problem, *_around(at, region, zoom))]))

@@ -107,7 +107,7 @@ def _statements(function: Any, sources: list[list[str]], targets: list[str]) -> 
             held[into[0]] = sources[given[0]][given[1]]
             continue
         if code == "OP_CONST":
-            held[into[0]] = repr(float(function.instruction_constant(k)))
+            held[into[0]] = _constant(float(function.instruction_constant(k)))
             continue
         operands = [held[i] for i in given]
         name = f"t{k}"
@@ -123,6 +123,11 @@ def _statements(function: Any, sources: list[list[str]], targets: list[str]) -> 
         else:
             raise NotImplementedError(f"no code for {code}; add it to plants/compiled.py")
     return lines + writes
+
+
+def _constant(value: float) -> str:
+    """A number as source; in parentheses, since a sign binds less than a power."""
+    return f"({value!r})".replace("inf", "np.inf").replace("nan", "np.nan")
 
 
 def _selection(code: str, operands: list[str], made: dict[str, tuple[str, list[str]]]) -> str | None:
@@ -142,15 +147,15 @@ def emit(name: str, step: Callable[..., Any], state: Any, inputs: tuple[str, ...
     `state` and `coefficients` are examples of the trees; `inputs` names the
     signals that all lanes share, of which ``sample`` is the index of the step.
     """
-    given = inputs if len(inputs) > 1 else (*inputs, "unused")[: len(inputs)]
-    function = graph(step, state, tuple(given), coefficients)
+    function = graph(step, state, inputs, coefficients)
     n_c, n_s = len(tree.leaves(coefficients)), len(tree.leaves(state))
     cell = [f"m[{j * LANES} + l]" for j in range(n_c + n_s)]
     loads = [f"c{j} = {cell[j]}" for j in range(n_c)] + [f"s{j} = {cell[n_c + j]}" for j in range(n_s)]
-    sources = [[f"s{j}" for j in range(n_s)], list(inputs), [f"c{j}" for j in range(n_c)]]
+    # Prefixed, so that no signal is called like a variable of the template.
+    sources = [[f"s{j}" for j in range(n_s)], [f"u_{i}" for i in inputs], [f"c{j}" for j in range(n_c)]]
     statements = loads + _statements(function, sources, cell[n_c:])
     signals = [i for i in inputs if i != "sample"]
-    reads = [f"{i} = signals[{j}, k]" for j, i in enumerate(signals)] + ["sample = float(k)"]
+    reads = [f"u_{i} = signals[{j}, k]" for j, i in enumerate(signals)] + ["u_sample = float(k)"]
     return _TEMPLATE.format(
         name=name, lanes=LANES, total=n_c + n_s, n_coefficients=n_c, n_state=n_s,
         inputs="\n".join(" " * 12 + r for r in reads),

@@ -50,10 +50,11 @@ def run_lanes(
 
     Leaves of `state` and `coefficients` are floats (the same in every lane) or
     arrays of one length, the number of lanes.  `signals` are shared by the
-    lanes.  Returns the last state, leaves of shape (lanes,), and the leaves
-    named in `record` after every `every` steps, shape (len(record), rows,
-    lanes), row 0 being the start.  Lanes do not depend on each other: results
-    are the same to the bit for any number of threads.
+    lanes: one, of at least `steps` values, for each name in `inputs` but
+    ``sample``, which is the index of the step.  Returns the last state, leaves of
+    shape (lanes,), and the leaves named in `record` after every `every` steps,
+    shape (len(record), rows, lanes), row 0 being the start.  Lanes do not depend
+    on each other: results are the same to the bit for any number of threads.
     """
     sizes = {np.size(x) for x in tree.leaves(state) + tree.leaves(coefficients) if np.ndim(x)}
     lanes = max(sizes, default=1)
@@ -61,7 +62,10 @@ def run_lanes(
         raise ValueError(f"lanes differ in number: {sorted(sizes)}")
     padded = -(-lanes // LANES) * LANES
     s, c = _stack(state, lanes, padded), _stack(coefficients, lanes, padded)
-    given = np.array([np.asarray(v, float) for v in signals.values()]) if signals else np.zeros((1, 1))
+    shared = [np.asarray((signals or {})[name], float) for name in inputs if name != "sample"]
+    if any(len(signal) < steps for signal in shared):
+        raise ValueError(f"a signal is shorter than the {steps} steps asked for")
+    given = np.array([signal[:steps] for signal in shared]) if shared else np.zeros((1, 1))
     names = tree.names(state)
     recorded = np.array([names.index(r) for r in record], dtype=np.int64)
 

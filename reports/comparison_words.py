@@ -120,7 +120,8 @@ def evidence(t: Tuning) -> str:
         f"Evidence that this is the global optimum: a map of {region.points} × {region.points} gains covers "
         f"Kp from {region.Kp[0]:g} to {region.Kp[1]:g} kPa/deg and Ki from {region.Ki[0]:g} to "
         f"{region.Ki[1]:g} kPa/(deg s), neighbours {100 * (ratio[0] - 1):.0f} % and "
-        f"{100 * (ratio[1] - 1):.0f} % apart. Of {len(t.searches)} local searches from its valleys and other cells, {held}. "
+        f"{100 * (ratio[1] - 1):.0f} % apart. Of {len(t.searches)} local searches from its valleys "
+        f"and other cells, {held}. "
         "Three ever finer maps around the best point end at the gains given."
     )
     if t.problem.set_aside:

@@ -1,7 +1,7 @@
-"""A closed loop in plain Python, written from the paper's sheet and from no module of the project.
+"""A closed loop in plain Python: the equations written out once more, apart from the project's modules.
 
-The plant is advanced by its definition, not by the project's sampled coefficients where
-that makes a difference: the regulator's rate law is integrated by its own Taylor step.
+The one thing taken over is the form of the regulator's step, which `tests/laws/test_regulator.py`
+holds against the closed form of its law.
 """
 
 from math import exp

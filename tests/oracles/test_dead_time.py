@@ -1,11 +1,16 @@
 """A tube of 50 ms shakes a loop tuned without one, and not a loop that keeps 60 ms of delay margin."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from plain_loop import Plant, closed_loop
 
 from design.margins import branch_responses, margins
 from design.pi import PI
+from design.requirements import NOMINAL, Limits, Problem
+from design.tasks import Scenario
+from design.tuning import Region, tune
 from plants import Wrist
 
 TUBE = 0.050
@@ -51,3 +56,27 @@ def test_the_careful_gains_use_their_margin_up(axis):
     # Gains so slow that no tube could ever matter would prove nothing.
     assert delay_margin(axis, CAREFUL[axis]) < 0.100
     assert min(swings(axis, CAREFUL[axis], 0.150)) > 1.0
+
+
+@cache
+def tuned(axis: str, limits: Limits) -> tuple[float, float]:
+    """Gains of least IAE on the two steps of the nominal plant from rest."""
+    steps = [Scenario("virgin", 0.0, r, WRISTS[axis]) for r in (15.0, -15.0)]
+    found = tune(Problem.of(WRISTS[axis], steps, limits, duration=5.0), Region(points=12), starts=3)
+    assert found.feasible
+    return found.Kp, found.Ki
+
+
+def test_the_fastest_gains_for_a_deviation_without_tube_oscillate_behind_one():
+    gains = tuned("deviation", NOMINAL)
+    assert delay_margin("deviation", gains) < TUBE
+    assert max(swings("deviation", gains, 0.0)) < 0.05
+    assert min(swings("deviation", gains, TUBE)) > 1.0
+
+
+@pytest.mark.parametrize("axis", WRISTS)
+@pytest.mark.parametrize("reference", [15.0, -15.0])
+def test_the_fastest_gains_that_keep_60_ms_settle_behind_it(axis, reference):
+    gains = tuned(axis, Limits())
+    assert delay_margin(axis, gains) >= 0.060
+    assert max(swings(axis, gains, TUBE, reference=reference)) < 0.05
