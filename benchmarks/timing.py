@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import ceil
 from statistics import median
 from typing import Any
 
@@ -18,25 +19,32 @@ class Duel:
     ratio: float
 
 
-def seconds(work: Work) -> float:
-    """Wall time of one call [s]."""
+LEAST = 0.1
+"""A measurement lasts at least this long [s]: waking a processor must not count."""
+
+
+def seconds(work: Work, times: int = 1) -> float:
+    """Wall time of one call [s], the mean of a number of calls in a row."""
     begin = time.perf_counter()
-    work()
-    return time.perf_counter() - begin
+    for _ in range(times):
+        work()
+    return (time.perf_counter() - begin) / times
 
 
 def duel(first: Work, second: Work, rounds: int) -> Duel:
-    """Both run once unmeasured, then once each per round, the order alternating.
+    """Both run once unmeasured, then in turn in each round, the order alternating.
 
-    The ratio is taken within each round, of two measurements that follow each other: whatever
-    slows the machine for longer than a round slows both.
+    Short ones are called as often as makes a measurement long enough.  The ratio
+    is taken within each round, of two measurements that follow each other:
+    whatever slows the machine for longer than a round slows both.
     """
     first(), second()
+    often, as_often = (ceil(LEAST / seconds(work)) for work in (first, second))
     pairs = []
     for k in range(rounds):
         if k % 2:
-            late, early = seconds(second), seconds(first)
+            late, early = seconds(second, as_often), seconds(first, often)
             pairs.append((early, late))
         else:
-            pairs.append((seconds(first), seconds(second)))
+            pairs.append((seconds(first, often), seconds(second, as_often)))
     return Duel(median(a for a, _ in pairs), median(b for _, b in pairs), median(a / b for a, b in pairs))

@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -33,6 +34,11 @@ class Response:
 def default_jobs() -> int:
     """Threads used where none are asked for: the processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@cache
+def _pool(threads: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(threads, thread_name_prefix="lanes")
 
 
 def run_lanes(
@@ -70,8 +76,8 @@ def run_lanes(
     recorded = np.array([names.index(r) for r in record], dtype=np.int64)
 
     run = kernel(law, tree.like(state, names), inputs, tree.like(coefficients, tree.names(coefficients)))
-    blocks = padded // LANES
-    edges = np.linspace(0, blocks, min(jobs or default_jobs(), blocks) + 1).astype(int) * LANES
+    blocks, threads = padded // LANES, min(jobs or default_jobs(), padded // LANES)
+    edges = np.linspace(0, blocks, threads + 1).astype(int) * LANES
     pieces = [slice(a, b) for a, b in pairwise(edges)]
 
     def work(piece: slice) -> tuple[Array, Array]:
@@ -85,8 +91,7 @@ def run_lanes(
     if len(pieces) == 1:
         last, rows = work(pieces[0])
     else:
-        with ThreadPoolExecutor(len(pieces)) as pool:
-            done = list(pool.map(work, pieces))
+        done = list(_pool(threads).map(work, pieces))
         last, rows = (np.concatenate(parts, axis=-1) for parts in zip(*done, strict=True))
     return tree.like(state, last[:, :lanes]), rows[:, :, :lanes]
 
