@@ -1,8 +1,12 @@
-"""Writing files so that a reader never sees half of one."""
+"""Writing files so that a reader never sees half of one, and JSON that any reader takes."""
 
+import json
+import math
 import os
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from plants.errors import InputError
 
@@ -29,3 +33,22 @@ def write_atomically(path: str | Path, content: str | bytes) -> None:
         raise InputError(f"{path}: cannot be written ({error.strerror}); choose another place") from None
     finally:
         Path(part).unlink(missing_ok=True)
+
+
+def json_text(content: Mapping[str, Any]) -> str:
+    """Content as JSON: NumPy types made plain; numbers that JSON lacks, infinite or undefined, null.
+
+    >>> json_text({"settling_time_s": float("inf")})
+    '{\\n "settling_time_s": null\\n}\\n'
+    """
+    return json.dumps(_plain(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(v) for v in value]
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -108,6 +108,18 @@ class ParameterSet:
         return {name: p.value for name, p in self.parameters.items()}
 
     @property
+    def record(self) -> dict[str, Any]:
+        """``{name: {value, unit, provenance}}``, for JSON."""
+        return {
+            name: {
+                "value": p.value,
+                "unit": p.unit,
+                "provenance": {"kind": type(p.provenance).__name__.lower(), **vars(p.provenance)},
+            }
+            for name, p in self.parameters.items()
+        }
+
+    @property
     def assumed(self) -> list[str]:
         """Names of the parameters that are assumed, not stated or fitted."""
         return [n for n, p in self.parameters.items() if isinstance(p.provenance, Assumed)]

@@ -15,17 +15,17 @@ from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
 from reports import comparison_tables as tables
 from reports import comparison_words as words
 from reports import figures, paper
-from reports.comparison_record import comparison_record, csv_text, json_text
 from reports.fitted import Fit, draw_fit
 from reports.gain_map import COST_WORDS
 from reports.html import Made, markup, render
+from reports.records import comparison_record, csv_text
 from reports.style import save, svg
 from reports.tables import number
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["comparison_page", "comparison_record", "write_comparison"]
+__all__ = ["comparison_page", "write_comparison"]
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ def write_comparison(
 ) -> Path:
     """Write comparison.html, .json and .csv and the main figures as PNG into a folder, each complete
     or not at all.  Returns the path of the page; raises InputError where it cannot be written."""
-    from plants.files import write_atomically
+    from plants.files import json_text, write_atomically
 
     folder = Path(folder)
     drawn = main_figures(comparison, tunings, sets, fits)

@@ -81,7 +81,7 @@ def fit_words(fit: Fit) -> str:
     """Which recordings were fitted to and which judged."""
     took = [r.recording.name for r in fit.runs if r.role == "fit"]
     apart = [r.recording.name for r in fit.runs if r.role == "validate"]
-    bounds = getattr(fit, "at_bounds", ())
+    bounds = fit.at_bounds
     judged = f"judged on {', '.join(apart)}, which took no part" if apart else "no recording was kept apart"
     tail = f" At a bound: {', '.join(bounds)}." if bounds else ""
     return f"Fitted to {', '.join(took)} of the campaign “{fit.campaign.name}”; {judged}.{tail}"

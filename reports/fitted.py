@@ -1,11 +1,10 @@
 """Figures of a fit: measured and simulated, before and after, on recordings that took no part."""
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from plants.measured.recording import Recording
-from plants.quantities import ParameterSet
+from plants.measured.fit import Fit, Run
 from reports.style import BLACK, BLUE, DASHED, DOTTED, GREY, VERMILLION, styled
 
 if TYPE_CHECKING:
@@ -19,53 +18,15 @@ LOOP_SECONDS = 20.0
 """How much of a recording is drawn in the plane of pressure and angle [s]."""
 
 
-class FitRun(Protocol):
-    """What a figure needs of a recording beside its simulations; see `plants.measured.fit.Run`."""
-
-    @property
-    def recording(self) -> Recording: ...
-    @property
-    def role(self) -> str: ...
-    @property
-    def pressure(self) -> Any: ...
-    @property
-    def angle(self) -> Any: ...
-    @property
-    def pressure_before(self) -> Any: ...
-    @property
-    def angle_before(self) -> Any: ...
-
-
-class Fit(Protocol):
-    """What a report needs of a fit; see `plants.measured.fit.Fit`."""
-
-    @property
-    def campaign(self) -> Any: ...
-    @property
-    def before(self) -> ParameterSet: ...
-    @property
-    def fitted(self) -> ParameterSet: ...
-    @property
-    def noise(self) -> dict[str, float | None]: ...
-    @property
-    def validate_rmse(self) -> dict[str, float | None]: ...
-    @property
-    def validate_rmse_before(self) -> dict[str, float | None]: ...
-    @property
-    def fit_rmse(self) -> dict[str, float | None]: ...
-    @property
-    def runs(self) -> tuple[Any, ...]: ...
-
-
-def shown_run(fit: Fit) -> FitRun:
+def shown_run(fit: Fit) -> Run:
     """The recording to be drawn: of those that took no part in the fit, the one of the widest
     range; of all, where every recording took part."""
     runs = [r for r in fit.runs if r.role == "validate"] or list(fit.runs)
-    best: FitRun = max(runs, key=lambda r: float(np.ptp(_channel(r)[0])))
+    best: Run = max(runs, key=lambda r: float(np.ptp(_channel(r)[0])))
     return best
 
 
-def _channel(run: FitRun) -> tuple[Any, Any, Any, str]:
+def _channel(run: Run) -> tuple[Any, Any, Any, str]:
     """Measured, simulated after and before, and the label, of the angle, or else of the pressure."""
     if run.angle is not None and run.recording.angle is not None:
         return run.recording.angle, run.angle, run.angle_before, "Angle [deg]"
@@ -111,7 +72,7 @@ _BEFORE: dict[str, Any] = {"color": VERMILLION, "linestyle": DASHED, "linewidth"
 _AFTER: dict[str, Any] = {"color": BLUE, "linestyle": (0, DOTTED[1]), "linewidth": 2.0}
 
 
-def _loop(axes: "Axes", run: FitRun, pressure: Any, angle: Any, look: dict[str, Any], words: str) -> None:
+def _loop(axes: "Axes", run: Run, pressure: Any, angle: Any, look: dict[str, Any], words: str) -> None:
     """Angle against pressure for the first seconds only: more loops than a few hide each other."""
     time, measured = run.recording.time, run.recording
     assert measured.pressure is not None

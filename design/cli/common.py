@@ -1,6 +1,5 @@
 """Options and output that the commands share.  Nothing heavy is imported before it is used."""
 
-import json
 import math
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -56,31 +55,16 @@ def is_stdout(path: Path | None) -> bool:
     return path is not None and str(path) == "-"
 
 
-def finite(value: Any) -> Any:
-    """The same value with NumPy types made plain and infinite or undefined numbers None, since
-    JSON knows neither."""
-    if isinstance(value, Mapping):
-        return {str(k): finite(v) for k, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(v) for v in value]
-    if hasattr(value, "tolist"):
-        return finite(value.tolist())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
-
-
 def write_json(path: Path | None, content: Mapping[str, Any]) -> None:
     """Write JSON to a file, complete or not at all, or to stdout; nothing where no path is given."""
     if path is None:
         return
-    from plants.files import write_atomically
+    from plants.files import json_text, write_atomically
 
-    text = json.dumps(finite(content), indent=1, ensure_ascii=False) + "\n"
     if is_stdout(path):
-        sys.stdout.write(text)
+        sys.stdout.write(json_text(content))
     else:
-        write_atomically(path, text)
+        write_atomically(path, json_text(content))
 
 
 @contextmanager

@@ -41,12 +41,14 @@ def command(
 ) -> None:
     import sys
 
-    from design.cli.tune import refusal, tuning_problem
+    from design.answer import refusal
     from design.compare import compare
+    from design.requirements import default_problem
     from design.tuning import Region, tune
     from plants.wrist import Wrist
-    from reports.comparison import comparison_record, write_comparison
+    from reports.comparison import write_comparison
     from reports.html import Made
+    from reports.records import comparison_record
 
     said = console(json)
     folders = list(campaigns or []) + (example_campaigns() if example else [])
@@ -56,7 +58,7 @@ def command(
     for name, wrist in wrists.items():
         with progress(f"tune {name}") as tell:
             tunings[name] = tune(
-                tuning_problem(wrist, jobs=jobs), Region(points=points), seed=seed, progress=tell
+                default_problem(wrist, jobs=jobs), Region(points=points), seed=seed, progress=tell
             )
         said.print(f"{name}: Kp = {tunings[name].Kp:.4g} kPa/deg, Ki = {tunings[name].Ki:.4g} kPa/(deg s)")
     refusals = {n: no for n, t in tunings.items() if (no := refusal(t)) is not None}

@@ -34,6 +34,7 @@ def command(
     from plants.measured.campaign import load_campaign
     from plants.measured.fit import fit_campaign
     from plants.quantities import dump
+    from reports.records import fit_record
 
     data = load_campaign(campaign)
     with progress(f"fit {data.name}") as tell:
@@ -51,7 +52,7 @@ def command(
         path = out / f"fit-{data.name}.png"
         save_figure(draw_fit(fitted), path)
         said.print(f"picture in {path}")
-    write_json(json, record(fitted))
+    write_json(json, fit_record(fitted))
 
 
 def starting_set(data: "Campaign", plant: Path | None) -> "ParameterSet":
@@ -104,25 +105,3 @@ def tables(fit: "Fit") -> list[Any]:
     if worst > 1.5:
         lines.append("The error stays above the noise: the declared wrist lacks an effect that this rig has.")
     return lines
-
-
-def record(fit: "Fit") -> dict[str, Any]:
-    """A fit for JSON."""
-    from plants.quantities import Fitted
-
-    return {
-        "campaign": fit.campaign.name,
-        "sha256": fit.campaign.checksum,
-        "axis": fit.campaign.axis,
-        "parameters": {
-            n: {"value": p.value, "unit": p.unit, "std_error": p.provenance.std_error}
-            for n, p in fit.fitted.parameters.items()
-            if isinstance(p.provenance, Fitted)
-        },
-        "noise_floor": fit.noise,
-        "validate_rmse": fit.validate_rmse,
-        "validate_rmse_before": fit.validate_rmse_before,
-        "fit_rmse": fit.fit_rmse,
-        "at_bounds": list(fit.at_bounds),
-        "stages": {n: {"costs": list(e.costs), "agreeing": e.agreeing} for n, e in fit.stages.items()},
-    }

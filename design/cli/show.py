@@ -27,12 +27,4 @@ def command(axis: AxisOption = Axis.flexion, plant: PlantOption = None, json: Js
         out.print(Padding(Text(f"{KINDS[name].meaning}; {p.provenance}", style="dim"), (0, 0, 0, 4)))
     if chosen.assumed:
         out.print(Text(f"? assumed, not stated and not fitted: {', '.join(chosen.assumed)}", style="yellow"))
-    write_json(json, {name: _entry(p) for name, p in chosen.parameters.items()})
-
-
-def _entry(p: "object") -> dict[str, object]:
-    from plants.quantities import Parameter
-
-    assert isinstance(p, Parameter)
-    kind = type(p.provenance).__name__.lower()
-    return {"value": p.value, "unit": p.unit, "provenance": {"kind": kind, **vars(p.provenance)}}
+    write_json(json, chosen.record)

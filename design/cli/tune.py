@@ -1,6 +1,6 @@
 """``wrist tune``: gains of least worst cost under hard limits."""
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -27,7 +27,6 @@ COST_TEXT = {
 
 if TYPE_CHECKING:
     from design.tuning import Tuning
-    from plants.wrist import Wrist
 
 NAME = "tune"
 HELP = "Tune the PI: least worst cost over starting memories and corners of the plant, under hard limits."
@@ -59,7 +58,8 @@ def command(
     out: OutOption = None,
     jobs: JobsOption = None,
 ) -> None:
-    from design.requirements import COSTS, Limits
+    from design.answer import refusal, tuning_record
+    from design.requirements import COSTS, Limits, default_problem
     from design.tuning import Region, tune
     from plants.errors import InputError
     from plants.wrist import Wrist
@@ -68,7 +68,7 @@ def command(
         raise InputError(f"--cost: unknown cost {cost!r}; one of {', '.join(COSTS)}")
     chosen = parameter_set(axis, plant)
     limits = Limits(overshoot, ms, None if nominal else delay_margin, variation)
-    problem = tuning_problem(Wrist.from_values(chosen.values), limits, cost, nominal, jobs)
+    problem = default_problem(Wrist.from_values(chosen.values), limits, cost, nominal, jobs)
     with progress("tune") as tell:
         found = tune(problem, Region(points=points), starts, seed, tell)
     said = console(json)
@@ -81,52 +81,20 @@ def command(
         path = out / f"tune-{chosen.axis}.png"
         save(gain_map(found), path)
         said.print(f"map of the gains in {path}")
-    write_json(json, record(found, chosen.axis))
+    write_json(json, tuning_record(found, chosen.axis))
     if refusal(found) is not None:
         raise typer.Exit(1)
 
 
-def tuning_problem(
-    wrist: "Wrist", limits: Any = None, cost: str = "iae", nominal: bool = False, jobs: int | None = None
-) -> Any:
-    """The problem that ``wrist tune`` solves: all scenarios, or the step from rest of the nominal plant."""
-    from design.requirements import Problem
-    from design.tasks import tuning_scenarios
-
-    scenarios = tuning_scenarios(wrist)
-    if nominal:
-        scenarios = [s for s in scenarios if (s.plant, s.start) == ("nominal", "virgin")]
-    return Problem.of(wrist, scenarios, limits, cost, jobs=jobs)
-
-
-def refusal(found: "Tuning") -> str | None:
-    """Why the limits cannot be met, in one line, or None where they are."""
-    from design.requirements import LIMIT_UNITS, out_of_range
-    from design.tuning import nearest_limit
-
-    lack = out_of_range(found.problem)
-    if lack is not None:
-        scenario, volts = lack
-        return f"no: the command range is {volts:.3g} V too small to hold {scenario.name}"
-    if found.feasible:
-        return None
-    name = nearest_limit(found.at, 0)
-    assert name is not None
-    place = found.problem.place(name, int(found.at.values_at[name][0]))
-    return (
-        f"no: no gains hold every limit; nearest are Kp {found.Kp:.4g}, Ki {found.Ki:.4g}, where {name} is "
-        f"{found.at.values[name][0]:.4g} {LIMIT_UNITS[name]} against {found.problem.limits.named[name]:g} "
-        f"on {place}"
-    )
-
-
 def lines(found: "Tuning") -> list[str]:
     """What people read of a tuning."""
+    from design.answer import refusal, tuning_record
+
     no = refusal(found)
     if no is not None:
         return [no]
     problem, at, region = found.problem, found.at, found.region
-    metrics = record(found, "")["metrics"]
+    metrics = tuning_record(found, "")["metrics"]
     apart = " and ".join(f"{100 * (r - 1):.0f} %" for r in region.resolution)
     said = [
         f"Kp = {found.Kp:.4g} kPa/deg, Ki = {found.Ki:.4g} kPa/(deg s)",
@@ -155,63 +123,3 @@ def lines(found: "Tuning") -> list[str]:
     if found.on_edge:
         said.append("the optimum lies on the edge of the searched gains, so it may go on outside")
     return said
-
-
-def record(found: "Tuning", axis: str) -> dict[str, Any]:
-    """A tuning for JSON; `metrics` are of the nominal step from rest, `worst_case` over all scenarios."""
-    import numpy as np
-
-    from design.requirements import COSTS, rollouts
-
-    problem, at = found.problem, found.at
-    judged = rollouts(problem, at.Kp, at.Ki)
-    plain = next(
-        i
-        for i, s in enumerate(problem.scenarios)
-        if (s.start, s.plant) == ("virgin", "nominal") and s.reference > 0
-    )
-    names = ("settling_time_s", "overshoot_percent", "iae_deg_s", "itae_deg_s2", "total_variation_V")
-    worst = int(at.cost_at[0])
-    everywhere = {n: float(getattr(judged, n)[0].max()) for n in names}
-    on_map = np.where(found.map.feasible, found.map.cost, np.inf)
-    return {
-        "axis": axis,
-        "Kp": found.Kp,
-        "Ki": found.Ki,
-        "units": {"Kp": "kPa/deg", "Ki": "kPa/(deg s)"},
-        "feasible": refusal(found) is None,
-        "refusal": refusal(found),
-        "cost": problem.cost,
-        "metrics": {
-            **{n: float(getattr(judged, n)[0, plain]) for n in names},
-            "Ms": float(at.values["Ms"][0]),
-            "delay_margin_s": float(at.values["delay_margin_s"][0]),
-        },
-        "worst_case": {
-            "scenario": problem.scenarios[worst].name,
-            COSTS[problem.cost]: float(at.cost[0]),
-            "each_metric_over_all_scenarios": everywhere,
-        },
-        "limits": {
-            n: {
-                "limit": limit,
-                "value": float(at.values[n][0]),
-                "on": problem.place(n, int(at.values_at[n][0])),
-            }
-            for n, limit in problem.limits.named.items()
-        },
-        "active_constraint": found.active,
-        "optimality": {
-            "map_points": [found.region.points, found.region.points],
-            "map_Kp": list(found.region.Kp),
-            "map_Ki": list(found.region.Ki),
-            "map_resolution": list(found.region.resolution),
-            "map_feasible": int(found.map.feasible.sum()),
-            "map_best_cost": float(on_map.min()),
-            "local_searches": [vars(s) for s in found.searches],
-            "spread_of_best_searches": found.spread,
-            "on_edge_of_region": found.on_edge,
-        },
-        "scenarios": len(problem.scenarios),
-        "set_aside": [s.name for s in problem.set_aside],
-    }

@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 from functools import cache
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
@@ -13,6 +11,8 @@ from design.requirements import Problem
 from design.tasks import tuning_scenarios
 from design.tuning import Region, Tuning, tune
 from plants import ParameterSet, Wrist, built_in
+from plants.measured.campaign import Campaign
+from plants.measured.fit import Fit, Run
 from plants.measured.recording import Recording
 
 
@@ -24,10 +24,10 @@ class Compared:
     tunings: dict[str, Tuning]
     sets: dict[str, ParameterSet]
     wrists: dict[str, Wrist]
-    fits: dict[str, Any]
+    fits: dict[str, Fit]
 
 
-def small_fit(motion: str) -> Any:
+def small_fit(motion: str) -> Fit:
     """A stand-in for a fit of one motion: the model's own response with noise, judged on itself."""
     before, wrist = built_in(motion), Wrist.from_values(built_in(motion).values)
     names = ["a1", "w1", "Tw"]
@@ -39,17 +39,13 @@ def small_fit(motion: str) -> Any:
     noise = 0.05 * np.sin(np.arange(r.time.size) * 7.0)
     recording = Recording("sine.csv", r.time, np.append(v[::10], v[-1]), r.angle + noise, r.pressure + noise)
     runs = tuple(
-        SimpleNamespace(
-            recording=recording, role=role, pressure=r.pressure, angle=r.angle, pressure_before=r.pressure,
-            angle_before=r.angle * 1.1,
-        )
-        for role in ("fit", "validate")
-    )  # fmt: skip
+        Run(recording, role, r.pressure, r.angle, r.pressure, r.angle * 1.1) for role in ("fit", "validate")
+    )
     errors = {"angle_deg": 0.3, "pressure_kPa": 0.06}
-    return SimpleNamespace(
-        campaign=SimpleNamespace(name=f"{motion} rig", axis=motion, checksum="0123456789abcdef" * 4),
-        before=before, fitted=fitted, noise={"angle_deg": 0.05, "pressure_kPa": 0.05}, validate_rmse=errors,
-        validate_rmse_before={k: 2 * v for k, v in errors.items()}, fit_rmse=errors, runs=runs,
+    return Fit(
+        Campaign(f"{motion} rig", motion, "wrist", "rest", 0.01, (recording,), (recording,), "0123456789abcdef" * 4),
+        before, fitted, {"angle_deg": 0.05, "pressure_kPa": 0.05}, errors, errors,
+        {k: 2 * v for k, v in errors.items()}, runs, stages={}, at_bounds=(),
     )  # fmt: skip
 
 

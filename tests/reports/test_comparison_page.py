@@ -9,8 +9,10 @@ from report_samples import Compared, compare_both
 
 from design.compare import row_record
 from plants import InputError
-from reports.comparison import comparison_page, comparison_record, write_comparison
+from plants.files import json_text
+from reports.comparison import comparison_page, write_comparison
 from reports.html import Made, commit, render
+from reports.records import comparison_record
 
 VOID = {"meta", "br", "hr", "img", "link", "input", "wbr"}
 
@@ -148,12 +150,12 @@ def test_csv_agrees_with_the_rows(folder, compared):
 def test_json_agrees_with_the_comparison(folder, compared, made):
     found = json.loads((folder / "comparison.json").read_text(encoding="utf-8"))
     c = compared
-    assert found == json.loads(json.dumps(comparison_record(c.comparison, c.tunings, c.sets, c.fits, made)))
+    assert found == json.loads(json_text(comparison_record(c.comparison, c.tunings, c.sets, c.fits, made)))
     assert found["rows"] == [row_record(r) for r in c.comparison.rows]
     assert found["verdicts"] == list(c.comparison.verdicts)
     assert [s["Kp"] for s in found["standings"]] == [s.Kp for s in c.comparison.standings]
     assert found["tunings"]["flexion"]["Ki"] == c.tunings["flexion"].Ki
-    assert found["fits"]["flexion"]["fitted"]["a1"]["provenance"]["std_error"] == 0.002
+    assert found["fits"]["flexion"]["parameters"]["a1"]["std_error"] == 0.002
     assert found["made"]["seed"] == 7
 
 
