@@ -42,8 +42,9 @@ def small_fit(motion: str) -> Fit:
         Run(recording, role, r.pressure, r.angle, r.pressure, r.angle * 1.1) for role in ("fit", "validate")
     )
     errors = {"angle_deg": 0.3, "pressure_kPa": 0.06}
+    one = (recording,)
     return Fit(
-        Campaign(f"{motion} rig", motion, "wrist", "rest", 0.01, (recording,), (recording,), "0123456789abcdef" * 4),
+        Campaign(f"{motion} rig", motion, "wrist", "rest", 0.01, one, one, "0123456789abcdef" * 4),
         before, fitted, {"angle_deg": 0.05, "pressure_kPa": 0.05}, errors, errors,
         {k: 2 * v for k, v in errors.items()}, runs, stages={}, at_bounds=(),
     )  # fmt: skip
