@@ -6,7 +6,7 @@ import numpy as np
 
 from design.rules import PAPER_GAINS, baselines, paper_range
 from design.tuning import Tuning
-from reports.style import BLACK, BLUE, GREY, ORANGE, new_figure, styled
+from reports.style import BLACK, GREY, ORANGE, new_figure, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -111,8 +111,6 @@ def _marks(axes: "Axes", tuning: Tuning) -> None:
     mark(*PAPER_GAINS, "D", "paper's stand-in, its range", ms=6)
     words = "tuned" if tuning.feasible else "nearest to the limits"
     mark(tuning.Kp, tuning.Ki, "*", words, ms=16, markerfacecolor=ORANGE)
-    axes.annotate(
-        f"{words}\n{tuning.Kp:.3g}, {tuning.Ki:.3g}", (tuning.Kp, tuning.Ki), (0, -11), ha="center", va="top",
-        textcoords="offset points", fontsize=8.5, color=BLUE, fontweight="bold", zorder=6,
-        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
-    )  # fmt: skip
+    limit = tuning.active.rsplit("_", 1)[0].replace("_", " ") if tuning.active else "none"
+    gains = f"Kp {tuning.Kp:.3g} kPa/deg, Ki {tuning.Ki:.3g} kPa/(deg s)"
+    axes.set_title(f"{words.capitalize()}: {gains}; active limit: {limit}")

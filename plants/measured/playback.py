@@ -13,7 +13,10 @@ from plants.wrist import SAMPLE_TIME, State, Wrist
 
 Array = NDArray[np.float64]
 JUMP = 0.05
-"""A command that moves further than this [V] from one row to the next has jumped."""
+"""A command that moves less than this [V] from one row to the next has not jumped."""
+
+SHARPER = 3.0
+"""A jump is this many times larger than what the command moves in the rows beside it."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,9 @@ class Playback:
         if self.recording.reference is None:
             return v[row]
         moved = np.diff(v)
-        jumped = (np.abs(moved) > JUMP) | (np.diff(self.recording.reference) != 0.0)
+        size = np.abs(moved)
+        beside = np.maximum(np.append(0.0, size[:-1]), np.append(size[1:], 0.0))
+        jumped = (size > JUMP) & (size > SHARPER * beside)
         share = (samples - rows[row]) / (rows[row + 1] - rows[row])
         between: Array = v[row] + np.where(jumped, 0.0, moved)[row] * share
         return between

@@ -141,6 +141,13 @@ def test_a_command_is_interpolated_in_closed_loop_and_held_at_a_jump():
     assert np.all(v[10:20] == 1.01)
 
 
+def test_a_command_that_moves_fast_but_smoothly_has_not_jumped():
+    command = 2.0 + np.sin(np.arange(60) / 4.0)
+    r = Recording("r", np.arange(60) * 0.01, command, np.zeros(60), reference=np.sin(np.arange(60) / 9.0))
+    v = Playback(r).commands
+    assert v == pytest.approx(2.0 + np.sin(np.arange(590) / 40.0), abs=0.02)
+
+
 def test_rounding_does_not_hide_the_noise():
     rng = np.random.default_rng(0)
     values = np.round(0.05 * rng.standard_normal(5000), 2)
