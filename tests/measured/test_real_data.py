@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from plants.measured.campaign import load_campaign, load_recording
+from plants.measured.fit import fit_campaign
 from plants.measured.tables import read_table
+from plants.quantities import built_in
 
 DATA = os.environ.get("WRIST_DATA")
 pytestmark = pytest.mark.skipif(not DATA, reason="WRIST_DATA is not set: no measured data at hand")
@@ -72,3 +74,30 @@ def test_a_joint_logged_in_matlab_loads(tmp_path: Path):
     r = load_recording(tmp_path / "log.mat", columns, sample_time=1e-3)
     assert len(r.time) == 28_027
     assert list(r.extra) == ["F", "dx"]
+
+
+STEPS = """
+axis = "pump"
+stage = "regulator"
+start = "unknown"
+sample_time_s = 0.02
+fit = ["sweep_kp_10.csv", "sweep_kp_15.csv", "sweep_kp_20.csv", "sweep_ki_300.csv"]
+validate = ["sweep_kp_25.csv", "sweep_ki_500.csv"]
+[columns]
+time_s = "Time"
+command_V = {name = "Target", scale = 0.0202429}
+pressure_kPa = "Pressure"
+"""
+
+
+def test_the_regulator_is_fitted_to_a_pressure_loop(tmp_path: Path):
+    for file in (Path(str(DATA)) / "pressure-loop").glob("sweep_k*.csv"):
+        shutil.copyfile(file, tmp_path / file.name)
+    (tmp_path / "campaign.toml").write_text(STEPS, encoding="utf-8")
+    found = fit_campaign(load_campaign(tmp_path), built_in("flexion"), starts=3)
+    after, before = found.validate_rmse["pressure_kPa"], found.validate_rmse_before["pressure_kPa"]
+    # A pump is no such regulator: most of the error goes, and what stays is above the noise.
+    assert after < 0.3 * before
+    assert after > found.noise["pressure_kPa"]
+    assert found.validate_rmse["angle_deg"] is None
+    assert found.fitted.axis == "pump"
