@@ -22,9 +22,12 @@ def refusal(found: Tuning) -> str | None:
     name = nearest_limit(found.at, 0)
     assert name is not None
     place = found.problem.place(name, int(found.at.values_at[name][0]))
+    value, limit = found.at.values[name][0], found.problem.limits.named[name]
+    unit = "" if LIMIT_UNITS[name] == "1" else f" {LIMIT_UNITS[name]}"
+    (low_p, high_p), (low_i, high_i) = found.region.Kp, found.region.Ki
     return (
-        f"no: no gains hold every limit; nearest are Kp {found.Kp:.4g}, Ki {found.Ki:.4g}, where {name} is "
-        f"{found.at.values[name][0]:.4g} {LIMIT_UNITS[name]} against {found.problem.limits.named[name]:g} "
+        f"no: no gains in Kp {low_p:g} to {high_p:g}, Ki {low_i:g} to {high_i:g} hold every limit; nearest "
+        f"are Kp {found.Kp:.4g}, Ki {found.Ki:.4g}, where {name} is {value:.4g}{unit} against {limit:g} "
         f"on {place}"
     )
 

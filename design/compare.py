@@ -123,10 +123,17 @@ def _row(motion: str, task: str, name: str, judged: list[Metrics]) -> Row:
     )  # fmt: skip
 
 
-def compare(wrists: Mapping[str, Wrist], tuned: Mapping[str, PI], limits: Limits | None = None) -> Comparison:
+def compare(
+    wrists: Mapping[str, Wrist],
+    tuned: Mapping[str, PI],
+    limits: Limits | None = None,
+    refusals: Mapping[str, str] | None = None,
+) -> Comparison:
     """Run every controller on every task of each motion, and of two motions at once.
 
-    `wrists` and `tuned` map a motion's name to its wrist and its tuned PI.
+    `wrists` and `tuned` map a motion's name to its wrist and its tuned PI; `refusals`
+    gives the reason for a motion that could not be tuned within the limits, whose
+    PI is then only the nearest there is.
     """
     limits = limits or Limits()
     rows: list[Row] = []
@@ -151,7 +158,9 @@ def compare(wrists: Mapping[str, Wrist], tuned: Mapping[str, PI], limits: Limits
                     for a, b in zip(judged[one, name][task], judged[other, name][task], strict=True)
                 ]
                 rows.append(_row("both at once", task, name, both))
-    return Comparison(tuple(rows), tuple(standings), steps, limits, tuple(verdicts(rows, standings)))
+    return Comparison(
+        tuple(rows), tuple(standings), steps, limits, tuple(verdicts(rows, standings, refusals))
+    )
 
 
 def _standing(
@@ -177,11 +186,16 @@ def _standing(
     )  # fmt: skip
 
 
-def verdicts(rows: list[Row], standings: list[Standing]) -> list[str]:
+def verdicts(
+    rows: list[Row], standings: list[Standing], refusals: Mapping[str, str] | None = None
+) -> list[str]:
     """What the table says, one sentence a motion; a comparison with the paper's PI only where the
     whole range of its gains agrees."""
     said = []
     for motion in {s.motion: None for s in standings}:
+        if refusals and motion in refusals:
+            said.append(f"{motion}: {refusals[motion]}; what stands as tuned is only the nearest there is.")
+            continue
         of = {s.controller: s for s in standings if s.motion == motion}
         ours = max(r.high["settling_time_s"] for r in rows if (r.motion, r.controller) == (motion, TUNED))
         theirs = [r for r in rows if (r.motion, r.controller) == (motion, PAPER)]

@@ -25,7 +25,8 @@ class PI:
     """Gains of the controller: Kp [kPa/deg], Ki [kPa/(deg s)]; floats or arrays of lanes.
 
     gain [kPa/V] and rest_pressure [kPa] are what the controller knows of the
-    regulator; low and high [V] bound the command.
+    regulator; low and high [V] bound the command.  Raises ValueError for gains
+    that are negative or not finite.
     """
 
     Kp: Number
@@ -34,6 +35,11 @@ class PI:
     rest_pressure: Number = 100.0
     low: Number = COMMAND_RANGE[0]
     high: Number = COMMAND_RANGE[1]
+
+    def __post_init__(self) -> None:
+        gains = np.concatenate([np.ravel(self.Kp), np.ravel(self.Ki)])
+        if not (np.isfinite(gains).all() and (gains >= 0.0).all()):
+            raise ValueError("gains must be finite and not negative")
 
     def sampled(self, dt: float = SAMPLE_TIME) -> "SampledPI":
         """Coefficients for a sample time `dt` [s]."""

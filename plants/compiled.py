@@ -181,7 +181,7 @@ def load(source: str) -> Callable[..., None]:
     """The ``run`` of an emitted module, compiled at its first call in any process."""
     module = f"k{hashlib.sha256(source.encode()).hexdigest()[:24]}"
     path = cache_folder() / f"{module}.py"
-    if not path.exists():
+    if not path.exists() or path.read_text() != source:  # missing, or damaged
         part = path.with_suffix(f".{os.getpid()}")
         part.write_text(source)
         part.replace(path)  # another process may be doing the same

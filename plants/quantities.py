@@ -38,13 +38,13 @@ class Assumed:
 @dataclass(frozen=True)
 class Fitted:
     """Estimated from data: which, and the standard error in the parameter's unit
-    (None where the data does not determine it)."""
+    (None where the estimate lies at a bound)."""
 
     data: str
     std_error: float | None
 
     def __str__(self) -> str:
-        error = "not determined" if self.std_error is None else f"s.e. {self.std_error:.2g}"
+        error = "no standard error" if self.std_error is None else f"s.e. {self.std_error:.2g}"
         return f"fitted to {self.data}, {error}"
 
 
@@ -124,6 +124,11 @@ class ParameterSet:
         """Names of the parameters that are assumed, not stated or fitted."""
         return [n for n, p in self.parameters.items() if isinstance(p.provenance, Assumed)]
 
+    def unbounded(self) -> "ParameterSet":
+        """The same set within the bounds of each kind of parameter, the widest that there are."""
+        wide = {n: replace(p, low=KINDS[n].low, high=KINDS[n].high) for n, p in self.parameters.items()}
+        return replace(self, parameters=wide)
+
     def fitted(
         self, values: Mapping[str, float], errors: Mapping[str, float | None], data: str
     ) -> "ParameterSet":
@@ -165,6 +170,8 @@ def load(path: str | Path) -> ParameterSet:
         raise InputError(f"{path}: no such parameter set; give a .toml file that exists") from None
     except IsADirectoryError:
         raise InputError(f"{path}: is a folder; give the .toml file of a parameter set") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); give the .toml file of a set") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: not valid TOML ({error}); see plants/parameters/flexion.toml") from None
     table = text.get("parameters")

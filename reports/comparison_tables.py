@@ -70,7 +70,7 @@ def provenance(origin: Stated | Assumed | Fitted) -> str:
     if isinstance(origin, Assumed):
         return "assumed"
     if isinstance(origin, Fitted):
-        return "fitted" if origin.std_error is not None else "fitted, not determined"
+        return "fitted" if origin.std_error is not None else "fitted, at a bound"
     return f"stated, {origin.section}"
 
 

@@ -2,19 +2,18 @@
 
 from collections.abc import Mapping
 
+from design.answer import refusal
 from design.compare import TUNED, Comparison
 from design.rules import PAPER_FACTOR, PAPER_GAINS
-from design.tasks import STEP
+from design.tasks import HEADROOM, STEP
 from design.tuning import Tuning
+from plants.measured.fit import EXPLAINED, Fit
 from plants.quantities import Assumed, Fitted, ParameterSet
-from reports.comparison_tables import CHANNELS, limit_name
+from reports.comparison_tables import limit_name
 from reports.figures import SOON, name_of, title_of
-from reports.fitted import Fit, shown_run
+from reports.fitted import shown_run
 from reports.gain_map import COST_WORDS
 from reports.tables import number
-
-EXPLAINED = 1.2
-"""A model whose error is below this many times the noise explains a channel."""
 
 FURTHER = (
     "The law by which the regulator's P gain varies: dP/dt = k(e) e with "
@@ -52,39 +51,26 @@ def summary(comparison: Comparison, sets: Mapping[str, ParameterSet], fits: Mapp
         rest = (
             f"All of this is simulated; {assumed} of the plants' {len(origins)} parameters are {still}assumed"
         )
-    lacking = [m for m, f in fits.items() if any(r > EXPLAINED for r in ratios(f).values())]
+    lacking = [m for m, f in fits.items() if any(r > EXPLAINED for r in f.ratios.values())]
     if lacking:
         whose = " and ".join(lacking)
         rest += f", and the fitted model of {whose} does not explain its recordings down to the noise"
     return [*(v[:1].upper() + v[1:] for v in comparison.verdicts[:2]), f"{rest}."]
 
 
-def ratios(fit: Fit) -> dict[str, float]:
-    """Error on the recordings that took no part over the noise, by channel, where both are known."""
-    pairs = {c: (fit.validate_rmse.get(c), fit.noise.get(c)) for c in CHANNELS}
-    return {c: error / noise for c, (error, noise) in pairs.items() if error is not None and noise}
-
-
 def misfit(fit: Fit) -> str:
     """Whether the fitted model explains the recordings that took no part down to the noise."""
-    said = []
-    for channel, ratio in ratios(fit).items():
-        words = CHANNELS[channel][0].lower()
-        if ratio > EXPLAINED:
-            said.append(f"The {words} errs by {number(ratio, 2)} times the noise: the model lacks something.")
-        else:
-            said.append(f"The {words} errs by no more than the noise.")
-    return " ".join(said)
+    if fit.remarks:
+        return " ".join(fit.remarks)
+    return "The errors are no more than the noise: the model explains these recordings."
 
 
 def fit_words(fit: Fit) -> str:
     """Which recordings were fitted to and which judged."""
     took = [r.recording.name for r in fit.runs if r.role == "fit"]
     apart = [r.recording.name for r in fit.runs if r.role == "validate"]
-    bounds = fit.at_bounds
     judged = f"judged on {', '.join(apart)}, which took no part" if apart else "no recording was kept apart"
-    tail = f" At a bound: {', '.join(bounds)}." if bounds else ""
-    return f"Fitted to {', '.join(took)} of the campaign “{fit.campaign.name}”; {judged}.{tail}"
+    return f"Fitted to {', '.join(took)} of the campaign “{fit.campaign.name}”; {judged}."
 
 
 def fit_caption(motion: str, fit: Fit) -> str:
@@ -101,8 +87,9 @@ def found(t: Tuning) -> str:
     unit = COST_WORDS.get(t.problem.cost, "").partition("[")[2].rstrip("]")
     where = t.problem.scenarios[int(t.at.cost_at[0])].name
     words = f"Worst cost {number(float(t.at.cost[0]))} {unit}, on {where}."
-    if not t.feasible:
-        return f"{words} No gains hold every limit; these come nearest."
+    no = refusal(t)
+    if no:
+        return f"{words} The answer is {no}."
     if t.active:
         return f"{words} The active limit is {limit_name(t.active)}: less cost would break it."
     return f"{words} No limit is active: the optimum lies inside all of them."
@@ -127,7 +114,8 @@ def evidence(t: Tuning) -> str:
     if t.problem.set_aside:
         words += (
             f" {len(t.problem.set_aside)} of {len(t.problem.scenarios) + len(t.problem.set_aside)} scenarios "
-            f"were set aside, such as {t.problem.set_aside[0].name}: no command in the range holds them."
+            f"were set aside, such as {t.problem.set_aside[0].name}: the command that holds them lies within "
+            f"{HEADROOM:g} V of the end of the range, or beyond it."
         )
     edge = " The optimum lies on the edge of the searched region: a wider one may hold a better one."
     return words + (edge if t.on_edge else "")

@@ -65,5 +65,7 @@ def fit_record(fit: Fit) -> dict[str, Any]:
         "validate_rmse_before": fit.validate_rmse_before,
         "fit_rmse": fit.fit_rmse,
         "at_bounds": list(fit.at_bounds),
+        "undetermined": list(fit.undetermined),
+        "remarks": fit.remarks,
         "stages": {n: {"costs": list(e.costs), "agreeing": e.agreeing} for n, e in fit.stages.items()},
     }

@@ -79,10 +79,10 @@ def with_error(value: float, error: float | None) -> str:
     """A value and its standard error, both to the second digit of the error.
 
     >>> with_error(0.36012, 0.00214), with_error(6.0, None), with_error(48.7, 0.0)
-    ('0.3601 ± 0.0021', '6 ± not determined', '48.7 ± 0')
+    ('0.3601 ± 0.0021', '6 ± unknown', '48.7 ± 0')
     """
     if error is None or not isfinite(error):
-        return f"{number(value, 4)} ± not determined"
+        return f"{number(value, 4)} ± unknown"
     if error <= 0.0:
         return f"{number(value, 4)} ± 0"
     decimals = min(max(1 - floor(log10(error)), 0), 8)

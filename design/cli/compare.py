@@ -28,7 +28,9 @@ def command(
     ] = None,
     plant: Annotated[
         list[Path] | None,
-        typer.Option(help="Parameter set of a motion in place of a fit; may be given twice."),
+        typer.Option(
+            help="Parameter set of a motion: where its fit starts, or, without a campaign, the plant."
+        ),
     ] = None,
     example: Annotated[
         bool, typer.Option("--example", help="Use the campaigns that ship with the project (synthetic).")
@@ -65,7 +67,7 @@ def command(
     for name, no in refusals.items():
         said.print(f"{name}: {no}")
     tuned = {n: _tuned(t) for n, t in tunings.items()}
-    comparison = compare(wrists, tuned)
+    comparison = compare(wrists, tuned, refusals=refusals)
     for line in table(comparison):
         said.print(line)
     made = Made.now(
@@ -111,21 +113,25 @@ def _plants(
     from plants.measured.fit import fit_campaign
     from plants.quantities import built_in, load
 
-    sets: dict[str, ParameterSet] = {}
+    given: dict[str, ParameterSet] = {}
     fits: dict[str, Fit] = {}
     for path in files:
-        given = load(path)
-        if given.axis in sets:
-            raise InputError(f"{path}: a set for {given.axis!r} was given before; give one a motion")
-        sets[given.axis] = given
+        one = load(path)
+        if one.axis in given:
+            raise InputError(f"{path}: a set for {one.axis!r} was given before; give one a motion")
+        given[one.axis] = one
     campaigns = {}
     for folder in folders:  # all are read before any is fitted, so that bad input ends the run at once
         data = load_campaign(folder)
         if data.stage == "regulator":
             raise InputError(f"{folder}: has no angle; a comparison needs a campaign of the whole wrist")
-        if data.axis in sets or data.axis in campaigns:
-            raise InputError(f"{folder}: {data.axis!r} was given before; give one campaign or set a motion")
-        campaigns[data.axis] = (data, starting_set(data, None))
+        if data.axis in campaigns:
+            raise InputError(f"{folder}: {data.axis!r} was given before; give one campaign a motion")
+        campaigns[data.axis] = (
+            data,
+            given.pop(data.axis) if data.axis in given else starting_set(data, None),
+        )
+    sets = dict(given)  # what no campaign starts from
     for axis, (data, start) in campaigns.items():
         with progress(f"fit {data.name}") as tell:
             fits[axis] = fit_campaign(data, start, seed=seed, progress=tell)

@@ -64,6 +64,8 @@ def starting_set(data: "Campaign", plant: Path | None) -> "ParameterSet":
         return load(plant)
     if data.axis in ("flexion", "deviation"):
         return built_in(data.axis)
+    if data.stage == "regulator":  # any regulator: the built-in one, within what is possible at all
+        return built_in("flexion").unbounded()
     raise InputError(
         f"{data.name}: axis {data.axis!r} has no built-in parameters; give a set to start from with --plant"
     )
@@ -81,7 +83,7 @@ def tables(fit: "Fit") -> list[Any]:
     for name, p in fit.fitted.parameters.items():
         if not isinstance(p.provenance, Fitted):
             continue
-        error = "not determined" if p.provenance.std_error is None else f"{p.provenance.std_error:.2g}"
+        error = "-" if p.provenance.std_error is None else f"{p.provenance.std_error:.2g}"
         mark = " (at bound)" if name in fit.at_bounds else ""
         first.add_row(name, f"{fit.before.parameters[name].value:.5g}", f"{p.value:.5g}{mark}", error, p.unit)
     second = Table(box=None, pad_edge=False)
@@ -93,15 +95,11 @@ def tables(fit: "Fit") -> list[Any]:
             continue
         before, on_fit = fit.validate_rmse_before[channel], fit.fit_rmse[channel]
         texts = ["-" if v is None else f"{v:.4g} {unit}" for v in (before, after, on_fit, noise)]
-        second.add_row(channel.split("_")[0], *texts, f"{after / noise:.2f}")
+        second.add_row(channel.split("_")[0], *texts, f"{after / noise:.2f}" if noise else "-")
     lines: list[Any] = [fit.fitted.title, first, "", "rms error of free runs from the command", second, ""]
     for stage, found in fit.stages.items():
         lines.append(
             f"{stage} stage: {found.agreeing} of {len(found.costs)} starts ended at the same minimum"
         )
-    worst = max(
-        (r / n for c in fit.noise if (r := fit.validate_rmse[c]) and (n := fit.noise[c])), default=0.0
-    )
-    if worst > 1.5:
-        lines.append("The error stays above the noise: the declared wrist lacks an effect that this rig has.")
+    lines += fit.remarks
     return lines

@@ -72,13 +72,15 @@ def command(
 
 
 def _open(wrist: "Wrist", volts: float, start: "Start", duration: float) -> dict[str, Any]:
-    import math
+    import warnings
 
-    from plants.errors import InputError
-    from plants.wrist import SAMPLE_TIME
+    from plants.errors import InputError, InputWarning
+    from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
 
-    if not math.isfinite(volts):
-        raise InputError(f"--volts: {volts} is not a finite number")
+    if not abs(volts) <= 100.0:
+        raise InputError(f"--volts: {volts} is no voltage of a regulator; give one of 0 to 4")
+    if not COMMAND_RANGE[0] <= volts <= COMMAND_RANGE[1]:
+        warnings.warn(f"--volts: {volts:g} V is outside the range of 0 to 4 V", InputWarning, stacklevel=2)
     count = round(duration / SAMPLE_TIME)
     r = wrist.simulate([volts] * count, wrist.rest(start), every=10 if count % 10 == 0 else 1)
     summary = f"{volts:g} V for {duration:g} s leads to {r.pressure[-1]:.2f} kPa and {r.angle[-1]:.3f} deg"
@@ -160,7 +162,13 @@ def _figure(number: int, axis: Axis, plant: Path | None, json: Path | None, out:
     if number not in paper.FIGURES:
         known = ", ".join(map(str, paper.FIGURES))
         raise InputError(f"--figure: {number} is not a figure that the model can redraw; one of {known}")
-    sets = {a: parameter_set(Axis(a), plant if a == axis.value else None) for a in ("flexion", "deviation")}
+    sets = {a.value: parameter_set(a, None) for a in Axis}
+    if plant is not None:
+        given = parameter_set(axis, plant)
+        if given.axis not in sets:
+            known = ", ".join(sets)
+            raise InputError(f"{plant}: {given.axis!r} is no motion of the paper; its figures are of {known}")
+        sets[given.axis] = given
     wrists = [Wrist.from_values(s.values) for s in sets.values()]
     path = (out or Path("build/figures")) / f"figure-{number:02d}.png"
     save(paper.draw(number, *wrists), path)

@@ -51,6 +51,9 @@ def command(
     variation: Annotated[
         float, typer.Option(help="Limit on the travel of the command in a step [V].", min=0.0)
     ] = 16.0,
+    steady_error: Annotated[
+        float, typer.Option(help="Limit on what is left at the end of the run [% of the step].", min=0.0)
+    ] = 2.0,
     points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 40,
     starts: Annotated[int, typer.Option(help="Local searches.", min=1, max=100)] = 5,
     seed: SeedOption = 0,
@@ -67,7 +70,7 @@ def command(
     if cost not in COSTS:
         raise InputError(f"--cost: unknown cost {cost!r}; one of {', '.join(COSTS)}")
     chosen = parameter_set(axis, plant)
-    limits = Limits(overshoot, ms, None if nominal else delay_margin, variation)
+    limits = Limits(overshoot, ms, None if nominal else delay_margin, variation, steady_error)
     problem = default_problem(Wrist.from_values(chosen.values), limits, cost, nominal, jobs)
     with progress("tune") as tell:
         found = tune(problem, Region(points=points), starts, seed, tell)
@@ -89,11 +92,13 @@ def command(
 def lines(found: "Tuning") -> list[str]:
     """What people read of a tuning."""
     from design.answer import refusal, tuning_record
+    from design.tasks import HEADROOM
 
     no = refusal(found)
     if no is not None:
         return [no]
     problem, at, region = found.problem, found.at, found.region
+    near = sum(s.feasible and s.cost <= 1.01 * float(at.cost[0]) for s in found.searches)
     metrics = tuning_record(found, "")["metrics"]
     apart = " and ".join(f"{100 * (r - 1):.0f} %" for r in region.resolution)
     said = [
@@ -112,13 +117,13 @@ def lines(found: "Tuning") -> list[str]:
             else "none; the optimum lies inside all limits"
         ),
         f"map of {region.points} x {region.points} gains, neighbours {apart} apart (Kp and Ki), "
-        f"{found.map.feasible.sum()} within the limits; {sum(s.feasible for s in found.searches)} of "
-        f"{len(found.searches)} local searches ended within the limits, none below the result",
+        f"{found.map.feasible.sum()} within the limits; {near} of {len(found.searches)} local searches ended "
+        f"within 1 % of the result, the others at higher costs",
     ]
     if problem.set_aside:
         said.append(
-            f"{len(problem.set_aside)} scenarios set aside, since no command can hold them, such as "
-            f"{problem.set_aside[0].name}"
+            f"{len(problem.set_aside)} scenarios set aside, since the command that holds them lies within "
+            f"{HEADROOM:g} V of the end of the range or beyond, such as {problem.set_aside[0].name}"
         )
     if found.on_edge:
         said.append("the optimum lies on the edge of the searched gains, so it may go on outside")

@@ -14,7 +14,8 @@ HUBER = 3.0
 class Problem(Protocol):
     """What is estimated: residuals (rows, lanes) of vectors (lanes, n), and the block of each row."""
 
-    blocks: NDArray[np.intp]
+    @property
+    def blocks(self) -> NDArray[np.intp]: ...
 
     def residuals(self, x: Array) -> Array: ...
 

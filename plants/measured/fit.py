@@ -1,33 +1,35 @@
 """Fitting the declared wrist to a campaign: regulator on the pressure, then the wrist on the angle.
 
-Where the pressure was not logged both stages are fitted together on the angle.
+Where no pressure was logged both stages are fitted together on the angle.
 Residuals are free-run simulations from the command, so that the error counted
 is the one that a user of the model will see.
 """
 
+import warnings
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.errors import InputError
-from plants.hysteresis import Memory
+from plants.errors import InputError, InputWarning
 from plants.measured.campaign import Campaign
-from plants.measured.estimate import Estimate, estimate
+from plants.measured.determined import estimate_determined
+from plants.measured.estimate import Estimate
 from plants.measured.noise import noise_of
 from plants.measured.playback import Playback
+from plants.measured.problem import Begin, FitProblem, at_rest, first_begin, measured
 from plants.measured.recording import Recording
 from plants.quantities import REGULATOR_NAMES, WRIST_NAMES, ParameterSet, loop_problem
-from plants.simulate import default_jobs
-from plants.wrist import State, Wrist
+from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 Errors = dict[str, float | None]
 Role = Literal["fit", "validate"]
 CHANNELS = ("pressure_kPa", "angle_deg")
+EXPLAINED = 1.2
+"""A model whose error is below this many times the noise explains a channel (chi-square 1.5 a row)."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,8 @@ class Fit:
     each channel, from the data.  fit_rmse, validate_rmse, validate_rmse_before:
     errors of free runs by channel, None where a channel was not logged.
     stages: how each estimate went.  at_bounds: parameters that ran into a bound.
+    undetermined: parameters that the recordings say nothing about; they keep
+    their starting value and its provenance.
     """
 
     campaign: Campaign
@@ -62,7 +66,35 @@ class Fit:
     validate_rmse_before: Errors
     runs: tuple[Run, ...]
     stages: dict[str, Estimate]
-    at_bounds: tuple[str, ...]
+    at_bounds: tuple[str, ...] = ()
+    undetermined: tuple[str, ...] = ()
+
+    @property
+    def ratios(self) -> dict[str, float]:
+        """Error on the recordings that took no part over the noise, by channel."""
+        pairs = {c: (self.validate_rmse[c], self.noise[c]) for c in CHANNELS}
+        return {c: error / noise for c, (error, noise) in pairs.items() if error is not None and noise}
+
+    @property
+    def remarks(self) -> list[str]:
+        """What there is to say of the fit, in sentences; none where it explains the recordings."""
+        said = []
+        if self.undetermined:
+            said.append(
+                "Not determined by these recordings, kept at their starting values: "
+                f"{', '.join(self.undetermined)}."
+            )
+        if self.at_bounds:
+            said.append(f"At a bound, so without a standard error: {', '.join(self.at_bounds)}.")
+        high = {c: r for c, r in self.ratios.items() if r > EXPLAINED}
+        if high:
+            errs = " and ".join(f"the {c.split('_')[0]} by {r:.2g}" for c, r in high.items())
+            also = all((self.fit_rmse[c] or 0.0) > EXPLAINED * (self.noise[c] or 0.0) for c in high)
+            cause = "the model lacks something that this rig has"
+            if said or not also:
+                cause = "the recordings do not settle whether an effect is missing or parameters are off"
+            said.append(f"Errors exceed the noise, {errs} times: {cause}.")
+        return said
 
 
 def fit_campaign(
@@ -77,171 +109,128 @@ def fit_campaign(
     `start` gives the starting values, bounds and what is not fitted; `starts` is
     the number of starting points of each stage, the first being `start`, the
     others drawn around it with `seed`.  Raises InputError where the recordings
-    hold no motion to fit on.
+    hold no motion to fit on.  Warns, with InputWarning, where they do not start
+    at rest though the campaign says so.
     """
     tell = progress or (lambda stage, share: None)
-    noise: Errors = {}
-    for channel in CHANNELS:
-        logged = [v for r in (*campaign.fit, *campaign.validate) if (v := measured(r, channel)) is not None]
-        noise[channel] = noise_of(logged)
-    # A wrist that does not start at rest moves without a command that does.
-    if campaign.start == "rest" and all(np.ptp(r.command) == 0.0 for r in campaign.fit):
-        raise InputError(
-            f"{campaign.name}: the command never moves in the recordings to fit on; add one that moves"
-        )
-
-    has_pressure = all(r.pressure is not None for r in campaign.fit)
-    plan: list[tuple[str, tuple[str, ...], tuple[str, ...]]] = []
-    if has_pressure:
-        plan.append(("regulator", REGULATOR_NAMES, ("pressure_kPa",)))
+    noise = _noise(campaign)
+    _check_motion(campaign)
+    begins = _begins(campaign.fit, campaign, start)
+    with_pressure = tuple(r.pressure is not None for r in campaign.fit)
+    plan: list[tuple[str, tuple[str, ...], str]] = []
+    if any(with_pressure):
+        plan.append(("regulator", REGULATOR_NAMES, "pressure_kPa"))
     if campaign.stage == "wrist":
-        names: tuple[str, ...] = WRIST_NAMES if has_pressure else REGULATOR_NAMES + WRIST_NAMES
-        plan.append(("wrist", names, ("angle_deg",)))
+        both = (*REGULATOR_NAMES, *WRIST_NAMES)
+        plan.append(("wrist", WRIST_NAMES if any(with_pressure) else both, "angle_deg"))
 
     values: dict[str, float] = dict(start.values)
     errors: Errors = {}
     stages: dict[str, Estimate] = {}
-    begins: list[State] | None = None
-    for number, (stage, names, channels) in enumerate(plan):
+    undetermined: list[str] = []
+    for number, (stage, names, channel) in enumerate(plan):
         tell(stage, number / len(plan))
-        problem = _Problem(campaign.fit, values, names, channels, noise, campaign.start == "unknown", begins)
-        found = estimate(problem, _bounds(problem, start), starts, seed)
+        used = [i for i, r in enumerate(campaign.fit) if measured(r, channel) is not None]
+        problem = FitProblem(
+            tuple(Playback(campaign.fit[i]) for i in used), values, names, channel, noise[channel] or 1.0,
+            None if begins is None else tuple(begins[i] for i in used),
+            () if begins is None else _free(channel, any(with_pressure)),
+        )  # fmt: skip
+        problem, found, blind = estimate_determined(problem, start, starts, seed)
         stages[stage] = found
-        values |= {n: float(found.x[i]) for i, n in enumerate(names)}
-        errors |= {n: found.std_errors[i] for i, n in enumerate(names)}
-        begins = problem.states(found.x[None, :])
+        undetermined += blind
+        values |= {n: float(found.x[i]) for i, n in enumerate(problem.names)}
+        errors |= {n: found.std_errors[i] for i, n in enumerate(problem.names)}
+        if begins is not None:
+            for i, begin in zip(used, problem.begins_at(found.x) or (), strict=True):
+                begins[i] = begin
     tell("done", 1.0)
     trouble = loop_problem(values, 0.0, 4.0 * values["gain"]) if campaign.stage == "wrist" else None
     if trouble:
         raise InputError(
             f"{campaign.name}: the best fit makes no loop ({trouble}); the data may not be a wrist's"
         )
-
-    origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
-    fitted = replace(start, axis=campaign.axis).fitted({n: values[n] for n in errors}, errors, origin)
-    runs = tuple(_runs(campaign, start, fitted))
     bounds = {n: (p.low, p.high) for n, p in start.parameters.items()}
     edges = tuple(n for n in errors if min(abs(values[n] - b) for b in bounds[n]) < 1e-3 * np.ptp(bounds[n]))
+    errors |= dict.fromkeys(edges)
+    origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
+    fitted = replace(start, axis=campaign.axis).fitted({n: values[n] for n in errors}, errors, origin)
+    runs = tuple(_runs(campaign, start, fitted, begins))
     return Fit(
         campaign, start, fitted, noise,
-        rmse(runs, "fit"), rmse(runs, "validate"), rmse(runs, "validate", before=True), runs, stages, edges,
+        rmse(runs, "fit"), rmse(runs, "validate"), rmse(runs, "validate", before=True), runs, stages,
+        edges, tuple(undetermined),
     )  # fmt: skip
 
 
-def measured(recording: Recording, channel: str) -> Array | None:
-    """A measured channel of a recording by its column name, None where it was not logged."""
-    return recording.pressure if channel == "pressure_kPa" else recording.angle
+def _noise(campaign: Campaign) -> Errors:
+    """Noise floor of each channel over all recordings, None where it was not logged."""
+    noise: Errors = {}
+    for channel in CHANNELS:
+        logged = [v for r in (*campaign.fit, *campaign.validate) if (v := measured(r, channel)) is not None]
+        noise[channel] = noise_of(logged)
+    return noise
 
 
-class _Problem:
-    """Standardised residuals of lanes of parameter vectors, over recordings.
-
-    A vector holds the named parameters and, where the start of the recordings
-    is unknown, a starting pressure and angle for each of them.
-    """
-
-    def __init__(
-        self,
-        recordings: Sequence[Recording],
-        values: dict[str, float],
-        names: tuple[str, ...],
-        channels: tuple[str, ...],
-        noise: Errors,
-        unknown_start: bool,
-        begins: list[State] | None = None,
-    ) -> None:
-        self.names, self.channels, self.unknown_start = names, channels, unknown_start
-        self.values, self.begins = values, begins
-        self.playbacks = [Playback(r) for r in recordings]
-        self.scale = {c: noise[c] or 1.0 for c in channels}
-        self.blocks = np.concatenate([self._blocks(p.recording) for p in self.playbacks])
-        _, self.blocks = np.unique(self.blocks, return_inverse=True)
-
-    def _blocks(self, recording: Recording, seconds: float = 2.0) -> Array:
-        """Number of the block of time that each residual of a recording falls in."""
-        index = next(i for i, p in enumerate(self.playbacks) if p.recording is recording)
-        block = index * 1e6 + np.floor((recording.time - recording.time[0]) / seconds)
-        return np.tile(block, len(self.channels))
-
-    def wrist(self, x: Array) -> Wrist:
-        """Wrists of vectors (lanes, n)."""
-        lanes = {n: np.full(len(x), v) for n, v in self.values.items()}
-        return Wrist.from_values({**lanes, **{n: x[:, i] for i, n in enumerate(self.names)}})
-
-    def states(self, x: Array) -> list[State]:
-        """Starting state of each recording for vectors (lanes, n)."""
-        wrist, found = self.wrist(x), []
-        for i in range(len(self.playbacks)):
-            if not self.unknown_start:
-                found.append(wrist.rest())
-                continue
-            pressure, angle = (x[:, len(self.names) + 2 * i + j] for j in (0, 1))
-            if self.begins is not None and "pressure_kPa" not in self.channels:
-                pressure = np.full(len(x), self.begins[i].pressure)  # known from the stage before
-            found.append(State(pressure, Memory(angle, np.zeros(len(x))), angle))
-        return found
-
-    def residuals(self, x: Array) -> Array:
-        """Simulated minus measured, in units of the noise, shape (rows, lanes) for vectors (lanes, n)."""
-        wrist, states = self.wrist(x), self.states(x)
-
-        def one(i: int) -> list[Array]:
-            playback, parts = self.playbacks[i], []
-            pressure, angle = playback.play(wrist, states[i])
-            for channel in self.channels:
-                truth = measured(playback.recording, channel)
-                assert truth is not None
-                simulated = pressure if channel == "pressure_kPa" else angle
-                parts.append((simulated - truth[:, None]) / self.scale[channel])
-            return parts
-
-        with ThreadPoolExecutor(default_jobs()) as pool:
-            return np.concatenate(
-                [part for parts in pool.map(one, range(len(self.playbacks))) for part in parts]
+def _check_motion(campaign: Campaign) -> None:
+    # A wrist that does not start at rest moves without a command that does.
+    if campaign.start == "rest" and all(np.ptp(r.command) == 0.0 for r in campaign.fit):
+        raise InputError(
+            f"{campaign.name}: the command never moves in the recordings to fit on; add one that moves"
+        )
+    for channel in CHANNELS:
+        logged = [v for r in campaign.fit if (v := measured(r, channel)) is not None]
+        if logged and all(np.ptp(v) == 0.0 for v in logged):
+            raise InputError(
+                f"{campaign.name}: {channel} never changes in the recordings to fit on; "
+                "check the sensor, or leave the column out"
             )
 
 
-def _bounds(problem: _Problem, start: ParameterSet) -> Array:
-    """Start, lower and upper bound of each entry of the problem's vector, shape (3, n)."""
-    rows = [(problem.values[n], start.parameters[n].low, start.parameters[n].high) for n in problem.names]
-    if problem.unknown_start:
-        for playback in problem.playbacks:
-            r = playback.recording
-            for truth, rest in ((r.pressure, problem.values["rest_pressure"]), (r.angle, 0.0)):
-                first = rest if truth is None else float(np.median(truth[:3]))
-                reach = 20.0 if truth is None else 3.0 * float(np.ptp(truth[:20])) + 1.0
-                rows.append((first, first - reach, first + reach))
-    return np.array(rows, float).T
+def _begins(recordings: Sequence[Recording], campaign: Campaign, start: ParameterSet) -> list[Begin] | None:
+    """First guess of where recordings start; None where they start at rest."""
+    rest = start.values["rest_pressure"]
+    if campaign.start == "unknown":
+        return [first_begin(r, rest) for r in recordings]
+    for r in recordings:
+        if not at_rest(r, rest):
+            begin = first_begin(r, rest)
+            warnings.warn(
+                f"{campaign.name}/{r.name}: starts at {begin.pressure:.4g} kPa and {begin.angle:.3g} deg, "
+                f'not at rest at {rest:g} kPa; set start = "unknown", or map the column with an offset',
+                InputWarning,
+                stacklevel=3,
+            )
+    return None
 
 
-def _runs(campaign: Campaign, start: ParameterSet, fitted: ParameterSet) -> list[Run]:
-    """Every recording beside its simulations; unknown starts are taken from its first rows."""
-    found = []
-    roles: tuple[tuple[Role, tuple[Recording, ...]], ...] = (
-        ("fit", campaign.fit),
-        ("validate", campaign.validate),
+def _free(channel: str, pressure_known: bool) -> tuple[str, ...]:
+    """What a stage estimates of the start of a recording."""
+    if channel == "pressure_kPa":
+        return ("pressure",)
+    return ("angle",) if pressure_known else ("pressure", "angle")
+
+
+def _runs(
+    campaign: Campaign, start: ParameterSet, fitted: ParameterSet, begins: Sequence[Begin] | None
+) -> list[Run]:
+    """Every recording beside its simulations; where the start is unknown, from the estimated
+    start for recordings that were fitted, from the first rows for those that took no part."""
+    apart = (
+        None if begins is None else [first_begin(r, start.values["rest_pressure"]) for r in campaign.validate]
     )
-    for role, recordings in roles:
-        for recording in recordings:
-            sides = []
-            for parameters in (fitted, start):
-                wrist = Wrist.from_values(parameters.values)
-                state = first_state(recording, wrist) if campaign.start == "unknown" else None
-                sides.append(Playback(recording).play(wrist, state))
+    roles: tuple[tuple[Role, tuple[Recording, ...], Sequence[Begin] | None], ...] = (
+        ("fit", campaign.fit, begins),
+        ("validate", campaign.validate, apart),
+    )
+    found = []
+    for role, recordings, starts in roles:
+        for i, recording in enumerate(recordings):
+            state = None if starts is None else starts[i].state()
+            sides = [Playback(recording).play(Wrist.from_values(p.values), state) for p in (fitted, start)]
             angles = [None, None] if campaign.stage == "regulator" else [angle for _, angle in sides]
             found.append(Run(recording, role, sides[0][0], angles[0], sides[1][0], angles[1]))
     return found
-
-
-def first_state(recording: Recording, wrist: Wrist) -> State:
-    """The state that the first rows of a recording show: its pressure, and an angle at rest.
-
-    Where a channel was not logged the wrist's own rest stands in for it.
-    """
-    rest = wrist.rest()
-    pressure = rest.pressure if recording.pressure is None else float(np.median(recording.pressure[:3]))
-    angle = 0.0 if recording.angle is None else float(np.median(recording.angle[:3]))
-    return State(pressure, Memory(angle, 0.0), angle)
 
 
 def rmse(runs: Sequence[Run], role: str, before: bool = False) -> Errors:

@@ -14,7 +14,8 @@ def noise_floor(values: Array) -> float:
     Third differences remove any motion that is a parabola over four rows and
     multiply white noise by sqrt(20); their spread is taken from the smaller
     nine tenths, corrected for that trimming as for a normal distribution.  A
-    rank statistic such as the MAD would be lumpy, since logs are rounded.
+    rank statistic such as the MAD would be lumpy, since logs are rounded.  Never
+    below the error of rounding.
     Raises ValueError for fewer than 8 values.
 
     >>> rng = np.random.default_rng(1)
@@ -29,7 +30,17 @@ def noise_floor(values: Array) -> float:
     kept = sizes[: max(4, round(KEPT * sizes.size))]
     cut = norm.ppf(0.5 + KEPT / 2.0)
     shrink = 1.0 - 2.0 * cut * norm.pdf(cut) / KEPT  # variance of a normal cut at that quantile
-    return float(np.sqrt(np.mean(kept**2) / shrink / 20.0))
+    spread = float(np.sqrt(np.mean(kept**2) / shrink / 20.0))
+    return max(spread, float(resolution(values) / 12.0**0.5))
+
+
+def resolution(values: Array) -> float:
+    """Smallest step between the values of a channel; 0 for a channel that never changes.
+
+    A channel cannot be known better than its rounding, whose error is uniform.
+    """
+    steps = np.diff(np.unique(values))
+    return float(np.min(steps)) if steps.size else 0.0
 
 
 def noise_of(recordings: list[Array]) -> float | None:

@@ -8,7 +8,17 @@ import pytest
 from design.compare import on_tasks, task_scenarios
 from design.pi import PI
 from design.requirements import Problem, rollouts
-from design.tasks import STEP, Scenario, Spread, corners, stack, tuning_scenarios, within_reach
+from design.tasks import (
+    HEADROOM,
+    STEP,
+    Scenario,
+    Spread,
+    corners,
+    stack,
+    tuning_scenarios,
+    unreachable,
+    within_reach,
+)
 from plants import Wrist, tree
 from plants.quantities import loop_problem
 from plants.wrist import STARTS
@@ -102,3 +112,14 @@ def test_a_rollout_of_many_gains_is_a_table_of_gains_by_scenarios(axis):
         alone = rollouts(Problem.of(w, [scenarios[j]], duration=1.0), Kp[i : i + 1], Ki[i : i + 1])
         assert table.iae_deg_s[i, j] == alone.iae_deg_s[0, 0]
         assert table.overshoot_percent[i, j] == alone.overshoot_percent[0, 0]
+
+
+def test_corners_that_no_command_can_hold_are_set_aside_and_the_nominal_task_never():
+    wrist = Wrist.deviation().with_values(a2=0.205)
+    kept, aside = within_reach(tuning_scenarios(wrist))
+    assert aside
+    assert all(s.plant != "nominal" for s in aside)
+    for s in aside:
+        assert unreachable(s, HEADROOM, 4.0 - HEADROOM) > 0.0
+    assert all(s.plant == "nominal" or unreachable(s, 0.1, 3.9) == 0.0 for s in kept)
+    assert HEADROOM == 0.1  # V; the README and the reports say so

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import plants.measured
+from plants.errors import InputError, InputWarning
 from plants.measured.campaign import Campaign, load_campaign
 from plants.measured.fit import fit_campaign
 from plants.measured.noise import noise_floor
@@ -152,3 +153,54 @@ def test_rounding_does_not_hide_the_noise():
     rng = np.random.default_rng(0)
     values = np.round(0.05 * rng.standard_normal(5000), 2)
     assert noise_floor(values) == pytest.approx(0.05, rel=0.05)
+
+
+def test_a_wrist_of_unknown_start_may_still_be_virgin():
+    found = fit_campaign(campaign(start="unknown"), built_in("flexion"), starts=2)
+    assert found.fitted.values["s"] == pytest.approx(TRUTH["s"], rel=0.02)
+    assert found.fit_rmse["angle_deg"] == pytest.approx(0.06, rel=0.08)
+
+
+def test_what_the_recordings_do_not_determine_keeps_its_value_and_provenance():
+    up = [rig(7, [2.0243, 2.6, 3.2, 3.8])]  # never reverses: line 2 and the transit are not met
+    found = fit_campaign(campaign(fit=tuple(up)), built_in("flexion"), starts=2)
+    assert {"a2", "w2", "s"} <= set(found.undetermined)
+    for name in found.undetermined:
+        assert found.fitted.parameters[name] == built_in("flexion").parameters[name]
+    assert found.fitted.values["a1"] == pytest.approx(TRUTH["a1"], rel=0.02)
+    assert "Not determined by these recordings" in found.remarks[0]
+
+
+def test_a_parameter_at_its_bound_is_named_and_has_no_standard_error():
+    start = built_in("flexion")
+    tight = replace(start, parameters={**start.parameters, "Tw": replace(start.parameters["Tw"], high=0.17)})
+    found = fit_campaign(campaign(), tight, starts=1)
+    assert found.at_bounds == ("Tw",)
+    assert found.fitted.parameters["Tw"].provenance.std_error is None
+
+
+def test_pressure_in_some_recordings_is_used():
+    made = campaign()
+    mixed = (made.fit[0], replace(made.fit[1], pressure=None))
+    found = fit_campaign(replace(made, fit=mixed), built_in("flexion"), starts=2)
+    assert set(found.stages) == {"regulator", "wrist"}
+    assert found.fitted.parameters["gain"].provenance.std_error < 0.01
+
+
+def test_a_recording_that_does_not_start_at_rest_is_warned_of():
+    made = campaign()
+    high = tuple(replace(r, pressure=r.pressure + 30.0) for r in made.fit)
+    with pytest.warns(InputWarning, match="not at rest at 100 kPa"):
+        fit_campaign(replace(made, fit=high), built_in("flexion"), starts=1)
+
+
+def test_a_sensor_that_never_moves_is_refused():
+    made = campaign()
+    dead = tuple(replace(r, angle=np.zeros_like(r.angle)) for r in made.fit)
+    with pytest.raises(InputError, match="angle_deg never changes"):
+        fit_campaign(replace(made, fit=dead), built_in("flexion"), starts=1)
+
+
+def test_the_noise_is_never_below_the_error_of_rounding():
+    stairs = np.round(np.linspace(0.0, 50.0, 4000) * 2.0) / 2.0
+    assert noise_floor(stairs) == pytest.approx(0.5 / 12**0.5)

@@ -122,8 +122,11 @@ def test_times_beyond_the_window_are_said_to_be_beyond_it(page):
 
 def test_the_fit_is_shown_with_errors_of_the_parameters_and_of_the_model(page):
     assert "0.3780 ± 0.0020" in page.text
-    assert "6.3 ± not determined" in page.text
-    assert "The angle errs by 6 times the noise: the model lacks something." in page.text
+    assert "6.3 ± unknown" in page.text
+    assert (
+        "Errors exceed the noise, the angle by 6 times: the model lacks something that this rig has."
+        in page.text
+    )
 
 
 def test_the_footer_says_what_made_the_page(page, compared):

@@ -1,0 +1,67 @@
+"""Estimating what the recordings determine, and leaving alone what they do not."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from plants.measured.estimate import Estimate, estimate
+from plants.measured.problem import FitProblem
+from plants.quantities import ParameterSet
+
+TOO_WIDE = 0.5
+"""A standard error beyond this share of the width of its bounds says nothing about a parameter."""
+
+
+def estimate_determined(
+    problem: FitProblem, start: ParameterSet, starts: int, seed: int
+) -> tuple[FitProblem, Estimate, list[str]]:
+    """The estimate of those parameters that the recordings determine, and the names of the others.
+
+    One undetermined parameter after the other is put back to its starting value
+    and the rest estimated again, since of two that cannot be told apart only one
+    has to stay behind.
+    """
+    blind: list[str] = []
+    found = estimate(problem, problem.bounds(start), starts, seed)
+    problem, found = _with_memory(problem, found, start, seed)
+    while worst := _least_determined(problem, found, start):
+        blind.append(worst)
+        kept = tuple(n for n in problem.names if n != worst)
+        values = {**problem.values, **{n: float(found.x[i]) for i, n in enumerate(problem.names)}}
+        values[worst] = start.values[worst]
+        problem = replace(problem, names=kept, values=values, begins=problem.begins_at(found.x))
+        if problem.bounds(start).size == 0:
+            return problem, replace(found, x=np.empty(0), std_errors=[]), blind
+        found = estimate(problem, problem.bounds(start), 1, seed)
+    return problem, found, blind
+
+
+def _least_determined(problem: FitProblem, found: Estimate, start: ParameterSet) -> str | None:
+    """The parameter of which the data says least, or None where it says something of each."""
+    shares = {}
+    for name, error in zip(problem.names, found.std_errors, strict=False):
+        p = start.parameters[name]
+        shares[name] = np.inf if error is None else error / (p.high - p.low)
+    worst = max(shares, key=lambda n: shares[n], default=None)
+    return worst if worst is not None and shares[worst] > TOO_WIDE else None
+
+
+def _with_memory(
+    problem: FitProblem, found: Estimate, start: ParameterSet, seed: int
+) -> tuple[FitProblem, Estimate]:
+    """The same, each recording of unknown start on the virgin curve or off it, as fits better."""
+    begins = problem.begins_at(found.x)
+    if begins is None or problem.channel != "angle_deg":
+        return problem, found
+    better = list(begins)
+    for i, begin in enumerate(begins):
+        other = replace(begin, virgin=not begin.virgin)
+        flipped = replace(problem, begins=(*begins[:i], other, *begins[i + 1 :]))
+        sizes = [float(np.mean(np.abs(p.residuals_of(i, found.x[None, :])))) for p in (problem, flipped)]
+        if sizes[1] < 0.99 * sizes[0]:
+            better[i] = other
+    if tuple(better) == begins:
+        return problem, found
+    values = {**problem.values, **{n: float(found.x[i]) for i, n in enumerate(problem.names)}}
+    problem = replace(problem, begins=tuple(better), values=values)
+    return problem, estimate(problem, problem.bounds(start), 1, seed)
