@@ -66,7 +66,9 @@ def branch_ss(wrist: Wrist, branch: str, rate: str = "fast") -> Any:
 
     Deviations from an equilibrium; input command [V], states pressure [kPa] and
     angle [deg], output angle.  While a branch is not left, the static angle is
-    the pressure times the branch's slope, so it is no state of its own.
+    the pressure times the branch's slope, so it is no state of its own.  The two
+    rates are the ends of k(e); the slope of k(e) e itself passes its fast end by up
+    to an eighth of k_fast - k_slow (at e = sqrt(3) e0), which no branch here shows.
     `rate` is ``fast`` or ``slow``.  Raises ValueError for another name.
 
     >>> from plants import Wrist

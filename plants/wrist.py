@@ -153,7 +153,10 @@ class Wrist:
         return open_loop(self, commands, state=state, every=every)
 
     def to_control(self) -> Any:
-        """The sampled wrist as a discrete ``control.nlsys``; see `plants.linear.nlsys`."""
+        """The sampled wrist as a discrete ``control.nlsys``; see `plants.linear.nlsys`.
+
+        python-control starts it at 0 kPa unless it is given `plants.linear.wrist_x0`.
+        """
         from plants.linear import nlsys
 
         return nlsys(self)
