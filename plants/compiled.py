@@ -121,7 +121,7 @@ def _statements(function: Any, sources: list[list[str]], targets: list[str]) -> 
         elif code in _UNARY:
             lines.append(f"{name} = {_UNARY[code].format(operands[0])}")
         else:
-            raise NotImplementedError(f"no code for {code}; add it to plants/compiled.py")
+            raise ValueError(f"no code for {code}; add it to plants/compiled.py")
     return lines + writes
 
 

@@ -6,7 +6,7 @@ from design.answer import refusal
 from design.compare import TUNED, Comparison
 from design.rules import PAPER_FACTOR, PAPER_GAINS
 from design.tasks import HEADROOM, STEP
-from design.tuning import Tuning
+from design.tuning import ACTIVE, Tuning
 from plants.measured.fit import EXPLAINED, Fit
 from plants.quantities import Assumed, Fitted, ParameterSet
 from reports.comparison_tables import limit_name
@@ -91,7 +91,8 @@ def found(t: Tuning) -> str:
     if no:
         return f"{words} The answer is {no}."
     if t.active:
-        return f"{words} The active limit is {limit_name(t.active)}: less cost would break it."
+        active = [limit_name(n) for n, excess in t.at.excess.items() if excess[0] > -ACTIVE]
+        return f"{words} Active, so that less cost would break a limit: {' and '.join(active)}."
     return f"{words} No limit is active: the optimum lies inside all of them."
 
 
@@ -101,10 +102,11 @@ def evidence(t: Tuning) -> str:
     ends = [s.cost for s in t.searches if s.feasible]
     near = sum(c <= 1.01 * float(t.at.cost[0]) for c in ends)
     held = "none held the limits"
+    head = "What was searched" if refusal(t) else "Evidence that this is the global optimum"
     if ends:
         held = f"{len(ends)} ended where every limit is held, {near} of them within 1 % of the cost above"
     words = (
-        f"Evidence that this is the global optimum: a map of {region.points} × {region.points} gains covers "
+        f"{head}: a map of {region.points} × {region.points} gains covers "
         f"Kp from {region.Kp[0]:g} to {region.Kp[1]:g} kPa/deg and Ki from {region.Ki[0]:g} to "
         f"{region.Ki[1]:g} kPa/(deg s), neighbours {100 * (ratio[0] - 1):.0f} % and "
         f"{100 * (ratio[1] - 1):.0f} % apart. Of {len(t.searches)} local searches from its valleys "
