@@ -15,5 +15,4 @@ from typing import Any
 
 Number = Any
 ControlLaw = Callable[[Any, Number, Any], tuple[Any, Number]]
-"""``(state, error [deg], coefficients) -> (state, command [V])``."""
-"""Stepped once a sample, before the plant moves."""
+"""``(state, error [deg], coefficients) -> (state, command [V])``, once a sample, before the plant moves."""
