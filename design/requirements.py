@@ -11,7 +11,7 @@ from design.loop import run
 from design.margins import BranchResponse, branch_responses, margins
 from design.metrics import Metrics
 from design.pi import PI
-from design.tasks import Scenario, stack, tuning_scenarios, unreachable, within_reach
+from design.tasks import Scenario, Spread, stack, tuning_scenarios, unreachable, within_reach
 from plants import tree
 from plants.wrist import State, Wrist
 
@@ -145,9 +145,10 @@ def default_problem(
     cost: str = "iae",
     nominal: bool = False,
     jobs: int | None = None,
+    spread: Spread | None = None,
 ) -> Problem:
     """The problem that ``wrist tune`` solves: all scenarios, or the step from rest of the nominal plant."""
-    scenarios = tuning_scenarios(wrist)
+    scenarios = tuning_scenarios(wrist, spread)
     if nominal:
         scenarios = [s for s in scenarios if (s.plant, s.start) == ("nominal", "virgin")]
     return Problem.of(wrist, scenarios, limits, cost, jobs=jobs)

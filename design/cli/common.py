@@ -91,19 +91,20 @@ def progress(what: str) -> Iterator[Callable[[str, float], None]]:
         yield tell
 
 
-def pair(text: str, option: str) -> tuple[float, float]:
-    """Two numbers of an option such as ``--gains 1.2,2.2``."""
+def numbers(text: str, option: str, example: str) -> tuple[float, ...]:
+    """The numbers of an option such as ``--gains 1.2,2.2``: as many as in the example, none negative."""
     from plants.errors import InputError
 
+    count = example.count(",") + 1
     try:
-        one, other = (float(part) for part in text.split(","))
+        found = tuple(float(part) for part in text.split(","))
     except ValueError:
+        found = ()
+    if len(found) != count or not all(math.isfinite(v) and v >= 0.0 for v in found):
         raise InputError(
-            f"{option}: {text!r} is not two numbers with a comma between, such as 1.2,2.2"
-        ) from None
-    if not (math.isfinite(one) and math.isfinite(other) and one >= 0.0 and other >= 0.0):
-        raise InputError(f"{option}: {text!r} must be two finite numbers that are not negative")
-    return one, other
+            f"{option}: {text!r} is not {count} numbers with commas between, none negative, like {example}"
+        )
+    return found
 
 
 def seconds(value: float, horizon: float = 10.0) -> str:

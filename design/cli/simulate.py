@@ -13,7 +13,7 @@ from design.cli.common import (
     OutOption,
     PlantOption,
     console,
-    pair,
+    numbers,
     parameter_set,
     seconds,
     write_json,
@@ -59,7 +59,7 @@ def command(
     chosen = parameter_set(axis, plant)
     wrist = Wrist.from_values(chosen.values)
     if gains is not None:
-        result = _closed(wrist, pair(gains, "--gains"), step, start, duration)
+        result = _closed(wrist, numbers(gains, "--gains", "1.2,2.2"), step, start, duration)
     elif recording is not None:
         result = _played(wrist, recording)
     else:
@@ -122,7 +122,7 @@ def _played(wrist: "Wrist", path: Path) -> dict[str, Any]:
 
 
 def _closed(
-    wrist: "Wrist", gains: tuple[float, float], step: float, start: "Start", duration: float
+    wrist: "Wrist", gains: tuple[float, ...], step: float, start: "Start", duration: float
 ) -> dict[str, Any]:
     import math
 
@@ -132,7 +132,9 @@ def _closed(
 
     if not math.isfinite(step) or step == 0.0:
         raise InputError(f"--step: {step} is no step; give an angle in deg that is not 0")
-    controller = PI(*gains, gain=wrist.regulator.gain, rest_pressure=wrist.hysteresis.rest_pressure)
+    controller = PI(
+        gains[0], gains[1], gain=wrist.regulator.gain, rest_pressure=wrist.hysteresis.rest_pressure
+    )
     judged, _, t = run(wrist, controller, step, wrist.rest(start), duration=duration, record=True)
     assert t is not None
     metrics = {n: float(v[0]) for n, v in vars(judged).items()}

@@ -13,6 +13,7 @@ from design.cli.common import (
     PlantOption,
     SeedOption,
     console,
+    numbers,
     parameter_set,
     progress,
     seconds,
@@ -54,6 +55,9 @@ def command(
     steady_error: Annotated[
         float, typer.Option(help="Limit on what is left at the end of the run [% of the step].", min=0.0)
     ] = 2.0,
+    corners: Annotated[
+        str, typer.Option(help="Shares by which loop width, slopes and lag of the corners differ.")
+    ] = "0.2,0.1,0.2",
     points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 40,
     starts: Annotated[int, typer.Option(help="Local searches.", min=1, max=100)] = 5,
     seed: SeedOption = 0,
@@ -63,15 +67,19 @@ def command(
 ) -> None:
     from design.answer import refusal, tuning_record
     from design.requirements import COSTS, Limits, default_problem
+    from design.tasks import Spread
     from design.tuning import Region, tune
     from plants.errors import InputError
     from plants.wrist import Wrist
 
     if cost not in COSTS:
         raise InputError(f"--cost: unknown cost {cost!r}; one of {', '.join(COSTS)}")
+    spread = Spread(*numbers(corners, "--corners", "0.2,0.1,0.2"))
+    if max(vars(spread).values()) >= 1.0:
+        raise InputError(f"--corners: {corners!r} must be shares below 1")
     chosen = parameter_set(axis, plant)
     limits = Limits(overshoot, ms, None if nominal else delay_margin, variation, steady_error)
-    problem = default_problem(Wrist.from_values(chosen.values), limits, cost, nominal, jobs)
+    problem = default_problem(Wrist.from_values(chosen.values), limits, cost, nominal, jobs, spread)
     with progress("tune") as tell:
         found = tune(problem, Region(points=points), starts, seed, tell)
     said = console(json)

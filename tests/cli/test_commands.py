@@ -109,6 +109,14 @@ def test_tune_says_no_where_the_task_is_out_of_reach(wrist, tmp_path):
     assert "command range" in outcome.out
 
 
+def test_corners_of_no_size_leave_only_the_nominal_plant(wrist):
+    wide = wrist("tune", "--points", "8", "--starts", "1", "--json", "-").json
+    none = wrist("tune", "--corners", "0,0,0", "--points", "8", "--starts", "1", "--json", "-").json
+    worst = "each_metric_over_all_scenarios"
+    assert none["worst_case"]["iae_deg_s"] < wide["worst_case"]["iae_deg_s"]
+    assert none["worst_case"][worst]["overshoot_percent"] <= 5.0
+
+
 def test_compare_writes_its_report_table_and_json(wrist, tmp_path):
     outcome = wrist("compare", "--points", "8", "--out", tmp_path, "--json", "-")
     assert outcome.code == 0, outcome.err

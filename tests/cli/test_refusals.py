@@ -8,6 +8,8 @@ CASES = {
     "gains that are no numbers": (["simulate", "--gains", "a,b"], "--gains"),
     "one gain": (["simulate", "--gains", "1.2"], "--gains"),
     "negative gain": (["simulate", "--gains", "1.2,-1"], "--gains"),
+    "two corners": (["tune", "--corners", "0.2,0.1"], "--corners"),
+    "corner that leaves nothing": (["tune", "--corners", "0.2,1.0,0.2"], "below 1"),
     "no step": (["simulate", "--gains", "1,1", "--step", "0"], "--step"),
     "unknown memory": (["simulate", "--start", "line3"], "line3"),
     "figure without a model": (["simulate", "--figure", "1"], "5, 6, 8, 10"),
