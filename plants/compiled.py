@@ -13,11 +13,13 @@ import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import numpy as np
 
 from plants import tree
+from plants.files import write_atomically
 
 LANES = 16
 """Rollouts that advance together in one loop; batches are padded to a multiple of it."""
@@ -182,9 +184,7 @@ def load(source: str) -> Callable[..., None]:
     module = f"k{hashlib.sha256(source.encode()).hexdigest()[:24]}"
     path = cache_folder() / f"{module}.py"
     if not path.exists() or path.read_text() != source:  # missing, or damaged
-        part = path.with_suffix(f".{os.getpid()}")
-        part.write_text(source)
-        part.replace(path)  # another process may be doing the same
+        write_atomically(path, source)  # another process may be doing the same
     spec = importlib.util.spec_from_file_location(module, path)
     assert spec is not None
     assert spec.loader is not None
@@ -195,9 +195,22 @@ def load(source: str) -> Callable[..., None]:
     return run
 
 
-@cache
+_LOADING = Lock()
+
+
 def kernel(
     step: Callable[..., Any], state: Any, inputs: tuple[str, ...], coefficients: Any
 ) -> Callable[..., None]:
-    """The compiled ``run`` of a step function; `state` and `coefficients` are trees of names."""
+    """The compiled ``run`` of a step function; `state` and `coefficients` are trees of names.
+
+    Threads may ask for the same one at once: it is made by one of them.
+    """
+    with _LOADING:
+        return _kernel(step, state, inputs, coefficients)
+
+
+@cache
+def _kernel(
+    step: Callable[..., Any], state: Any, inputs: tuple[str, ...], coefficients: Any
+) -> Callable[..., None]:
     return load(emit(f"{step.__module__}.{step.__name__}", step, state, inputs, coefficients))
