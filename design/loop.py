@@ -52,11 +52,6 @@ class Trajectory:
     command: Array
 
 
-def start_held(wrist: Wrist, controller: PI, state: State) -> tuple[State, PIState]:
-    """Plant and controller at rest together: the integrator holds the pressure of `state`."""
-    return state, controller.holding(state.pressure * controller.gain / wrist.regulator.gain)
-
-
 def run(
     wrist: Wrist,
     controller: PI,
@@ -82,7 +77,8 @@ def run(
     samples = round(duration / SAMPLE_TIME)
     state = wrist.rest() if state is None else state
     if held is None:
-        state, held = start_held(wrist, controller, state)
+        # The integrator holds the pressure of `state`, as the controller's regulator would have it.
+        held = controller.holding(state.pressure * controller.gain / wrist.regulator.gain)
     command = (controller.rest_pressure + held.integral) / controller.gain
     c = SampledLoop(wrist.sampled(), controller.sampled(), metrics.yardstick(state.angle, reference))
     signals = ("plant.angle", "plant.memory.h", "plant.pressure", "tally.command")
