@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from benchmarks import native
 from benchmarks.timing import duel
 from design import metrics
-from design.loop import Loop, SampledLoop, run, start_held
+from design.loop import Loop, SampledLoop, holding, run
 from design.metrics import Metrics
 from design.pi import PI
 from plants import Wrist, tree
@@ -44,7 +44,8 @@ class Case:
 
     def trees(self) -> tuple[SampledLoop, Loop]:
         """Coefficients and first state, as `design.loop.run` makes them."""
-        state, held = start_held(self.wrist, self.controller, self.wrist.rest())
+        state = self.wrist.rest()
+        held = holding(self.wrist, self.controller, state)
         command = (self.controller.rest_pressure + held.integral) / self.controller.gain
         measure = metrics.yardstick(state.angle, self.reference)
         c = SampledLoop(self.wrist.sampled(), self.controller.sampled(), measure)

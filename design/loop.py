@@ -52,6 +52,11 @@ class Trajectory:
     command: Array
 
 
+def holding(wrist: Wrist, controller: PI, state: State) -> PIState:
+    """The state of a controller whose integrator holds the wrist still at the pressure of `state`."""
+    return controller.holding(state.pressure * controller.gain / wrist.regulator.gain)
+
+
 def run(
     wrist: Wrist,
     controller: PI,
@@ -77,8 +82,7 @@ def run(
     samples = round(duration / SAMPLE_TIME)
     state = wrist.rest() if state is None else state
     if held is None:
-        # The integrator holds the pressure of `state`, as the controller's regulator would have it.
-        held = controller.holding(state.pressure * controller.gain / wrist.regulator.gain)
+        held = holding(wrist, controller, state)
     command = (controller.rest_pressure + held.integral) / controller.gain
     c = SampledLoop(wrist.sampled(), controller.sampled(), metrics.yardstick(state.angle, reference))
     signals = ("plant.angle", "plant.memory.h", "plant.pressure", "tally.command")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from plain_loop import Plant, closed_loop
 
-from design.loop import run, start_held
+from design.loop import holding, run
 from design.pi import PI
 from plants import Wrist
 
@@ -61,7 +61,8 @@ def test_a_loop_that_is_where_it_should_be_stays_there(axis, start, angle):
 
 def test_a_controller_that_knows_another_gain_still_holds_the_start():
     w = Wrist.flexion()
-    state, held = start_held(w, PI(5.0, 10.0, gain=40.0), w.rest("line1", 12.0))
+    state = w.rest("line1", 12.0)
+    held = holding(w, PI(5.0, 10.0, gain=40.0), state)
     pi = PI(5.0, 10.0, gain=40.0)
     command = (pi.rest_pressure + held.integral) / pi.gain
     assert command * w.regulator.gain == pytest.approx(state.pressure, rel=1e-12)
