@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from plants import tree
+from plants.delay import LONGEST, DelayLine, SampledDelay
 from plants.files import write_atomically
 
 LANES = 16
@@ -46,6 +47,7 @@ from numba import njit
 def run(coefficients, state, signals, steps, every, recorded, rows):
     # One array for everything, so that the compiler sees that no two rows overlap.
     m = np.empty({total} * {lanes})
+{lines}
     for block in range(state.shape[1] // {lanes}):
         first = block * {lanes}
         for j in range({n_coefficients}):
@@ -54,10 +56,13 @@ def run(coefficients, state, signals, steps, every, recorded, rows):
         for j in range({n_state}):
             for l in range({lanes}):
                 m[({n_coefficients} + j) * {lanes} + l] = state[j, first + l]
+{filled}
         for k in range(steps):
 {inputs}
             for l in range({lanes}):
+{read}
 {body}
+{written}
             if every > 0 and (k + 1) % every == 0:
                 for j in range(recorded.shape[0]):
                     row = ({n_coefficients} + recorded[j]) * {lanes}
@@ -156,13 +161,38 @@ def emit(name: str, step: Callable[..., Any], state: Any, inputs: tuple[str, ...
     # Prefixed, so that no signal is called like a variable of the template.
     sources = [[f"s{j}" for j in range(n_s)], [f"u_{i}" for i in inputs], [f"c{j}" for j in range(n_c)]]
     statements = loads + _statements(function, sources, cell[n_c:])
+    delays = _delays(state, coefficients, n_c)
     signals = [i for i in inputs if i != "sample"]
     reads = [f"u_{i} = signals[{j}, k]" for j, i in enumerate(signals)] + ["u_sample = float(k)"]
     return _TEMPLATE.format(
         name=name, lanes=LANES, total=n_c + n_s, n_coefficients=n_c, n_state=n_s,
         inputs="\n".join(" " * 12 + r for r in reads),
         body="\n".join(" " * 16 + s for s in statements),
+        **_delay_code(delays),
     )  # fmt: skip
+
+
+def _delays(state: Any, coefficients: Any, offset: int) -> list[tuple[int, int]]:
+    """Row of the first leaf of each delay line, and of the whole samples of its delay."""
+    lines = [offset + row for row in tree.places(state, DelayLine)]
+    return list(zip(lines, tree.places(coefficients, SampledDelay), strict=True))
+
+
+def _delay_code(delays: list[tuple[int, int]]) -> dict[str, str]:
+    """What a template needs to keep delay lines: ring buffers, of a power of two of samples."""
+    size, made, filled, read, written = LONGEST + 1, [], [], [], []
+    for i, (row, delay) in enumerate(delays):
+        near, far, newest = (f"m[{(row + j) * LANES} + l]" for j in range(3))
+        made.append(f"    line{i} = np.empty({size} * {LANES})")
+        filled += [f"        for j in range({size}):", f"            for l in range({LANES}):",
+                   f"                line{i}[j * {LANES} + l] = {newest}"]  # fmt: skip
+        read += [f"                back = k - int(m[{delay * LANES} + l])",
+                 f"                {near} = line{i}[(back & {size - 1}) * {LANES} + l]",
+                 f"                {far} = line{i}[((back - 1) & {size - 1}) * {LANES} + l]"]  # fmt: skip
+        written += [f"            for l in range({LANES}):",
+                    f"                line{i}[(k & {size - 1}) * {LANES} + l] = {newest}"]  # fmt: skip
+    parts = {"lines": made, "filled": filled, "read": read, "written": written}
+    return {name: "\n".join(part) for name, part in parts.items()}
 
 
 def cache_folder() -> Path:
@@ -206,11 +236,12 @@ def kernel(
     Threads may ask for the same one at once: it is made by one of them.
     """
     with _LOADING:
-        return _kernel(step, state, inputs, coefficients)
+        # Trees that differ in their types alone are equal; their representations are not.
+        return _kernel(step, state, inputs, coefficients, repr((state, coefficients)))
 
 
 @cache
 def _kernel(
-    step: Callable[..., Any], state: Any, inputs: tuple[str, ...], coefficients: Any
+    step: Callable[..., Any], state: Any, inputs: tuple[str, ...], coefficients: Any, types: str
 ) -> Callable[..., None]:
     return load(emit(f"{step.__module__}.{step.__name__}", step, state, inputs, coefficients))

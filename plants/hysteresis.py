@@ -74,5 +74,10 @@ def step(memory: Memory, before: Number, after: Number, p: Hysteresis) -> Memory
     11.2
     """
     inside = memory.h + p.s * (1.0 - memory.virgin) * (after - before)
-    h = np.minimum(np.maximum(inside, line1(after, p)), line2(after, p))
+    return between(memory, inside, line1(after, p), line2(after, p))
+
+
+def between(memory: Memory, inside: Number, low: Number, high: Number) -> Memory:
+    """The loop whose angle [deg] has moved to `inside`, kept between its lines at `low` and `high`."""
+    h = np.minimum(np.maximum(inside, low), high)
     return Memory(h, np.where(h == inside, memory.virgin, 0.0))

@@ -101,6 +101,7 @@ class ParameterSet:
     axis: str
     title: str
     parameters: Mapping[str, Parameter]
+    effects: tuple[Any, ...] = ()
 
     @property
     def values(self) -> dict[str, float]:

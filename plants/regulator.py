@@ -66,11 +66,17 @@ def step(pressure: Number, command: Number, c: SampledRegulator) -> Number:
     """Pressure [kPa] one sample later, the command [V] held in between.
 
     Exact where the rate does not vary (the first-order lag under a zero-order
-    hold), second order in the sample time where it does: the last term is what
-    the Taylor series keeps of the rate changing within the sample.
+    hold), second order in the sample time where it does.
     """
-    e = c.gain * command - pressure
-    squared = e * e
+    error = c.gain * command - pressure
+    return pressure + share(error, c) * error
+
+
+def share(error: Number, c: SampledRegulator) -> Number:
+    """Share of the error [kPa] that is removed in one sample.
+
+    The last term is what the Taylor series keeps of the rate changing within the sample.
+    """
+    squared = error * error
     w = squared / (squared + c.e0_squared)
-    alpha = c.alpha_slow + w * (c.alpha_rise - (1.0 - w) * c.z_rise * (c.z_centre + w * c.z_rise))
-    return pressure + alpha * e
+    return c.alpha_slow + w * (c.alpha_rise - (1.0 - w) * c.z_rise * (c.z_centre + w * c.z_rise))

@@ -41,3 +41,14 @@ def _fill(tree: Any, values: Iterator[Any]) -> Any:
         return next(values)
     filled = [_fill(branch, values) for branch in tree]
     return type(tree)(*filled) if hasattr(tree, "_fields") else tuple(filled)
+
+
+def places(tree: Any, kind: type, first: int = 0) -> list[int]:
+    """Number of the first leaf of each part of a tree that is of a kind, in the order of `leaves`."""
+    if not isinstance(tree, tuple):
+        return []
+    found = [first] if isinstance(tree, kind) else []
+    for branch in tree:
+        found += places(branch, kind, first)
+        first += len(leaves(branch))
+    return found

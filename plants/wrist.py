@@ -1,19 +1,21 @@
 """The wrist drive system: regulator, hysteresis and lag in series (section 5.2 of the paper).
 
-A wrist is a value: its parameters.  Its state is another value, and ``step``
-takes one to the next.  Parameters may be floats, arrays (one lane each, for
-batches) or CasADi symbols: the laws are the same.
+A wrist is a value: its parameters, and the effects that were added to it.  Its
+state is another value, and ``step`` takes one to the next.  Parameters may be
+floats, arrays (one lane each, for batches) or CasADi symbols: the laws are the same.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal, NamedTuple
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from plants import hysteresis, lag, regulator
+from plants.effects.effect import Around, Effect
 from plants.hysteresis import Hysteresis, Memory
 from plants.regulator import Regulator
+
+if TYPE_CHECKING:
+    from plants.quantities import ParameterSet
 
 Number = Any
 SAMPLE_TIME = 0.001
@@ -27,15 +29,17 @@ STARTS: tuple[Start, ...] = ("virgin", "line1", "line2", "inside")
 
 
 class State(NamedTuple):
-    """What the wrist remembers: pressure [kPa], the loop's memory, angle [deg]."""
+    """What the wrist remembers: pressure [kPa], the loop's memory, angle [deg], and the state of
+    each effect."""
 
     pressure: Number
     memory: Memory
     angle: Number
+    effects: tuple[Any, ...] = ()
 
 
 class SampledWrist(NamedTuple):
-    """Coefficients of the wrist for one sample time."""
+    """Coefficients of the wrist, and of each effect, for one sample time."""
 
     regulator: regulator.SampledRegulator
     a1: Number
@@ -45,20 +49,88 @@ class SampledWrist(NamedTuple):
     s: Number
     rest_pressure: Number
     lag: lag.SampledLag
+    effects: tuple[Any, ...] = ()
+
+    @property
+    def loop(self) -> Hysteresis:
+        """The parameters of the hysteresis."""
+        return Hysteresis(self.a1, self.w1, self.a2, self.w2, self.s, self.rest_pressure)
+
+    def at(self, port: str) -> list[tuple[int, Any]]:
+        """The effects that act at a port, with their places, in order."""
+        return [(i, getattr(e, port)) for i, e in enumerate(self.effects) if hasattr(e, port)]
 
 
-def step(state: State, command: Number, c: SampledWrist) -> State:
+QUIET = Around()
+"""Surroundings that disturb nothing: the other motion at rest."""
+
+
+def step(state: State, command: Number, c: SampledWrist, around: Around = QUIET) -> State:
     """The wrist one sample later, the command [V] held in between."""
-    pressure = regulator.step(state.pressure, command, c.regulator)
-    loop = Hysteresis(c.a1, c.w1, c.a2, c.w2, c.s, c.rest_pressure)
-    memory = hysteresis.step(state.memory, state.pressure, pressure, loop)
-    angle = lag.step(state.angle, state.memory.h, memory.h, c.lag)
-    return State(pressure, memory, angle)
+    pressure, effects = press(state, command, c, around)
+    return bend(state, pressure, effects, c, around)
+
+
+def press(
+    state: State, command: Number, c: SampledWrist, around: Around = QUIET
+) -> tuple[Number, tuple[Any, ...]]:
+    """First half of a step: pressure [kPa] after the sample, and the states of the effects."""
+    s = list(state.effects)
+    target = c.regulator.gain * command
+    for i, effect in c.at("target"):
+        s[i], target = effect(s[i], target, around)
+    error, speeds = target - state.pressure, []
+    for i, effect in c.at("valve"):
+        error, speed = effect(s[i], state.pressure, error, around)
+        speeds.append(speed)
+    share = regulator.share(error, c.regulator)
+    for speed in speeds:
+        share = speed * share * (1.0 + 0.5 * (1.0 - speed) * share)  # of 1 - exp(-speed k dt), to 2nd order
+    after = state.pressure + share * error
+    for i, effect in c.at("supply"):
+        s[i], after = effect(s[i], state.pressure, after)
+    return after, tuple(s)
+
+
+def bend(
+    state: State, pressure: Number, effects: tuple[Any, ...], c: SampledWrist, around: Around = QUIET
+) -> State:
+    """Second half of a step: the wrist as its pressure [kPa] has moved on."""
+    s, loop = list(effects), c.loop
+    before, after = state.pressure, pressure
+    for i, effect in c.at("drive"):
+        s[i], before, after = effect(s[i], before, after, around)
+    low, high, slope = hysteresis.line1(after, loop), hysteresis.line2(after, loop), loop.s
+    for i, effect in c.at("bend"):
+        s[i], down, up, factor = effect(s[i], before, after, loop, around)
+        low, high, slope = low + down, high + up, slope * factor
+    inside = state.memory.h + slope * (1.0 - state.memory.virgin) * (after - before)
+    memory = hysteresis.between(state.memory, inside, low, high)
+
+    before, after = state.memory.h, memory.h
+    for i, effect in c.at("static"):
+        s[i], before, after = effect(s[i], before, after, around)
+    joints = c.at("joint")
+    for i, effect in joints:
+        s[i], angle = effect(s[i], state.angle, before, after)
+    if not joints:
+        angle = lag.step(state.angle, before, after, c.lag)
+    for i, effect in c.at("stop"):
+        angle = effect(s[i], angle)
+    return State(pressure, memory, angle, tuple(s))
+
+
+def read(state: State, c: SampledWrist, around: Around = QUIET) -> Number:
+    """What the sensor shows of the angle [deg] at the time of `around`."""
+    angle = state.angle
+    for i, effect in c.at("sensor"):
+        angle = effect(state.effects[i], angle, around)
+    return angle
 
 
 @dataclass(frozen=True)
 class Wrist:
-    """Parameters of one motion of the wrist: regulator, loop, lag time constant Tw [s].
+    """Parameters of one motion of the wrist: regulator, loop, lag time constant Tw [s], effects.
 
     >>> wrist = Wrist.flexion()
     >>> wrist.hysteresis.s, wrist.regulator.gain
@@ -66,39 +138,75 @@ class Wrist:
     >>> response = wrist.simulate([3.0] * 10_000)
     >>> round(float(response.pressure[-1]), 1)
     148.2
+
+    An effect is added with ``+``:
+
+    >>> from plants.effects.creep import Creep
+    >>> creeping = wrist + Creep(gain=0.1, time_constant=4.0)
+    >>> round(float(creeping.simulate([3.0] * 10_000).angle[-1] - response.angle[-1]), 2)
+    1.03
     """
 
     regulator: Regulator
     hysteresis: Hysteresis
     Tw: Number
+    effects: tuple[Effect, ...] = ()
+
+    def __add__(self, effect: Effect) -> "Wrist":
+        """The wrist with one more effect; raises ValueError for a second form of the same."""
+        from plants.effects import EFFECTS
+
+        if effect.NAME in (e.NAME for e in self.effects):
+            raise ValueError(f"the wrist has an effect {effect.NAME} already")
+        order = list(EFFECTS)
+        return replace(
+            self, effects=tuple(sorted((*self.effects, effect), key=lambda e: order.index(e.NAME)))
+        )
 
     @classmethod
-    def from_values(cls, values: Mapping[str, Number]) -> "Wrist":
-        """The wrist with the parameters of `values`, by their names in a parameter set."""
-        return cls(
+    def from_values(cls, values: Mapping[str, Number], effects: tuple[type[Effect], ...] = ()) -> "Wrist":
+        """The wrist with the parameters of `values`, by their names in a parameter set, and effects of
+        the forms given."""
+        declared = cls(
             Regulator(*(values[n] for n in ("gain", "k_fast", "k_slow", "e0"))),
             Hysteresis(*(values[n] for n in ("a1", "w1", "a2", "w2", "s", "rest_pressure"))),
             values["Tw"],
         )
+        for form in effects:
+            declared = declared + form.from_values(values)
+        return declared
+
+    @classmethod
+    def of(cls, parameters: "ParameterSet") -> "Wrist":
+        """The wrist of a parameter set, its effects included."""
+        return cls.from_values(parameters.values, parameters.effects)
 
     @classmethod
     def flexion(cls) -> "Wrist":
         """Palmar/dorsal flexion with the parameters of ``plants/parameters/flexion.toml``."""
         from plants.quantities import built_in
 
-        return cls.from_values(built_in("flexion").values)
+        return cls.of(built_in("flexion"))
 
     @classmethod
     def deviation(cls) -> "Wrist":
         """Radial/ulnar deviation with the parameters of ``plants/parameters/deviation.toml``."""
         from plants.quantities import built_in
 
-        return cls.from_values(built_in("deviation").values)
+        return cls.of(built_in("deviation"))
 
     @property
     def values(self) -> dict[str, Number]:
-        """The parameters by name, flat, as in a parameter set."""
-        return {**vars(self.regulator), **vars(self.hysteresis), "Tw": self.Tw}
+        """The parameters by name, flat, as in a parameter set; an effect's as ``creep.gain``."""
+        values = {**vars(self.regulator), **vars(self.hysteresis), "Tw": self.Tw}
+        for effect in self.effects:
+            values |= effect.values
+        return values
+
+    @property
+    def forms(self) -> tuple[type[Effect], ...]:
+        """The forms of the wrist's effects."""
+        return tuple(type(e) for e in self.effects)
 
     def with_values(self, **changes: Number) -> "Wrist":
         """The same wrist with some parameters changed.
@@ -109,7 +217,7 @@ class Wrist:
         unknown = set(changes) - set(self.values)
         if unknown:
             raise TypeError(f"no such parameter of the wrist: {', '.join(sorted(unknown))}")
-        return Wrist.from_values({**self.values, **changes})
+        return Wrist.from_values({**self.values, **changes}, self.forms)
 
     def sampled(self, dt: float = SAMPLE_TIME) -> SampledWrist:
         """Coefficients of the wrist for a sample time `dt` [s]."""
@@ -118,29 +226,18 @@ class Wrist:
             regulator.sampled(self.regulator, dt),
             p.a1, p.w1, p.a2, p.w2, p.s, p.rest_pressure,
             lag.sampled(self.Tw, dt),
+            tuple(e.sampled(self, dt) for e in self.effects),
         )  # fmt: skip
 
     def rest(self, start: Start = "virgin", angle: float = 0.0) -> State:
         """The state of a wrist that holds still at an angle [deg], having come there by `start`.
 
-        ``virgin``: never moved from the rest pressure; only at angle 0.  ``line1``,
-        ``line2``: arrived in the plus, the minus direction.  ``inside``: half-way
-        in pressure between the two lines, as after a reversal.
-        Raises ValueError for an unknown start or a virgin wrist away from 0.
+        See `plants.rest.at_rest`.  Raises ValueError for an unknown start or a virgin
+        wrist away from 0.
         """
-        p = self.hysteresis
-        if start == "virgin" and np.any(np.asarray(angle) != 0.0):
-            raise ValueError("a virgin wrist rests at angle 0; start on line1, line2 or inside")
-        low, high = hysteresis.line2_pressure(angle, p), hysteresis.line1_pressure(angle, p)
-        pressures = {
-            "virgin": p.rest_pressure,
-            "line1": high,
-            "line2": low,
-            "inside": (low + high) / 2,
-        }
-        if start not in pressures:
-            raise ValueError(f"unknown start {start!r}; one of {', '.join(STARTS)}")
-        return State(pressures[start], Memory(angle, float(start == "virgin")), angle)
+        from plants.rest import at_rest
+
+        return at_rest(self, start, angle)
 
     def as_lag_regulator(self, time_constant: float = 0.111) -> "Wrist":
         """The same wrist behind the paper's first-order lag regulator (section 3)."""

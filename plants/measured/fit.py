@@ -54,7 +54,8 @@ class Fit:
     errors of free runs by channel, None where a channel was not logged.
     stages: how each estimate went.  at_bounds: parameters that ran into a bound.
     undetermined: parameters that the recordings say nothing about; they keep
-    their starting value and its provenance.
+    their starting value and its provenance.  begins: where the recordings to
+    fit on start, None where at rest.
     """
 
     campaign: Campaign
@@ -68,6 +69,7 @@ class Fit:
     stages: dict[str, Estimate]
     at_bounds: tuple[str, ...] = ()
     undetermined: tuple[str, ...] = ()
+    begins: tuple[Begin, ...] | None = None
 
     @property
     def ratios(self) -> dict[str, float]:
@@ -159,7 +161,7 @@ def fit_campaign(
     return Fit(
         campaign, start, fitted, noise,
         rmse(runs, "fit"), rmse(runs, "validate"), rmse(runs, "validate", before=True), runs, stages,
-        edges, tuple(undetermined),
+        edges, tuple(undetermined), None if begins is None else tuple(begins),
     )  # fmt: skip
 
 

@@ -18,6 +18,9 @@ JUMP = 0.05
 SHARPER = 3.0
 """A jump is this many times larger than what the command moves in the rows beside it."""
 
+SMOOTHED = 11
+"""Rows over which the other motion's pressure is smoothed."""
+
 
 @dataclass(frozen=True)
 class Playback:
@@ -55,7 +58,22 @@ class Playback:
         return between
 
     @cached_property
-    def _every(self) -> int:
+    def other_pressure(self) -> Array | None:
+        """Pressure of the other motion [kPa] of every sample of 1 ms, None where it was not logged.
+
+        Smoothed over a tenth of a second, since its noise would work the hysteresis.
+        """
+        from scipy.signal import savgol_filter
+
+        logged = self.recording.other_pressure
+        if logged is None:
+            return None
+        smooth = savgol_filter(logged, SMOOTHED, 2) if len(logged) > SMOOTHED else logged
+        return np.interp(np.arange(self.rows[-1]), self.rows, smooth)
+
+    @cached_property
+    def every(self) -> int:
+        """Greatest number of samples of which all rows are multiples."""
         return int(np.gcd.reduce(np.diff(self.rows)))
 
     def play(self, wrist: Wrist, state: State | None = None) -> tuple[Array, Array]:
@@ -63,6 +81,8 @@ class Playback:
 
         Shape (n,), or (n, lanes) for a wrist with arrays as parameters.
         """
-        response: Any = open_loop(wrist, self.commands, state, every=self._every, jobs=1)
-        at = self.rows // self._every
+        other = self.other_pressure if wrist.effects else None
+        first = float(self.recording.time[0])
+        response: Any = open_loop(wrist, self.commands, state, self.every, 1, other, first)
+        at = self.rows // self.every
         return response.pressure[at], response.angle[at]

@@ -1,0 +1,54 @@
+"""Transport delay as a port primitive: the runner keeps the line, the law only reads and feeds it.
+
+A delay of hundreds of samples is no state that a law could pass along one by
+one.  The law puts in `newest` and reads two neighbouring samples of the past,
+which the runner (`plants.compiled`) lays there before every step.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+Number = Any
+LONGEST = 511
+"""Samples that a line holds."""
+
+
+class DelayLine(NamedTuple):
+    """What a law sees of a line: the samples put in `samples` steps ago (near) and one step before
+    that (far), and the one put in last (newest).  A line starts filled with its `newest`."""
+
+    near: Number
+    far: Number
+    newest: Number
+
+
+class SampledDelay(NamedTuple):
+    """A delay of `samples` whole samples and a `share` of one more."""
+
+    samples: Number
+    share: Number
+
+
+def at_rest(value: Number) -> DelayLine:
+    """A line that has held one value for long."""
+    return DelayLine(value, value, value)
+
+
+def sampled(delay: Number, dt: float) -> SampledDelay:
+    """A delay [s] in samples of `dt` [s]; at most `LONGEST` of them."""
+    samples = np.clip(np.asarray(delay, float) / dt, 0.0, LONGEST - 1.0)
+    whole = np.floor(samples + 1e-9)
+    return SampledDelay(whole, np.maximum(samples - whole, 0.0))
+
+
+def step(line: DelayLine, value: Number, c: SampledDelay) -> tuple[DelayLine, Number]:
+    """The line with one more value put in, and what comes out; linear between samples.
+
+    >>> from plants.delay import *
+    >>> _, out = step(at_rest(3.0), 7.0, sampled(0.0, 0.001))   # no delay: what goes in comes out
+    >>> float(out)
+    7.0
+    """
+    near = np.where(c.samples < 0.5, value, line.near)
+    return line._replace(newest=value), near + c.share * (line.far - near)

@@ -1,0 +1,112 @@
+"""Branch curvature: the branches of the loop are curved, not straight."""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from plants.effects.effect import Around, Effect, Nothing, Number, parameter
+
+SPAN = 100.0
+"""Pressure from rest [kPa] at which the coefficients of the polynomials count in full."""
+
+
+class SampledWarp(NamedTuple):
+    """Rest pressure [kPa]; quadratic and cubic coefficient of the pressure that acts."""
+
+    rest_pressure: Number
+    quadratic: Number
+    cubic: Number
+
+    def drive(
+        self, s: Nothing, before: Number, after: Number, around: Around
+    ) -> tuple[Nothing, Number, Number]:
+        return s, self._warped(before), self._warped(after)
+
+    def _warped(self, pressure: Number) -> Number:
+        x = (pressure - self.rest_pressure) * (1.0 / SPAN)
+        return pressure + SPAN * x * x * (self.quadratic + self.cubic * x)
+
+
+@dataclass(frozen=True)
+class Polynomial(Effect):
+    """The pressure acts through a cubic: x (1 + quadratic x + cubic x^2), x = (P - rest) / 100 kPa.
+
+    One curve for both branches and the transit.
+    """
+
+    NAME = "branch-curvature"
+    FORM = "cubic of the pressure"
+    STAGE = "wrist"
+
+    quadratic: Number = parameter("1", "share of the quadratic term", -0.45, 1.0, 0.0, (0.0, -0.1, 0.1))
+    cubic: Number = parameter("1", "share of the cubic term", -0.33, 2.0, 0.0, (-0.15, 0.15))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledWarp:
+        return SampledWarp(wrist.hysteresis.rest_pressure, self.quadratic, self.cubic)
+
+
+class SampledSaturation(NamedTuple):
+    """Rest pressure [kPa]; the pressure from rest [kPa] at which the response saturates, inverted."""
+
+    rest_pressure: Number
+    per_range: Number
+
+    def drive(
+        self, s: Nothing, before: Number, after: Number, around: Around
+    ) -> tuple[Nothing, Number, Number]:
+        return s, self._warped(before), self._warped(after)
+
+    def _warped(self, pressure: Number) -> Number:
+        x = pressure - self.rest_pressure
+        return self.rest_pressure + np.tanh(x * self.per_range) / self.per_range
+
+
+@dataclass(frozen=True)
+class Saturation(Effect):
+    """The pressure acts through a hyperbolic tangent that saturates at `range` [kPa] from rest."""
+
+    NAME = "branch-curvature"
+    FORM = "saturation"
+    STAGE = "wrist"
+
+    # Null: at 1e6 kPa the tangent is straight to 1e-9 of the range, far below rounding of a log.
+    range: Number = parameter("kPa", "pressure at which the response saturates", 40.0, 1e6, 1e6, (150.0,))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledSaturation:
+        return SampledSaturation(wrist.hysteresis.rest_pressure, 1.0 / np.asarray(self.range, float))
+
+
+class SampledBow(NamedTuple):
+    """Rest pressure [kPa]; quadratic and cubic of line 1 and of line 2 [deg]."""
+
+    rest_pressure: Number
+    bow1: Number
+    bow2: Number
+    cubic: Number
+
+    def bend(
+        self, s: Nothing, before: Number, after: Number, loop: Any, around: Around
+    ) -> tuple[Nothing, Number, Number, Number]:
+        x = (after - self.rest_pressure) * (1.0 / SPAN)
+        square, cube = x * x, self.cubic * x * x * x
+        return s, self.bow1 * square + cube, self.bow2 * square + cube, 1.0
+
+
+@dataclass(frozen=True)
+class Bow(Effect):
+    """Each line has a bow of its own, and both the same cubic; the transit stays straight.
+
+    All in deg at 100 kPa from rest.
+    """
+
+    NAME = "branch-curvature"
+    FORM = "bow of each line"
+    STAGE = "wrist"
+
+    bow1: Number = parameter("deg", "quadratic term of line 1", -15.0, 15.0, 0.0, (-2.0, 2.0))
+    bow2: Number = parameter("deg", "quadratic term of line 2", -15.0, 15.0, 0.0, (-2.0, 2.0))
+    cubic: Number = parameter("deg", "cubic term of both lines", -20.0, 40.0, 0.0, (0.0,))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledBow:
+        return SampledBow(wrist.hysteresis.rest_pressure, self.bow1, self.bow2, self.cubic)

@@ -1,0 +1,78 @@
+"""Dead time: the pressure answers the command late, for the air has to travel through the tube."""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from plants import delay
+from plants.delay import DelayLine, SampledDelay
+from plants.effects.effect import Around, Effect, Number, parameter
+
+
+class Tube(NamedTuple):
+    """The line, and the pressure [kPa] behind the tube's own lag."""
+
+    line: DelayLine
+    behind: Number
+
+
+class SampledDeadTime(NamedTuple):
+    """Delay in samples."""
+
+    delay: SampledDelay
+
+    def target(self, s: Tube, target: Number, around: Around) -> tuple[Tube, Number]:
+        line, out = delay.step(s.line, target, self.delay)
+        return Tube(line, out), out
+
+
+class SampledTube(NamedTuple):
+    """Delay in samples, and the share of the way that the lag goes in one."""
+
+    delay: SampledDelay
+    share: Number
+
+    def target(self, s: Tube, target: Number, around: Around) -> tuple[Tube, Number]:
+        line, out = delay.step(s.line, target, self.delay)
+        behind = s.behind + self.share * (out - s.behind)
+        return Tube(line, behind), behind
+
+
+@dataclass(frozen=True)
+class DeadTime(Effect):
+    """Pure transport: the regulator sees the command `delay` [s] late.
+
+    >>> DeadTime(0.05).values
+    {'dead-time.delay': 0.05}
+    """
+
+    NAME = "dead-time"
+    FORM = "transport"
+    STAGE = "regulator"
+
+    delay: Number = parameter("s", "transport delay", 0.0, 0.4, 0.0, (0.01, 0.03, 0.08, 0.15))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledDeadTime:
+        return SampledDeadTime(delay.sampled(self.delay, dt))
+
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Tube:
+        return Tube(delay.at_rest(pressure), pressure)
+
+
+@dataclass(frozen=True)
+class TubeDeadTime(Effect):
+    """Transport and the filling of the tube: a delay, then a first-order lag, both in s."""
+
+    NAME = "dead-time"
+    FORM = "transport and tube lag"
+    STAGE = "regulator"
+
+    delay: Number = parameter("s", "transport delay", 0.0, 0.4, 0.0, (0.01, 0.05, 0.1))
+    lag: Number = parameter("s", "time constant of the tube's filling", 0.0, 0.2, 0.0, (0.01, 0.04))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledTube:
+        return SampledTube(delay.sampled(self.delay, dt), -np.expm1(-dt / np.maximum(self.lag, 1e-9)))
+
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Tube:
+        return Tube(delay.at_rest(pressure), pressure)

@@ -1,0 +1,88 @@
+"""Fill/exhaust asymmetry: the regulator fills and exhausts at different speeds.
+
+Exhausting through an orifice the flow follows the pressure above the outside's,
+filling through one it follows what the supply has in hand, so that either speed
+may change with the pressure (ISO 6358; below the critical ratio the flow is
+proportional to the pressure upstream).
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from plants.effects.effect import Around, Effect, Nothing, Number, parameter
+
+SLOWEST = 0.02
+"""No valve is slower than this share of its nominal rate."""
+
+
+class SampledAsymmetry(NamedTuple):
+    """Factors of the rate at 100 kPa gauge, and their change per kPa."""
+
+    fill: Number
+    fill_slope: Number
+    exhaust: Number
+    exhaust_slope: Number
+
+    def valve(self, s: Nothing, pressure: Number, error: Number, around: Around) -> tuple[Number, Number]:
+        x = pressure - 100.0
+        speed = np.where(error > 0.0, self.fill + self.fill_slope * x, self.exhaust + self.exhaust_slope * x)
+        return error, np.maximum(speed, SLOWEST)
+
+
+@dataclass(frozen=True)
+class TwoRates(Effect):
+    """Exhausting is `ratio` times as fast as filling, at any pressure."""
+
+    NAME = "fill-exhaust-asymmetry"
+    FORM = "two rates"
+    STAGE = "regulator"
+
+    ratio: Number = parameter("1", "rate of exhausting over rate of filling", 0.1, 5.0, 1.0, (0.7, 1.4))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledAsymmetry:
+        return SampledAsymmetry(1.0, 0.0, self.ratio, 0.0)
+
+
+@dataclass(frozen=True)
+class PressureDependentRates(Effect):
+    """Both speeds change linearly with the pressure: factors 1 + fill x and ratio (1 + exhaust x)
+    with x = (P - 100 kPa) / 100 kPa."""
+
+    NAME = "fill-exhaust-asymmetry"
+    FORM = "rates that depend on the pressure"
+    STAGE = "regulator"
+
+    ratio: Number = parameter("1", "rate of exhausting over rate of filling", 0.1, 5.0, 1.0, (0.7, 1.4))
+    fill: Number = parameter("1", "change of the filling rate per 100 kPa", -0.95, 3.0, 0.0, (-0.3, 0.0))
+    exhaust: Number = parameter("1", "change of the exhausting rate per 100 kPa", -0.95, 3.0, 0.0, (0.0, 0.4))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledAsymmetry:
+        return SampledAsymmetry(1.0, self.fill / 100.0, self.ratio, self.ratio * self.exhaust / 100.0)
+
+
+class SampledOrifice(NamedTuple):
+    """Factor of the rate of exhausting at 100 kPa, and its exponent."""
+
+    ratio: Number
+    exponent: Number
+
+    def valve(self, s: Nothing, pressure: Number, error: Number, around: Around) -> tuple[Number, Number]:
+        relative = np.maximum(pressure, 1.0) / 100.0  # above the outside's pressure
+        return error, np.where(error > 0.0, 1.0, np.maximum(self.ratio * relative**self.exponent, SLOWEST))
+
+
+@dataclass(frozen=True)
+class OrificeExhaust(Effect):
+    """Exhaust through an orifice: its speed goes with a power of the pressure above the outside's."""
+
+    NAME = "fill-exhaust-asymmetry"
+    FORM = "exhaust through an orifice"
+    STAGE = "regulator"
+
+    ratio: Number = parameter("1", "rate of exhausting over filling, at 100 kPa", 0.1, 5.0, 1.0, (0.7, 1.4))
+    exponent: Number = parameter("1", "exponent of the gauge pressure", 0.0, 2.0, 0.0, (0.5,))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledOrifice:
+        return SampledOrifice(self.ratio, self.exponent)

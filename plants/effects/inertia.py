@@ -1,0 +1,103 @@
+"""Inertia: the joint overshoots and rings; a second-order transient takes the lag's place.
+
+    inertia^2 y'' + Tw y' + y = h
+
+so that at inertia 0 the declared lag is left.  With wn = 1 / inertia the damping
+ratio is Tw / (2 inertia).
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from plants.effects.effect import Effect, Number, parameter
+
+NULL = 1e-6
+"""Inertia [s] that stands for none: its second pole is gone within a nanosecond."""
+
+
+class Velocity(NamedTuple):
+    """Velocity of the joint [deg/s]."""
+
+    velocity: Number
+
+
+class SampledInertia(NamedTuple):
+    """First-order hold of the second-order transient: what angle, velocity and the static angle at
+    both ends of the sample give to angle and velocity; the drag per sample [1/deg]."""
+
+    yy: Number
+    yv: Number
+    yb: Number
+    ya: Number
+    vy: Number
+    vv: Number
+    vb: Number
+    va: Number
+    drag: Number
+
+    def joint(self, s: Velocity, angle: Number, before: Number, after: Number) -> tuple[Velocity, Number]:
+        new = self.yy * angle + self.yv * s.velocity + self.yb * before + self.ya * after
+        velocity = self.vy * angle + self.vv * s.velocity + self.vb * before + self.va * after
+        velocity = velocity / (1.0 + self.drag * np.abs(velocity))
+        return Velocity(velocity), new
+
+
+def second_order_hold(inertia: Number, lag: Number, dt: float) -> tuple[Number, ...]:
+    """Coefficients of the exact solution over one sample for an input that moves linearly.
+
+    The response of y to its initial values and to a ramp, from the two poles
+    (complex arithmetic, so that ringing needs no case of its own; equal poles
+    are moved apart by a millionth).
+    """
+    m, d = np.maximum(np.asarray(inertia, float), NULL) ** 2, np.asarray(lag, float)
+    root = np.sqrt((d * d - 4.0 * m).astype(complex))
+    root = np.where(np.abs(root) < 1e-6 * d, 1e-6 * d, root)
+    p, q = -2.0 / (d + root), (-d - root) / (2.0 * m)  # slow and fast; no digits lost at small m
+    ep, eq = np.exp(p * dt), np.exp(q * dt)
+    # Free response to (y, v): y = A e^pt + B e^qt.
+    yy, yv = (p * eq - q * ep) / (p - q), (ep - eq) / (p - q)
+    vy, vv = p * q * (eq - ep) / (p - q), (p * ep - q * eq) / (p - q)
+    # Forced by h = before + slope t: y = h - Tw slope + free response to (-before + Tw slope, -slope).
+    share = 1.0 / dt
+    y_slope = dt - d + yy * d - yv  # per unit of slope
+    v_slope = 1.0 + vy * d - vv
+    ya, va = y_slope * share, v_slope * share
+    yb, vb = 1.0 - yy - ya, -vy - va
+    return tuple(np.real(x) for x in (yy, yv, yb, ya, vy, vv, vb, va))
+
+
+@dataclass(frozen=True)
+class Inertia(Effect):
+    """The joint's inertia with linear damping; `inertia` [s] is 1 / wn."""
+
+    NAME = "inertia"
+    FORM = "linear damping"
+    STAGE = "wrist"
+
+    inertia: Number = parameter("s", "1 / natural frequency", 0.0, 1.0, 0.0, (0.05, 0.1, 0.18))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledInertia:
+        return SampledInertia(*second_order_hold(self.inertia, wrist.Tw, dt), 0.0)
+
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Velocity:
+        return Velocity(0.0)
+
+
+@dataclass(frozen=True)
+class DraggedInertia(Effect):
+    """As `Inertia`, with a drag that grows with the square of the speed."""
+
+    NAME = "inertia"
+    FORM = "damping that grows with the speed"
+    STAGE = "wrist"
+
+    inertia: Number = parameter("s", "1 / natural frequency", 0.0, 1.0, 0.0, (0.06, 0.14))
+    drag: Number = parameter("1/deg", "drag: deceleration over velocity squared", -0.05, 1.0, 0.0, (0.03,))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledInertia:
+        return SampledInertia(*second_order_hold(self.inertia, wrist.Tw, dt), self.drag * dt)
+
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Velocity:
+        return Velocity(0.0)

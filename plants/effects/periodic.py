@@ -1,0 +1,67 @@
+"""Periodic disturbance: a hum of one frequency on the measured angle (compressor, tremor)."""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from plants.effects.effect import Around, Effect, Nothing, Number, parameter
+
+
+class SampledHum(NamedTuple):
+    """Angular frequency [rad/s]; sine and cosine parts of the first and second harmonic [deg]."""
+
+    omega: Number
+    sine: Number
+    cosine: Number
+    sine2: Number
+    cosine2: Number
+
+    def sensor(self, s: Nothing, angle: Number, around: Around) -> Number:
+        phase = self.omega * around.time
+        sine, cosine = np.sin(phase), np.cos(phase)
+        first = self.sine * sine + self.cosine * cosine
+        # Double angles: sin 2a = 2 sin a cos a, cos 2a = 1 - 2 sin^2 a.
+        second = self.sine2 * 2.0 * sine * cosine + self.cosine2 * (1.0 - 2.0 * sine * sine)
+        return angle + first + second
+
+
+def _part(name: str, trial: float) -> Any:
+    return parameter("deg", f"{name}, phase 0 at time_s = 0", -20.0, 20.0, 0.0, (0.0, trial) if trial else ())
+
+
+_FREQUENCY = parameter("Hz", "frequency of the hum", 0.05, 50.0, 1.0, (1.0,))
+
+
+@dataclass(frozen=True)
+class Hum(Effect):
+    """One sinusoid, its amplitude and phase given by a sine and a cosine part [deg]."""
+
+    NAME = "periodic-disturbance"
+    FORM = "sinusoid"
+    STAGE = "sensor"
+
+    frequency: Number = _FREQUENCY
+    sine: Number = _part("sine part", 0.2)
+    cosine: Number = _part("cosine part", 0.2)
+
+    def sampled(self, wrist: Any, dt: float) -> SampledHum:
+        return SampledHum(2.0 * np.pi * self.frequency, self.sine, self.cosine, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class HarmonicHum(Effect):
+    """A sinusoid and its second harmonic."""
+
+    NAME = "periodic-disturbance"
+    FORM = "sinusoid with a second harmonic"
+    STAGE = "sensor"
+
+    frequency: Number = _FREQUENCY
+    sine: Number = _part("sine part", 0.2)
+    cosine: Number = _part("cosine part", 0.2)
+    sine2: Number = _part("sine part of the second harmonic", 0.0)
+    cosine2: Number = _part("cosine part of the second harmonic", 0.0)
+
+    def sampled(self, wrist: Any, dt: float) -> SampledHum:
+        return SampledHum(2.0 * np.pi * self.frequency, self.sine, self.cosine, self.sine2, self.cosine2)

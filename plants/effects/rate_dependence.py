@@ -1,0 +1,106 @@
+"""Rate dependence: the loop is wider when the pressure moves faster.
+
+Friction in the braid and the bladder's viscosity hold the wrist back the more
+the faster it is driven.  Where friction remembers (it takes time to build up
+and to decay), the width follows the rate behind a lag.
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from plants.effects.effect import Around, Effect, Nothing, Number, parameter
+
+
+class SampledWidening(NamedTuple):
+    """Per sample: 1 / dt [1/s], widening [deg s/kPa], 1 / rate at which it saturates [s/kPa]."""
+
+    per_dt: Number
+    widening: Number
+    per_limit: Number
+
+    def bend(
+        self, s: Nothing, before: Number, after: Number, loop: Any, around: Around
+    ) -> tuple[Nothing, Number, Number, Number]:
+        rate = np.abs(after - before) * self.per_dt
+        extra = self.widening * rate / (1.0 + rate * self.per_limit)
+        return s, -extra, extra, 1.0
+
+
+class Remembered(NamedTuple):
+    """The rate that the friction has come to feel [kPa/s]."""
+
+    rate: Number
+
+
+class SampledMemory(NamedTuple):
+    """As `SampledWidening`, and the share of the way that the felt rate goes in one sample."""
+
+    per_dt: Number
+    widening: Number
+    per_limit: Number
+    share: Number
+
+    def bend(
+        self, s: Remembered, before: Number, after: Number, loop: Any, around: Around
+    ) -> tuple[Remembered, Number, Number, Number]:
+        rate = s.rate + self.share * (np.abs(after - before) * self.per_dt - s.rate)
+        extra = self.widening * rate / (1.0 + rate * self.per_limit)
+        return Remembered(rate), -extra, extra, 1.0
+
+
+_WIDENING = parameter("deg s/kPa", "widening of each half of the loop per rate", -0.2, 0.5, 0.0, (0.01,))
+
+
+@dataclass(frozen=True)
+class Viscous(Effect):
+    """Each half of the loop widens in proportion to the rate of the pressure."""
+
+    NAME = "rate-dependence"
+    FORM = "proportional to the rate"
+    STAGE = "wrist"
+
+    widening: Number = _WIDENING
+
+    def sampled(self, wrist: Any, dt: float) -> SampledWidening:
+        return SampledWidening(1.0 / dt, self.widening, 0.0)
+
+
+@dataclass(frozen=True)
+class SaturatingWidening(Effect):
+    """The widening saturates: rate / (1 + rate / limit), `limit` in kPa/s."""
+
+    NAME = "rate-dependence"
+    FORM = "saturating with the rate"
+    STAGE = "wrist"
+
+    widening: Number = parameter("deg s/kPa", "widening per rate, at low rates", -0.5, 2.0, 0.0, (0.03,))
+    limit: Number = parameter(
+        "kPa/s", "rate at which the widening is half its most", 2.0, 5e3, 5e3, (15.0, 60.0, 250.0)
+    )
+
+    def sampled(self, wrist: Any, dt: float) -> SampledWidening:
+        return SampledWidening(1.0 / dt, self.widening, 1.0 / np.asarray(self.limit, float))
+
+
+@dataclass(frozen=True)
+class RememberedRate(Effect):
+    """Friction that remembers: the widening follows the rate behind a lag, and saturates."""
+
+    NAME = "rate-dependence"
+    FORM = "friction that remembers the rate"
+    STAGE = "wrist"
+
+    widening: Number = parameter("deg s/kPa", "widening per rate, at low rates", -0.5, 2.0, 0.0, (0.02,))
+    limit: Number = parameter(
+        "kPa/s", "rate at which the widening is half its most", 2.0, 5e3, 5e3, (30.0, 500.0)
+    )
+    memory: Number = parameter("s", "time constant of the friction", 0.002, 3.0, 0.05, (0.05, 0.3))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledMemory:
+        share = -np.expm1(-dt / np.asarray(self.memory, float))
+        return SampledMemory(1.0 / dt, self.widening, 1.0 / np.asarray(self.limit, float), share)
+
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Remembered:
+        return Remembered(0.0)

@@ -1,0 +1,95 @@
+"""Regulator dead band: small changes of the command are ignored, or followed at a distance."""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from plants.effects.effect import Around, Effect, Nothing, Number, parameter
+
+
+class Held(NamedTuple):
+    """The commanded pressure [kPa] that the regulator has taken up."""
+
+    target: Number
+
+
+class SampledLatch(NamedTuple):
+    """Half width [kPa]."""
+
+    width: Number
+
+    def target(self, s: Held, target: Number, around: Around) -> tuple[Held, Number]:
+        held = np.where(np.abs(target - s.target) > self.width, target, s.target)
+        return Held(held), held
+
+
+class SampledPlay(NamedTuple):
+    """Half width [kPa]."""
+
+    width: Number
+
+    def target(self, s: Held, target: Number, around: Around) -> tuple[Held, Number]:
+        held = np.minimum(np.maximum(s.target, target - self.width), target + self.width)
+        return Held(held), held
+
+
+class SampledOverlap(NamedTuple):
+    """Half width [kPa]."""
+
+    width: Number
+
+    def valve(self, s: Nothing, pressure: Number, error: Number, around: Around) -> tuple[Number, Number]:
+        return np.where(np.abs(error) > self.width, error, 0.0), 1.0
+
+
+def _width(meaning: str) -> Any:
+    return parameter("kPa", meaning, 0.0, 15.0, 0.0, (0.7, 1.5, 3.0, 5.0))
+
+
+@dataclass(frozen=True)
+class Latch(Effect):
+    """A change of the commanded pressure is taken up once it exceeds `width` [kPa], then in full."""
+
+    NAME = "regulator-deadband"
+    FORM = "latch"
+    STAGE = "regulator"
+
+    width: Number = _width("change of the commanded pressure that is ignored")
+
+    def sampled(self, wrist: Any, dt: float) -> SampledLatch:
+        return SampledLatch(self.width)
+
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Held:
+        return Held(pressure)
+
+
+@dataclass(frozen=True)
+class Play(Effect):
+    """The regulator follows the commanded pressure at a distance of `width` [kPa], as with backlash."""
+
+    NAME = "regulator-deadband"
+    FORM = "play"
+    STAGE = "regulator"
+
+    width: Number = _width("distance at which the commanded pressure is followed")
+
+    def sampled(self, wrist: Any, dt: float) -> SampledPlay:
+        return SampledPlay(self.width)
+
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Held:
+        return Held(pressure)
+
+
+@dataclass(frozen=True)
+class ValveOverlap(Effect):
+    """The valves stay shut while the pressure is within `width` [kPa] of the commanded one."""
+
+    NAME = "regulator-deadband"
+    FORM = "valve overlap"
+    STAGE = "regulator"
+
+    width: Number = _width("error of the pressure at which the valves stay shut")
+
+    def sampled(self, wrist: Any, dt: float) -> SampledOverlap:
+        return SampledOverlap(self.width)

@@ -1,0 +1,118 @@
+"""Softening: the slope of the branches changes as the actuator is worked.
+
+Rubber softens with its first large strains (Mullins, Rubber Chemistry and
+Technology 42 (1969) 339), with work done on it, and as it warms.  Slopes go by a
+factor 1 + depth (1 - exp(-w / scale)), where w is what the form counts; the half
+widths of the loop may change along, by `width` in the same way.
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from plants.effects.effect import Around, Effect, Number, parameter
+
+
+class Worked(NamedTuple):
+    """What has been counted so far: kPa for work and for the largest excursion, s for time."""
+
+    amount: Number
+
+
+class _Coefficients(NamedTuple):
+    depth: Number
+    width: Number
+    per_scale: Number
+    dt: Number
+
+
+class _Softening(_Coefficients):
+    def _bent(self, amount: Number, after: Number, loop: Any) -> tuple[Worked, Number, Number, Number]:
+        share = 1.0 - np.exp(-amount * self.per_scale)
+        x, soft, wide = after - loop.rest_pressure, self.depth * share, self.width * share
+        low = soft * (loop.a1 * x) - wide * loop.w1
+        high = soft * (loop.a2 * x) + wide * loop.w2
+        return Worked(amount), low, high, 1.0 + soft
+
+
+class SampledByWork(_Softening):
+    """Counts the travel of the pressure."""
+
+    def bend(
+        self, s: Worked, before: Number, after: Number, loop: Any, around: Around
+    ) -> tuple[Worked, Number, Number, Number]:
+        return self._bent(s.amount + np.abs(after - before), after, loop)
+
+
+class SampledByTime(_Softening):
+    """Counts time."""
+
+    def bend(
+        self, s: Worked, before: Number, after: Number, loop: Any, around: Around
+    ) -> tuple[Worked, Number, Number, Number]:
+        return self._bent(s.amount + self.dt, after, loop)
+
+
+class SampledByLargest(_Softening):
+    """Counts the largest excursion of the pressure from rest."""
+
+    def bend(
+        self, s: Worked, before: Number, after: Number, loop: Any, around: Around
+    ) -> tuple[Worked, Number, Number, Number]:
+        return self._bent(np.maximum(s.amount, np.abs(after - loop.rest_pressure)), after, loop)
+
+
+_DEPTH = parameter("1", "change of the slopes in the end, as a share", -0.6, 1.0, 0.0, (0.1,))
+_WIDTH = parameter("1", "change of the half widths in the end, as a share", -0.9, 2.0, 0.0, (0.0, 0.1))
+
+
+@dataclass(frozen=True)
+class _Form(Effect):
+    NAME = "softening"
+    STAGE = "wrist"
+
+    depth: Number = _DEPTH
+    width: Number = _WIDTH
+
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Worked:
+        return Worked(0.0)
+
+    def _coefficients(self, scale: Number, dt: float) -> tuple[Number, ...]:
+        return self.depth, self.width, 1.0 / np.asarray(scale, float), dt
+
+
+@dataclass(frozen=True)
+class SofteningByWork(_Form):
+    """Softens with the travel of the pressure, on a `scale` in kPa."""
+
+    FORM = "with the travel of the pressure"
+
+    scale: Number = parameter("kPa", "travel that softens by 63 %", 20.0, 2e4, 800.0, (150.0, 500.0, 2000.0))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledByWork:
+        return SampledByWork(*self._coefficients(self.scale, dt))
+
+
+@dataclass(frozen=True)
+class Warming(_Form):
+    """Softens with time, on a `scale` in s."""
+
+    FORM = "with time"
+
+    scale: Number = parameter("s", "time that softens by 63 %", 1.0, 2000.0, 40.0, (10.0, 40.0, 150.0))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledByTime:
+        return SampledByTime(*self._coefficients(self.scale, dt))
+
+
+@dataclass(frozen=True)
+class Mullins(_Form):
+    """Softens with the largest excursion of the pressure so far, on a `scale` in kPa."""
+
+    FORM = "with the largest excursion"
+
+    scale: Number = parameter("kPa", "excursion that softens by 63 %", 3.0, 1000.0, 50.0, (20.0, 60.0, 200.0))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledByLargest:
+        return SampledByLargest(*self._coefficients(self.scale, dt))

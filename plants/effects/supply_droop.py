@@ -1,0 +1,99 @@
+"""Supply droop: the pressure cannot exceed a supply that sags as air is used and recovers slowly."""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from plants.effects.effect import Around, Effect, Number, parameter
+
+
+class Supply(NamedTuple):
+    """How far the supply has sagged [kPa]."""
+
+    sag: Number
+
+
+class SampledSupply(NamedTuple):
+    """Full supply [kPa], sag per kPa that is filled, what is left of a sag after one sample, and how
+    the sag saturates [1/kPa]."""
+
+    full: Number
+    use: Number
+    keep: Number
+    per_deepest: Number
+
+    def used(self, s: Supply, before: Number, after: Number) -> Supply:
+        air = np.maximum(after - before, 0.0)
+        return Supply(s.sag * self.keep + self.use * air * (1.0 - s.sag * self.per_deepest))
+
+
+class SampledCap(SampledSupply):
+    """The pressure itself meets the supply."""
+
+    def supply(self, s: Supply, before: Number, after: Number) -> tuple[Supply, Number]:
+        after = np.minimum(after, np.maximum(self.full - s.sag, np.minimum(before, after)))
+        return self.used(s, before, after), after
+
+
+class SampledTargetCap(SampledSupply):
+    """The regulator aims no higher than the supply, so that the approach slows down before it."""
+
+    def target(self, s: Supply, target: Number, around: Around) -> tuple[Supply, Number]:
+        return s, np.minimum(target, self.full - s.sag)
+
+    def supply(self, s: Supply, before: Number, after: Number) -> tuple[Supply, Number]:
+        return self.used(s, before, after), after
+
+
+_SUPPLY = parameter("kPa", "pressure of the rested supply", 120.0, 400.0, 400.0, (180.0, 190.0, 200.0, 210.0))
+_USE = parameter("1", "sag of the supply per kPa filled", 0.0, 2.0, 0.0, (0.05, 0.2))
+_RECOVERY = parameter("s", "time constant of the supply's recovery", 0.3, 100.0, 8.0, (3.0, 12.0))
+
+
+@dataclass(frozen=True)
+class _Droop(Effect):
+    NAME = "supply-droop"
+    STAGE = "regulator"
+
+    supply: Number = _SUPPLY
+    use: Number = _USE
+    recovery: Number = _RECOVERY
+
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Supply:
+        return Supply(0.0)
+
+    def _coefficients(self, dt: float, per_deepest: Number = 0.0) -> tuple[Number, ...]:
+        return self.supply, self.use, np.exp(-dt / np.asarray(self.recovery, float)), per_deepest
+
+
+@dataclass(frozen=True)
+class CappedPressure(_Droop):
+    """The pressure stops at a supply that sags by `use` [kPa per kPa filled] and recovers [s]."""
+
+    FORM = "the pressure is capped"
+
+    def sampled(self, wrist: Any, dt: float) -> SampledCap:
+        return SampledCap(*self._coefficients(dt))
+
+
+@dataclass(frozen=True)
+class CappedTarget(_Droop):
+    """As `CappedPressure`, but the commanded pressure is capped, so that the approach is gradual."""
+
+    FORM = "the commanded pressure is capped"
+
+    def sampled(self, wrist: Any, dt: float) -> SampledTargetCap:
+        return SampledTargetCap(*self._coefficients(dt))
+
+
+@dataclass(frozen=True)
+class SaturatingSag(_Droop):
+    """As `CappedPressure`, but a sag comes to rest at `deepest` [kPa]: the compressor keeps up."""
+
+    FORM = "the pressure is capped, the sag saturates"
+
+    deepest: Number = parameter("kPa", "deepest sag of the supply", 2.0, 200.0, 200.0, (30.0,))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledCap:
+        return SampledCap(*self._coefficients(dt, 1.0 / np.asarray(self.deepest, float)))
