@@ -118,8 +118,8 @@ class Logged(NamedTuple):
     reading: Any
 
 
-def _times(steps: int, begin: float) -> Array:
-    times: Array = begin + np.arange(steps) * SAMPLE_TIME
+def _times(steps: int, begin: float, dt: float = SAMPLE_TIME) -> Array:
+    times: Array = begin + np.arange(steps) * dt
     return times
 
 
@@ -177,8 +177,9 @@ def open_loop(
 
 def _driven_step(state: Logged, inputs: tuple[Any, ...], c: Any) -> Logged:
     pressure, other, time = inputs
-    plant = bend(state.plant, pressure, state.plant.effects, c, Around(time, other))
-    return Logged(plant, read(plant, c, Around(time + SAMPLE_TIME, other)))
+    wrist, dt = c
+    plant = bend(state.plant, pressure, state.plant.effects, wrist, Around(time, other))
+    return Logged(plant, read(plant, wrist, Around(time + dt, other)))
 
 
 def driven(
@@ -189,20 +190,23 @@ def driven(
     jobs: int | None = None,
     other_pressure: Any = None,
     begin: float = 0.0,
+    dt: float = SAMPLE_TIME,
 ) -> Array:
     """What the sensor shows [deg], shape (rows, lanes), of a wrist whose pressure [kPa] is given.
 
     `pressures` has one value more than there are samples, the first being that
-    of the start; the regulator and its effects take no part.  Other arguments as
-    in `open_loop`.
+    of the start; samples are `dt` [s] apart, which need not be 1 ms, since neither
+    loop nor lag depends on it.  The regulator and its effects take no part.
+    Other arguments as in `open_loop`.
     """
     p = np.asarray(pressures, float)
     steps = len(p) - 1
     other = np.full(steps, QUIET.other_pressure) if other_pressure is None else other_pressure
-    c, start = wrist.sampled(), state._replace(pressure=p[0])
+    c, start = wrist.sampled(dt), state._replace(pressure=p[0])
     seen = read(start, c, Around(begin, other[0] if steps else QUIET.other_pressure))
+    signals = {"pressure": p[1:], "other": other, "time": _times(steps, begin, dt)}
     _, rows = run_lanes(
-        _driven_step, Logged(start, seen), c, steps, {"pressure": p[1:], "other": other, "time": _times(steps, begin)},
-        ("pressure", "other", "time"), every, ("reading",), jobs,
+        _driven_step, Logged(start, seen), (c, dt), steps, signals, ("pressure", "other", "time"),
+        every, ("reading",), jobs,
     )  # fmt: skip
     return rows[0]

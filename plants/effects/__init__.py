@@ -6,7 +6,7 @@ vanishes at its null.  Where rigs differ, one name has two or three functional
 forms; a new effect is a new file, a line here and a test.
 """
 
-from plants.effects.branch_curvature import Bow, Polynomial, Saturation
+from plants.effects.branch_curvature import Bow, Curve, Polynomial, Saturation
 from plants.effects.creep import Creep, LogCreep, TwoTimeCreep
 from plants.effects.cross_coupling import Coupling, PressureCoupling, QuadraticCoupling
 from plants.effects.dead_time import DeadTime, TubeDeadTime
@@ -27,7 +27,7 @@ EFFECTS: dict[str, tuple[type[Effect], ...]] = {
     "regulator-deadband": (Latch, Play, ValveOverlap),
     "fill-exhaust-asymmetry": (TwoRates, PressureDependentRates, OrificeExhaust),
     "supply-droop": (CappedPressure, CappedTarget, SaturatingSag),
-    "branch-curvature": (Polynomial, Saturation, Bow),
+    "branch-curvature": (Polynomial, Saturation, Bow, Curve),
     "cross-coupling": (Coupling, QuadraticCoupling, PressureCoupling),
     "rate-dependence": (Viscous, SaturatingWidening, RememberedRate),
     "softening": (SofteningByWork, Warming, Mullins),

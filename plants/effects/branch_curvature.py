@@ -110,3 +110,45 @@ class Bow(Effect):
 
     def sampled(self, wrist: Any, dt: float) -> SampledBow:
         return SampledBow(wrist.hysteresis.rest_pressure, self.bow1, self.bow2, self.cubic)
+
+
+class SampledCurve(NamedTuple):
+    """Rest pressure [kPa]; shares of the Chebyshev polynomials of degree 2 to 7."""
+
+    rest_pressure: Number
+    shares: tuple[Number, ...]
+
+    def bend(
+        self, s: Nothing, before: Number, after: Number, loop: Any, around: Around
+    ) -> tuple[Nothing, Number, Number, Number]:
+        x = np.minimum(np.maximum((after - self.rest_pressure) * (1.0 / SPAN), -1.2), 1.2)
+        lower, here, curve = 1.0, x, 0.0
+        for degree, share in enumerate(self.shares, start=2):
+            lower, here = here, 2.0 * x * here - lower
+            # Minus its value at rest, so that a wrist at rest stays at 0.
+            curve = curve + share * (here - np.cos(degree * np.pi / 2.0))
+        return s, loop.a1 * SPAN * curve, loop.a2 * SPAN * curve, 1.0
+
+
+@dataclass(frozen=True)
+class Curve(Effect):
+    """Both lines follow one smooth curve, the transit stays straight.
+
+    Chebyshev polynomials T2 to T7 of (P - rest) / 100 kPa, as shares of the line's
+    rise over 100 kPa.
+    """
+
+    NAME = "branch-curvature"
+    FORM = "smooth curve of the lines"
+    STAGE = "wrist"
+
+    t2: Number = parameter("1", "share of T2", -0.5, 0.5, 0.0, (0.0, 0.05))
+    t3: Number = parameter("1", "share of T3", -0.5, 0.5, 0.0, (-0.05, 0.05))
+    t4: Number = parameter("1", "share of T4", -0.3, 0.3, 0.0)
+    t5: Number = parameter("1", "share of T5", -0.3, 0.3, 0.0, (0.0, 0.02))
+    t6: Number = parameter("1", "share of T6", -0.2, 0.2, 0.0)
+    t7: Number = parameter("1", "share of T7", -0.2, 0.2, 0.0)
+
+    def sampled(self, wrist: Any, dt: float) -> SampledCurve:
+        shares = (self.t2, self.t3, self.t4, self.t5, self.t6, self.t7)
+        return SampledCurve(wrist.hysteresis.rest_pressure, shares)

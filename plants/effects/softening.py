@@ -1,9 +1,10 @@
 """Softening: the slope of the branches changes as the actuator is worked.
 
 Rubber softens with its first large strains (Mullins, Rubber Chemistry and
-Technology 42 (1969) 339), with work done on it, and as it warms.  Slopes go by a
-factor 1 + depth (1 - exp(-w / scale)), where w is what the form counts; the half
-widths of the loop may change along, by `width` in the same way.
+Technology 42 (1969) 339), with work done on it, and as it warms.  The slopes of the
+lines go by a factor 1 + depth (1 - exp(-w / scale)), where w is what the form
+counts; that of the transit takes a share `transit` of it, and the half widths of
+the loop may change along, by `width` in the same way.
 """
 
 from dataclasses import dataclass
@@ -23,6 +24,7 @@ class Worked(NamedTuple):
 class _Coefficients(NamedTuple):
     depth: Number
     width: Number
+    transit: Number
     per_scale: Number
     dt: Number
 
@@ -33,7 +35,7 @@ class _Softening(_Coefficients):
         x, soft, wide = after - loop.rest_pressure, self.depth * share, self.width * share
         low = soft * (loop.a1 * x) - wide * loop.w1
         high = soft * (loop.a2 * x) + wide * loop.w2
-        return Worked(amount), low, high, 1.0 + soft
+        return Worked(amount), low, high, 1.0 + self.transit * soft
 
 
 class SampledByWork(_Softening):
@@ -66,6 +68,8 @@ class SampledByLargest(_Softening):
 _DEPTH = parameter("1", "change of the slopes in the end, as a share", -0.6, 1.0, 0.0, (0.1,))
 _WIDTH = parameter("1", "change of the half widths in the end, as a share", -0.9, 2.0, 0.0, (0.0, 0.1))
 
+_TRANSIT = parameter("1", "share of the change that the transit's slope takes part in", -1.0, 3.0, 1.0)
+
 
 @dataclass(frozen=True)
 class _Form(Effect):
@@ -74,12 +78,13 @@ class _Form(Effect):
 
     depth: Number = _DEPTH
     width: Number = _WIDTH
+    transit: Number = _TRANSIT
 
     def rest(self, wrist: Any, pressure: Number, angle: Number) -> Worked:
         return Worked(0.0)
 
     def _coefficients(self, scale: Number, dt: float) -> tuple[Number, ...]:
-        return self.depth, self.width, 1.0 / np.asarray(scale, float), dt
+        return self.depth, self.width, self.transit, 1.0 / np.asarray(scale, float), dt
 
 
 @dataclass(frozen=True)

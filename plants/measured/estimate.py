@@ -10,6 +10,9 @@ Array = NDArray[np.float64]
 HUBER = 3.0
 """Residuals beyond this many spreads count linearly, not squared."""
 
+LINEAR = 1e9
+"""A corner that no residual reaches."""
+
 
 class Problem(Protocol):
     """What is estimated: residuals (rows, lanes) of vectors (lanes, n), and the block of each row."""
@@ -42,9 +45,9 @@ def estimate(problem: Problem, bounds: Array, starts: int, seed: int) -> Estimat
     draws = np.random.default_rng(seed).uniform(-1.0, 1.0, (max(starts - 1, 0), x0.size))
     reach = np.where(draws < 0.0, x0 - low, high - x0)
     candidates = np.vstack([x0, np.clip(x0 + 0.5 * draws * reach * np.abs(draws), low, high)])
-    ends = [_minimise(problem, x, bounds, _corner(problem.residuals(x[None, :])[:, 0])) for x in candidates]
+    ends = [minimise(problem, x, bounds, _corner(problem.residuals(x[None, :])[:, 0])) for x in candidates]
     corner = min(_corner(problem.residuals(x[None, :])[:, 0]) for x, _ in ends)
-    ends = [_minimise(problem, x, bounds, corner) for x, _ in ends]
+    ends = [minimise(problem, x, bounds, corner) for x, _ in ends]
     ends.sort(key=lambda end: end[1])
     best = ends[0][1]
     agreeing = sum(cost <= best * 1.01 for _, cost in ends)
@@ -63,7 +66,7 @@ def _scale(x: Array, bounds: Array) -> Array:
     return scale
 
 
-def _jacobian(problem: Problem, x: Array, bounds: Array) -> tuple[Array, Array]:
+def jacobian(problem: Problem, x: Array, bounds: Array) -> tuple[Array, Array]:
     """Residuals (rows,) and their derivatives (rows, n): perturbed copies run side by side in lanes."""
     step = 1e-5 * _scale(x, bounds)
     step = np.where(x + step > bounds[2], -step, step)
@@ -71,8 +74,10 @@ def _jacobian(problem: Problem, x: Array, bounds: Array) -> tuple[Array, Array]:
     return lanes[:, 0], (lanes[:, 1:] - lanes[:, :1]) / step
 
 
-def _minimise(problem: Problem, x: Array, bounds: Array, corner: float) -> tuple[Array, float]:
-    """Local minimum from x and its mean cost."""
+def minimise(
+    problem: Problem, x: Array, bounds: Array, corner: float = LINEAR, evaluations: int = 40, tol: float = 1e-7
+) -> tuple[Array, float]:
+    """Local minimum from x and its mean cost; least squares where no corner is given."""
     from scipy.optimize import least_squares
 
     at: dict[bytes, tuple[Array, Array]] = {}
@@ -81,12 +86,24 @@ def _minimise(problem: Problem, x: Array, bounds: Array, corner: float) -> tuple
         key = x.tobytes()
         if key not in at:
             at.clear()
-            at[key] = _jacobian(problem, x, bounds)
+            at[key] = jacobian(problem, x, bounds)
         return at[key]
 
+    def reduced(x: Array) -> Array:
+        # Same cost, gradient and normal equations as all the rows, in a handful of them.
+        residual, slopes = both(x)
+        triangle: Array = np.linalg.qr(np.column_stack([slopes, residual]), mode="r")
+        return triangle
+
+    if corner >= LINEAR:
+        found = least_squares(
+            lambda x: reduced(x)[:, -1], x, lambda x: reduced(x)[:, :-1], bounds=(bounds[1], bounds[2]),
+            x_scale=_scale(bounds[0], bounds), max_nfev=evaluations, xtol=tol, ftol=tol,
+        )  # fmt: skip
+        return found.x, float(found.cost / both(found.x)[0].size)
     found = least_squares(
         lambda x: both(x)[0], x, lambda x: both(x)[1], bounds=(bounds[1], bounds[2]),
-        x_scale=_scale(bounds[0], bounds), loss="huber", f_scale=corner, max_nfev=40, xtol=1e-7, ftol=1e-7,
+        x_scale=_scale(bounds[0], bounds), loss="huber", f_scale=corner, max_nfev=evaluations, xtol=tol, ftol=tol,
     )  # fmt: skip
     return found.x, float(found.cost / found.fun.size)
 
@@ -99,9 +116,9 @@ def standard_errors(problem: Problem, x: Array, bounds: Array, corner: float) ->
     (2015) 317).  An entry is undetermined where the data is blind to it or
     where it cannot be told from others.
     """
-    residual, jacobian = _jacobian(problem, x, bounds)
+    residual, slopes = jacobian(problem, x, bounds)
     weight = np.minimum(1.0, corner / np.maximum(np.abs(residual), 1e-300))
-    scaled = jacobian * _scale(x, bounds)
+    scaled = slopes * _scale(x, bounds)
     bread = scaled.T @ (scaled * weight[:, None])
     count = int(problem.blocks.max()) + 1
     scores = np.zeros((count, x.size))

@@ -1,0 +1,154 @@
+"""The battery of tests on the remainders of a stage, and what passes as found."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plants.measured.residual.background import background
+from plants.measured.residual.bins import Bins, bins_of, stretches
+from plants.measured.residual.conditional import Sums, stacked, sums_of
+from plants.measured.residual.correlation import Correlation, correlation
+from plants.measured.residual.events import Events, events_in
+from plants.measured.residual.evidence import Evidence
+from plants.measured.residual.joined import Joined
+from plants.measured.residual.periodic import Line, Spectrum, harmonic, line_in, spectrum_of
+from plants.measured.residual.remainder import Array
+from plants.measured.residual.size import burst_test, size_tests, sizes_of
+from plants.measured.residual.whiteness import LAGS, autocorrelation, ljung_box
+
+FALSE_ALARM = 2e-5
+"""Probability that noise alone exceeds any of the bounds of one examination."""
+
+SMALLEST = {
+    "conditional mean": 0.02,
+    "cross-correlation": 0.02,
+    "periodic": 0.02,
+    "offset": 0.02,
+    "events": 0.01,
+    "changing size": 0.01,
+}
+"""Smallest part of the noise's variance that counts as structure.
+
+0.02 is an effect whose spread is a seventh of the noise.  Events are rare, and large while they
+last.  For a changing size it is the mean square of the relative change: a tenth up and down.
+"""
+
+KNOWN = 0.36
+"""Degrees of freedom with which the noise's spectrum is known where it is slow, per second measured.
+
+From the scatter of `background` at frequency zero over simulated noise, 14 % for 280 s.
+"""
+
+INPUTS = ("pressure_kPa", "pressure_rate_kPa_s", "direction", "angle_deg", "time_s", "since_reversal_s", "work_kPa")
+"""Variables that are no inputs: made from the simulation, or time."""
+
+Key = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Battery:
+    """All tests made on a series, and what they were made of.
+
+    columns (k, n): indicators of all bins, then waves of the line; where: which of them belong to
+    a variable; evidence: by kind of test and variable.
+    """
+
+    joined: Joined
+    noise: float
+    noise_spectrum: Array
+    bins: tuple[Bins, ...]
+    columns: NDArray[np.float32]
+    where: dict[str, list[int]]
+    sums: Sums
+    spectrum: Spectrum
+    line: Line | None
+    correlations: tuple[Correlation, ...]
+    autocorrelation: Array
+    evidence: dict[Key, Evidence]
+
+    @property
+    def total(self) -> float:
+        """Variance of the remainder."""
+        return float(np.mean(self.joined.value[self.joined.inside] ** 2))
+
+    @property
+    def freedom(self) -> float:
+        """Degrees of freedom of the noise's spectrum."""
+        return max(10.0, KNOWN * self.joined.duration)
+
+    @property
+    def each(self) -> float:
+        """Probability of a false alarm that each test is allowed."""
+        return FALSE_ALARM / len(self.evidence)
+
+    def counts(self, kind: str, evidence: Evidence) -> bool:
+        """Whether a test has found something: beyond its bound, and large enough to matter."""
+        if kind == "whiteness":
+            return False
+        unit = 1.0 if kind == "changing size" else self.noise**2
+        return evidence.p_value < self.each and evidence.power > SMALLEST[kind] * unit
+
+    def found(self) -> list[Key]:
+        """All tests that have found something."""
+        return [key for key, e in self.evidence.items() if self.counts(key[0], e)]
+
+
+def make_tests(joined: Joined, noise: float, seed: int) -> Battery:
+    """Make all tests on a series, whose noise floor is known [its unit]."""
+    noise_spectrum = np.maximum(background(joined), 1e-6 * noise**2)
+    bins = (*(b for n in joined.variables if (b := bins_of(joined, n))), stretches(joined))
+    columns, groups = stacked(joined, bins)
+    where = {b.variable: g for b, g in zip(bins, groups, strict=True)}
+    spectrum = spectrum_of(joined, noise_spectrum)
+    line = line_in(joined, spectrum)
+    if line is not None:
+        waves = harmonic(joined, line.frequency).astype(np.float32)
+        where[line.name] = list(range(len(columns), len(columns) + len(waves)))
+        columns = np.concatenate([columns, waves])
+    sums = sums_of(joined, joined.value, columns, noise_spectrum)
+    crossed = correlated(joined, joined.value, noise_spectrum)
+    acf = autocorrelation(joined, LAGS)
+    battery = Battery(
+        joined, noise, noise_spectrum, bins, columns, where, sums, spectrum, line, crossed, acf, {}
+    )  # fmt: skip
+    for b in bins:
+        battery.evidence["conditional mean", b.variable] = sums.test(where[b.variable], battery.freedom)
+    if line is not None:
+        battery.evidence["periodic", line.name] = line.evidence
+    for c in crossed:
+        battery.evidence["cross-correlation", c.variable] = c.evidence(battery.total)
+    battery.evidence["offset", "offset"] = _offset(battery)
+    battery.evidence["events", "events"] = events_in(joined, joined.value, noise_spectrum).evidence
+    for variable, e in sizes_over(battery, joined.value, seed).items():
+        battery.evidence["changing size", variable] = e
+    battery.evidence["whiteness", "lags"] = ljung_box(acf, joined.rows)
+    return battery
+
+
+def correlated(joined: Joined, series: Array, noise_spectrum: Array) -> tuple[Correlation, ...]:
+    """Correlation of a series with the changes of each logged channel that is an input."""
+    names = [n for n in joined.variables if n not in INPUTS]
+    return tuple(c for n in names if (c := correlation(joined, series, n, noise_spectrum)) is not None)
+
+
+def sizes_over(battery: Battery, series: Array, seed: int) -> dict[str, Evidence]:
+    """Tests of the size of a series: over each variable, and in bursts."""
+    sizes = sizes_of(battery.joined, series, battery.noise_spectrum)
+    names = [b.variable for b in battery.bins]
+    found = size_tests(battery.joined, sizes, battery.columns, [battery.where[n] for n in names])
+    return dict(zip(names, found, strict=True)) | {"bursts": burst_test(battery.joined, sizes, seed)}
+
+
+def events_of(battery: Battery, series: Array) -> Events:
+    """Events in a series."""
+    return events_in(battery.joined, series, battery.noise_spectrum)
+
+
+def _offset(battery: Battery) -> Evidence:
+    """Whether the mean of the whole remainder differs from zero."""
+    joined = battery.joined
+    variance = float(battery.noise_spectrum[0]) / joined.rows
+    return Evidence(
+        joined.mean**2 / variance, "f", (1.0, battery.freedom), 1.0, joined.mean**2 - variance
+    )

@@ -1,0 +1,185 @@
+"""Choosing effects: refit the best few fully, judge on blocks left out, prefer fewer effects."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plants.effects import EFFECTS
+from plants.measured.trace.model import Model
+from plants.measured.trace.screening import Ranked, Screen, screen
+from plants.measured.trace.stage import BLOCK
+
+Array = NDArray[np.float64]
+WORTH = 0.05
+"""Least fall of chi-square per row that an effect must bring.  With tens of thousands of rows far
+smaller ones are beyond doubt, but they are imperfections of a form as often as effects."""
+
+SHARE = 0.25
+"""Least share of what chi-square has above 1 that an effect must take away."""
+
+SHORTLIST = 4
+"""Effects that are refitted in each round."""
+
+MOST = 3
+"""Effects that a stage may be given; beyond that a description is more honest than a list of causes."""
+
+SAME = 0.02
+"""Forms of one effect whose chi-square is within this share of its excess are equally good; the one
+with fewest parameters is taken."""
+
+BEAM, BEAM_REACH = 2, 5.0
+"""Models that a round starts from, and how much worse than the best the others may be."""
+
+FOLDS = 2
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A model that was fitted, with its chi-square per row on blocks that did not fit it."""
+
+    model: Model
+    held_out: float
+
+
+@dataclass(frozen=True)
+class Round:
+    """One decision: the model before it, the ranking, candidates that were refitted fully (best
+    first), and which was taken, None where the search ended."""
+
+    before: Candidate
+    ranking: tuple[Ranked, ...]
+    candidates: tuple[Candidate, ...]
+    taken: Candidate | None
+
+
+@dataclass(frozen=True)
+class Search:
+    """All decisions for one stage, and where they led."""
+
+    rounds: tuple[Round, ...]
+    chosen: Candidate
+    declared: Candidate
+    dropped: tuple[str, ...] = field(default=())
+
+
+def held_out(model: Model, evaluations: int = 6) -> float:
+    """Chi-square per row on blocks of ten seconds, each fitted on the others' half of the data."""
+    fold = model.stage.blocks(BLOCK) % FOLDS
+    total = 0.0
+    for k in range(FOLDS):
+        apart = fold == k
+        total += float(np.sum(model.fitted(evaluations, 1e-4, ~apart).residual[apart] ** 2))
+    return total / fold.size
+
+
+def judged(model: Model) -> Candidate:
+    """A fitted model with its error on blocks left out."""
+    return Candidate(model, held_out(model))
+
+
+def search(declared: Model, tell: Callable[[str], None] | None = None, seed: int = 0) -> Search:
+    """Add effects to a fitted declared model while each is worth it.
+
+    The best few models of a round are all carried to the next: the first effect
+    is chosen while another is still missing, which may pass for it.  Raises
+    nothing for a remainder that no effect explains: the search just ends.
+    """
+    tell = tell or (lambda what: None)
+    first = now = judged(declared)
+    beam, rounds = [first], list[Round]()
+    while len(now.model.forms) < MOST and now.held_out > 1.0 + WORTH:
+        candidates: list[Candidate] = []
+        ranking: list[Ranked] = []
+        for start in beam:
+            tell(f"ranking effects beyond {', '.join(start.model.effects) or 'none'}")
+            left = [n for n in declared.stage.effects if n not in start.model.effects]
+            found = screen(start.model, left, seed)
+            ranking = ranking or found
+            candidates += refit(start.model, shortlist(found))
+        candidates = distinct(sorted(candidates, key=lambda c: c.held_out))
+        best = candidates[0] if candidates else None
+        if best is not None and best.held_out > 1.0 + WORTH:
+            best = reformed(best)
+        taken = best if best is not None and worth_it(now, best) else None
+        rounds.append(Round(now, tuple(ranking), tuple(candidates), taken))
+        if taken is None:
+            break
+        now = pruned(taken)
+        beam = [now, *(c for c in candidates[1:] if c.held_out < BEAM_REACH * now.held_out)][:BEAM]
+    return Search(tuple(rounds), simplest(now) if now.model.forms else now, first)
+
+
+def distinct(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """The first candidate of each set of effects."""
+    found: dict[frozenset[str], Candidate] = {}
+    for c in candidates:
+        found.setdefault(frozenset(c.model.effects), c)
+    return list(found.values())
+
+
+def reformed(now: Candidate) -> Candidate:
+    """The same effects, each tried in its other forms."""
+    for form in now.model.forms:
+        rest = now.model.without(form.NAME)
+        held = Screen(rest.fitted(6, 1e-3))
+        others = [r for f in EFFECTS[form.NAME] if f is not form and (r := held.rank(f)) is not None]
+        for other in refit(rest, others):
+            if other.held_out < now.held_out:
+                now = other
+    return now
+
+
+def worth_it(before: Candidate, after: Candidate) -> bool:
+    """Whether an effect earns its place on the blocks that were left out."""
+    gain = before.held_out - after.held_out
+    return gain > max(WORTH, SHARE * (before.held_out - 1.0))
+
+
+def shortlist(ranking: Sequence[Ranked]) -> list[Ranked]:
+    """All ranked forms of the effects that explain most, beyond what chance would."""
+    names: list[str] = []
+    for r in ranking:
+        if r.name not in names and r.drop > max(2.0 * r.chance, 0.2 * WORTH):
+            names.append(r.name)
+    return [r for r in ranking if r.name in names[:SHORTLIST]]
+
+
+def refit(model: Model, ranked: Sequence[Ranked]) -> list[Candidate]:
+    """Each effect ranked, in its best form, fitted fully and judged; the best first."""
+    rough = [model.plus(r.form, r.values).fitted(8, 1e-3) for r in ranked if r.drop > 0.0]
+    best: dict[str, Model] = {}
+    for r, m in zip([r for r in ranked if r.drop > 0.0], rough, strict=True):
+        if r.name not in best or m.chi2 < best[r.name].chi2:
+            best[r.name] = m
+    order = sorted(best.values(), key=lambda m: m.chi2)
+    return sorted((judged(m.fitted()) for m in order[:3]), key=lambda c: c.held_out)
+
+
+def pruned(now: Candidate) -> Candidate:
+    """The model without effects that a later one made needless."""
+    for name in now.model.effects:
+        if len(now.model.forms) < 2:
+            break
+        less = judged(now.model.without(name).fitted())
+        if not worth_it(less, now):
+            now = less
+    return now
+
+
+def simplest(now: Candidate) -> Candidate:
+    """Each effect in the form with fewest parameters among those that do equally well."""
+    for form in now.model.forms:
+        rest = now.model.without(form.NAME)
+        for other in sorted(EFFECTS[form.NAME], key=lambda f: len(f.kinds())):
+            if len(other.kinds()) >= len(form.kinds()):
+                break
+            ranked = Screen(rest.fitted(6, 1e-3)).rank(other)
+            if ranked is None:
+                continue
+            found = judged(rest.plus(other, ranked.values).fitted())
+            if found.held_out - now.held_out < SAME * max(now.held_out - 1.0, WORTH):
+                now = found
+                break
+    return now

@@ -1,0 +1,241 @@
+"""The integrator of a rig: Heun's method at a quarter of a millisecond, in open or closed loop.
+
+Everything discontinuous (targets, hysteresis, stops) is updated once a substep; the regulator's
+and the joint's differential equations are taken with Heun.  Outside quantities come at 1 kHz.
+"""
+
+from math import exp
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from tests.rig import open_effects, regulator_effects, sensor_effects, wrist_effects
+from tests.rig.effects import Hidden
+from tests.rig.open_effects import PLAYS, ripple, run_out
+from tests.rig.parameters import Declared
+from tests.rig.regulator_effects import accepted_target, limited_rate, rate_factor, supply_pressure
+from tests.rig.sensor_effects import drift, hum
+from tests.rig.signals import Signal
+from tests.rig.wrist_effects import (
+    LONGEST_SPECTRUM,
+    bent,
+    joint_acceleration,
+    lens,
+    loaded,
+    slope_factor,
+    stop_push,
+    widening,
+)
+
+TICK = 0.001  # s, of the controller
+SUBSTEPS = 4  # of a tick
+
+
+def _forget_stale_machine_code() -> None:
+    """Numba dates its cache by this file alone and would miss a law that was edited in another."""
+    laws = (regulator_effects, wrist_effects, sensor_effects, open_effects)
+    newest = max(Path(str(law.__file__)).stat().st_mtime_ns for law in laws)
+    for index in (Path(__file__).parent / "__pycache__").glob("core.*.nbi"):
+        if index.stat().st_mtime_ns < newest:
+            index.unlink(missing_ok=True)
+
+
+_forget_stale_machine_code()
+
+
+class Controller(NamedTuple):
+    """PI controller of the angle: command = (rest_pressure + Kp e + Ki integral e)/gain, clipped.
+
+    Kp [kPa/deg], Ki [kPa/(deg s)], gain [kPa/V], rest_pressure [kPa], low and high [V].  The integrator
+    stands still while the command is clipped, unless the error drives it back.
+    """
+
+    Kp: float = 0.0
+    Ki: float = 0.0
+    gain: float = 49.4
+    rest_pressure: float = 100.0
+    low: float = 0.0
+    high: float = 4.0
+
+
+class Outside(NamedTuple):
+    """What comes from outside, at 1 kHz: arrays of one length.
+
+    command [V] (of no account in closed loop), reference [deg], other_pressure [kPa], joint and
+    sensor disturbances [deg], noise [deg] of the angle reading.
+    """
+
+    command: Signal
+    reference: Signal
+    other_pressure: Signal
+    joint: Signal
+    sensor: Signal
+    noise: Signal
+
+
+@njit
+def pi_command(controller: Controller, error: float, integral: float) -> tuple[float, float]:
+    """(command [V], integral after it)."""
+    wanted = controller.rest_pressure + controller.Kp * error + controller.Ki * integral
+    volts = wanted / controller.gain
+    command = min(max(volts, controller.low), controller.high)
+    clipped_further = (command - volts) * error < 0.0
+    return command, integral if clipped_further else integral + error * TICK
+
+
+@njit
+def pressure_rate(
+    p: Declared, hidden: Hidden, target: float, pressure: float, supply: float, angle: float
+) -> float:
+    """dP/dt [kPa/s] of regulator, orifice and leak."""
+    error = target - pressure
+    rate = p.k_slow + (p.k_fast - p.k_slow) * error**2 / (error**2 + p.e0**2)
+    rate = rate * rate_factor(hidden.asymmetry, error, pressure) * error
+    rate = limited_rate(hidden.supply, rate, pressure, supply)
+    return rate - hidden.open.leak.rate * max(pressure, 0.0) * (angle / 20.0) ** 2
+
+
+@njit(cache=True)
+def integrate(
+    p: Declared,
+    hidden: Hidden,
+    closed: bool,
+    noisy: bool,
+    controller: Controller,
+    outside: Outside,
+    substeps: int,
+) -> Signal:
+    """Columns at every tick, before its command acts: command, pressure, true angle, measured angle."""
+    ticks = len(outside.command)
+    dt = TICK / substeps
+    out = np.empty((ticks, 4))
+    strange = hidden.open
+    spectrum = hidden.creep
+    creeping = np.zeros(LONGEST_SPECTRUM)
+    plays = np.zeros(PLAYS)
+    late = np.full(round(hidden.dead_time.transport_s / dt) + 1, p.rest_pressure)
+    at = 0  # where the delay line is written next, and read after that
+    tube_decay = exp(-dt / hidden.dead_time.tube_s) if hidden.dead_time.tube_s > 0.0 else 0.0
+    recovery = exp(-dt / hidden.supply.recovery_s)
+    remembers = exp(-dt / hidden.rate.memory_s)
+
+    pressure = target = sampled = accepted = p.rest_pressure
+    next_sample = -strange.sampled_regulator.offset_s
+    command = p.rest_pressure / controller.gain
+    use, work, largest, remembered_rate = 0.0, 0.0, 0.0, 0.0
+    h, virgin = 0.0, True
+    other = outside.other_pressure[0] - 100.0
+    x = hidden.coupling.pressure * other
+    # The other muscle has been at its pressure for long: the joint rests where that holds it.
+    u = hidden.coupling.angle * other + hidden.coupling.bend * other**2 / 100.0
+    y, speed, stuck, seen = u, 0.0, True, u
+    integral = 0.0
+
+    for tick in range(ticks):
+        start = tick * TICK
+        behind = strange.sensor_backlash.half_width
+        reading = seen + run_out(strange.eccentric_sensor, seen) + outside.sensor[tick]
+        reading += drift(hidden.drift, start)
+        if hidden.hum.form > 0:
+            reading += hum(hidden.hum, start)
+        reading += strange.valve_current.amplitude * ((command / 4.0) ** 2 - 0.25)  # of the command so far
+        measured = reading + outside.noise[tick] * (1.0 + strange.speed_noise.per_speed * abs(speed))
+        if closed:
+            error = outside.reference[tick] - (measured if noisy else reading)
+            command, integral = pi_command(controller, error, integral)
+        else:
+            command = outside.command[tick]
+        out[tick, 0], out[tick, 1], out[tick, 2], out[tick, 3] = command, pressure, y, measured
+        following = min(tick + 1, ticks - 1)
+        for substep in range(substeps):
+            time = start + (substep + 1) * dt  # of the end of this substep
+            share = (substep + 1) / substeps
+
+            # Command to target: gain, sampling, dead band, dead time, tube.
+            wanted = command * p.gain
+            if strange.gain_drift.loss != 0.0:
+                wanted *= 1.0 - strange.gain_drift.loss * (1.0 - exp(-time / strange.gain_drift.warming_s))
+            if strange.sampled_regulator.period_s > 0.0:
+                if time - dt >= next_sample - 1e-9:
+                    sampled = wanted
+                    next_sample += strange.sampled_regulator.period_s
+                wanted = sampled
+            accepted = accepted_target(hidden.deadband, wanted, accepted)
+            late[at] = accepted
+            at = (at + 1) % len(late)
+            target = late[at] + (target - late[at]) * tube_decay
+
+            # Pressure of the chamber.
+            supply = supply_pressure(hidden.supply, use)
+            reached = min(target, supply) if hidden.supply.form == 2 else target
+            first = pressure_rate(p, hidden, reached, pressure, supply, y)
+            second = pressure_rate(p, hidden, reached, pressure + dt * first, supply, y)
+            before = pressure
+            pressure += 0.5 * dt * (first + second)
+            if hidden.supply.form == 1:
+                pressure = min(pressure, supply)
+            use = (use + max(pressure - before, 0.0)) * recovery
+
+            # What works on the muscles, and hysteresis between its two lines.
+            other = (
+                (1.0 - share) * outside.other_pressure[tick]
+                + share * outside.other_pressure[following]
+                - 100.0
+            )
+            x_before, x = x, pressure - p.rest_pressure + hidden.coupling.pressure * other
+            rate = abs(pressure - before) / dt
+            remembered_rate = rate + (remembered_rate - rate) * remembers
+            work += abs(pressure - before)
+            largest = max(largest, abs(pressure - p.rest_pressure))
+            slope = slope_factor(hidden.softening, work, time, largest)
+            wider = widening(hidden.rate, rate, remembered_rate)
+            arm, bow = slope * bent(hidden.curvature, x), lens(hidden.curvature, x)
+            low = p.a1 * arm - p.w1 - wider - hidden.curvature.bow1 * bow
+            high = p.a2 * arm + p.w2 + wider + hidden.curvature.bow2 * bow
+            if not virgin:
+                h += p.s * slope * (x - x_before)
+            if h < low:
+                h, virgin = low, False
+            if h > high:
+                h, virgin = high, False
+
+            # Static angle that the joint is drawn to.
+            u_before, u = u, h
+            if spectrum.form > 0:
+                for i in range(LONGEST_SPECTRUM):
+                    creeping[i] += (h - creeping[i]) * (1.0 - exp(-dt / spectrum.times_s[i]))
+                    u += spectrum.gains[i] * creeping[i]
+            if strange.distributed_play.slope > 0.0:
+                for i in range(PLAYS):
+                    half = strange.distributed_play.widest * (i + 1) / PLAYS
+                    plays[i] = min(max(plays[i], x - half), x + half)
+                    u += strange.distributed_play.slope / PLAYS * plays[i]
+            u += ripple(strange.pressure_ripple, x) + outside.joint[tick]
+            u += hidden.coupling.angle * other + hidden.coupling.bend * other**2 / 100.0
+            u = loaded(hidden.load, u, time)
+
+            # The joint: stuck, a lag, or of second order; then its stops.
+            if strange.stiction.breakaway > 0.0:
+                off = abs(u - y)
+                stuck = off < (strange.stiction.breakaway if stuck else strange.stiction.residue)
+            if strange.stiction.breakaway > 0.0 and stuck:
+                speed = 0.0
+            elif hidden.inertia.form == 0:
+                slow = (u_before - y - stop_push(hidden.stop, y)) / p.Tw
+                guess = y + dt * slow
+                fast = (u - guess - stop_push(hidden.stop, guess)) / p.Tw
+                speed = 0.5 * (slow + fast)
+                y += dt * speed
+            else:
+                a0 = joint_acceleration(
+                    hidden.inertia, u_before - stop_push(hidden.stop, y), y, speed, x_before
+                )
+                y1, v1 = y + dt * speed, speed + dt * a0
+                a1 = joint_acceleration(hidden.inertia, u - stop_push(hidden.stop, y1), y1, v1, x)
+                y, speed = y + 0.5 * dt * (speed + v1), speed + 0.5 * dt * (a0 + a1)
+            if hidden.stop.form == 1 and (y > hidden.stop.high or y < hidden.stop.low):
+                y, speed = min(max(y, hidden.stop.low), hidden.stop.high), 0.0
+            seen = min(max(seen, y - behind), y + behind)
+    return out
