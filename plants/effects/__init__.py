@@ -11,13 +11,13 @@ from plants.effects.creep import Creep, LogCreep, TwoTimeCreep
 from plants.effects.cross_coupling import Coupling, PressureCoupling, QuadraticCoupling
 from plants.effects.dead_time import DeadTime, TubeDeadTime
 from plants.effects.effect import Around, Effect
-from plants.effects.end_stop import CompliantStop, GivingStop, HardStop
+from plants.effects.end_stop import CompliantStop, GivingStop, HardStop, PadStop, SpringStop
 from plants.effects.fill_exhaust import OrificeExhaust, PressureDependentRates, TwoRates
 from plants.effects.gyro_drift import Drift, WarmingDrift
 from plants.effects.inertia import DraggedInertia, Inertia
 from plants.effects.load_step import GradualLoad, LoadStep
 from plants.effects.periodic import HarmonicHum, Hum
-from plants.effects.rate_dependence import RememberedRate, SaturatingWidening, Viscous
+from plants.effects.rate_dependence import PowerWidening, RememberedRate, SaturatingWidening, Viscous
 from plants.effects.regulator_deadband import Latch, Play, ValveOverlap
 from plants.effects.softening import Mullins, SofteningByWork, Warming
 from plants.effects.supply_droop import CappedPressure, CappedTarget, SaturatingSag
@@ -29,12 +29,12 @@ EFFECTS: dict[str, tuple[type[Effect], ...]] = {
     "supply-droop": (CappedPressure, CappedTarget, SaturatingSag),
     "branch-curvature": (Polynomial, Saturation, Bow, Curve),
     "cross-coupling": (Coupling, QuadraticCoupling, PressureCoupling),
-    "rate-dependence": (Viscous, SaturatingWidening, RememberedRate),
+    "rate-dependence": (Viscous, PowerWidening, SaturatingWidening, RememberedRate),
     "softening": (SofteningByWork, Warming, Mullins),
     "load-step": (LoadStep, GradualLoad),
     "creep": (Creep, TwoTimeCreep, LogCreep),
     "inertia": (Inertia, DraggedInertia),
-    "end-stop": (HardStop, GivingStop, CompliantStop),
+    "end-stop": (HardStop, GivingStop, SpringStop, PadStop, CompliantStop),
     "gyro-drift": (Drift, WarmingDrift),
     "periodic-disturbance": (Hum, HarmonicHum),
 }

@@ -31,7 +31,7 @@ class Coupling(Effect):
     FORM = "shift of the angle"
     STAGE = "wrist"
 
-    gain: Number = parameter("deg/kPa", "shift per kPa of the other motion", -0.5, 0.5, 0.0, (0.02,))
+    gain: Number = parameter("deg/kPa", "shift per kPa of the other motion", -0.5, 0.5, 0.0, (-0.02, 0.02))
 
     def sampled(self, wrist: Any, dt: float) -> SampledCoupling:
         return SampledCoupling(self.gain, 0.0)
@@ -45,7 +45,7 @@ class QuadraticCoupling(Effect):
     FORM = "shift of the angle, quadratic"
     STAGE = "wrist"
 
-    gain: Number = parameter("deg/kPa", "shift per kPa of the other motion", -0.5, 0.5, 0.0, (0.02,))
+    gain: Number = parameter("deg/kPa", "shift per kPa of the other motion", -0.5, 0.5, 0.0, (-0.02, 0.02))
     quadratic: Number = parameter(
         "deg", "quadratic shift at 100 kPa from rest", -20.0, 20.0, 0.0, (-1.0, 1.0)
     )

@@ -43,6 +43,38 @@ class SampledSeenStop(_SampledStops):
         return self._stopped(angle)
 
 
+class SampledSpringStop(NamedTuple):
+    """Stops [deg], and what is left of a compression after one sample of the spring's push."""
+
+    low: Number
+    high: Number
+    left: Number
+
+    def stop(self, s: Nothing, angle: Number) -> Number:
+        inside = np.minimum(np.maximum(angle, self.low), self.high)
+        return inside + self.left * (angle - inside)
+
+
+class SampledPadStop(NamedTuple):
+    """Stops [deg], and four times the pad's push in one sample [1/deg]."""
+
+    low: Number
+    high: Number
+    push4: Number
+
+    def stop(self, s: Nothing, angle: Number) -> Number:
+        inside = np.minimum(np.maximum(angle, self.low), self.high)
+        # Implicit step: x + push x^2 = over.
+        over = angle - inside
+        x = 2.0 * np.abs(over) / (1.0 + np.sqrt(1.0 + self.push4 * np.abs(over)))
+        return inside + np.where(over < 0.0, -x, x)
+
+
+def _pull(wrist: Any, dt: float) -> Number:
+    """Share of the way to its static angle that the joint goes in one sample."""
+    return -np.expm1(-dt / np.asarray(wrist.Tw, float))
+
+
 # Pairs of trials that leave one side free find a stop on either side.
 _LOW = parameter("deg", "lower stop", -90.0, 0.0, -90.0, (-90.0, -26.0, -21.0, -16.0, -11.0))
 _HIGH = parameter("deg", "upper stop", 0.0, 90.0, 90.0, (90.0, 26.0, 21.0, 16.0, 11.0))
@@ -62,6 +94,41 @@ class HardStop(Effect):
 
     def sampled(self, wrist: Any, dt: float) -> SampledJointStop:
         return SampledJointStop(self.low, self.high, 0.0)
+
+
+@dataclass(frozen=True)
+class SpringStop(Effect):
+    """The joint meets a spring at `low` and `high` [deg]: in the end it goes on with a share `give` of
+    the static angle, and gets there faster than it would without."""
+
+    NAME = "end-stop"
+    FORM = "spring at the joint"
+    STAGE = "wrist"
+
+    low: Number = _LOW
+    high: Number = _HIGH
+    give: Number = _GIVE
+
+    def sampled(self, wrist: Any, dt: float) -> SampledSpringStop:
+        # The push lasts a sample, implicitly; exact where the joint comes to rest.
+        left = self.give / (self.give + (1.0 - self.give) * _pull(wrist, dt))
+        return SampledSpringStop(self.low, self.high, left)
+
+
+@dataclass(frozen=True)
+class PadStop(Effect):
+    """The joint meets a pad that pushes with the square of its compression, `push` [deg] at 1 deg."""
+
+    NAME = "end-stop"
+    FORM = "progressive pad"
+    STAGE = "wrist"
+
+    low: Number = _LOW
+    high: Number = _HIGH
+    push: Number = parameter("1/deg", "push of the pad at 1 deg of compression", 0.02, 100.0, 1.5)
+
+    def sampled(self, wrist: Any, dt: float) -> SampledPadStop:
+        return SampledPadStop(self.low, self.high, 4.0 * self.push * _pull(wrist, dt))
 
 
 @dataclass(frozen=True)

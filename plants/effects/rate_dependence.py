@@ -84,6 +84,36 @@ class SaturatingWidening(Effect):
         return SampledWidening(1.0 / dt, self.widening, 1.0 / np.asarray(self.limit, float))
 
 
+class SampledPower(NamedTuple):
+    """1 / (100 kPa/s) per sample, widening at 100 kPa/s [deg], exponent."""
+
+    per_reference: Number
+    widening: Number
+    exponent: Number
+
+    def bend(
+        self, s: Nothing, before: Number, after: Number, loop: Any, around: Around
+    ) -> tuple[Nothing, Number, Number, Number]:
+        rate = np.abs(after - before) * self.per_reference
+        extra = self.widening * np.maximum(rate, 1e-9) ** self.exponent
+        return s, -extra, extra, 1.0
+
+
+@dataclass(frozen=True)
+class PowerWidening(Effect):
+    """The widening goes with a power of the rate, as friction of rubber does over decades of it."""
+
+    NAME = "rate-dependence"
+    FORM = "power of the rate"
+    STAGE = "wrist"
+
+    widening: Number = parameter("deg", "widening of each half at 100 kPa/s", -10.0, 20.0, 0.0, (1.0,))
+    exponent: Number = parameter("1", "exponent of the rate", 0.1, 2.0, 0.5, (0.3, 0.6, 1.4))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledPower:
+        return SampledPower(1.0 / (100.0 * dt), self.widening, self.exponent)
+
+
 @dataclass(frozen=True)
 class RememberedRate(Effect):
     """Friction that remembers: the widening follows the rate behind a lag, and saturates."""

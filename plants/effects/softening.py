@@ -65,7 +65,7 @@ class SampledByLargest(_Softening):
         return self._bent(np.maximum(s.amount, np.abs(after - loop.rest_pressure)), after, loop)
 
 
-_DEPTH = parameter("1", "change of the slopes in the end, as a share", -0.6, 1.0, 0.0, (0.1,))
+_DEPTH = parameter("1", "change of the slopes in the end, as a share", -0.6, 1.0, 0.0, (-0.1, 0.1))
 _WIDTH = parameter("1", "change of the half widths in the end, as a share", -0.9, 2.0, 0.0, (0.0, 0.1))
 
 _TRANSIT = parameter("1", "share of the change that the transit's slope takes part in", -1.0, 3.0, 1.0)

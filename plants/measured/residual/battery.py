@@ -34,6 +34,12 @@ SMALLEST = {
 last.  For a changing size it is the mean square of the relative change: a tenth up and down.
 """
 
+FINE = 0.67
+"""Steps finer than the noise floor divided by this are blurred by the noise; coarser ones are rounding."""
+
+BLURRED = 0.35
+"""Below this part of a step the noise floor is rounding and little else."""
+
 KNOWN = 0.36
 """Degrees of freedom with which the noise's spectrum is known where it is slow, per second measured.
 
@@ -50,12 +56,14 @@ Key = tuple[str, str]
 class Battery:
     """All tests made on a series, and what they were made of.
 
-    columns (k, n): indicators of all bins, then waves of the line; where: which of them belong to
+    noise: floor, of which rounding is a part; rounding: size of the steps that the channel comes in,
+    0 where the noise is larger; columns (k, n): indicators of all bins, then waves of the line; where: which of them belong to
     a variable; evidence: by kind of test and variable.
     """
 
     joined: Joined
     noise: float
+    rounding: float
     noise_spectrum: Array
     bins: tuple[Bins, ...]
     columns: NDArray[np.float32]
@@ -73,6 +81,11 @@ class Battery:
         return float(np.mean(self.joined.value[self.joined.inside] ** 2))
 
     @property
+    def rounding_power(self) -> float:
+        """Mean square that rounding may leave of the signal itself, where noise does not blur the steps."""
+        return self.rounding**2 / 12.0 if self.noise < BLURRED * self.rounding else 0.0
+
+    @property
     def freedom(self) -> float:
         """Degrees of freedom of the noise's spectrum."""
         return max(10.0, KNOWN * self.joined.duration)
@@ -86,16 +99,20 @@ class Battery:
         """Whether a test has found something: beyond its bound, and large enough to matter."""
         if kind == "whiteness":
             return False
-        unit = 1.0 if kind == "changing size" else self.noise**2
-        return evidence.p_value < self.each and evidence.power > SMALLEST[kind] * unit
+        if kind == "changing size":
+            least = SMALLEST[kind]
+        else:
+            least = SMALLEST[kind] * self.noise**2 + self.rounding_power
+        return evidence.p_value < self.each and evidence.power > least
 
     def found(self) -> list[Key]:
         """All tests that have found something."""
         return [key for key, e in self.evidence.items() if self.counts(key[0], e)]
 
 
-def make_tests(joined: Joined, noise: float, seed: int) -> Battery:
-    """Make all tests on a series, whose noise floor is known [its unit]."""
+def make_tests(joined: Joined, noise: float, seed: int, resolution: float = 0.0) -> Battery:
+    """Make all tests on a series, whose noise floor and smallest step are known [its unit]."""
+    rounding = resolution if resolution * FINE > noise else 0.0
     noise_spectrum = np.maximum(background(joined), 1e-6 * noise**2)
     bins = (*(b for n in joined.variables if (b := bins_of(joined, n))), stretches(joined))
     columns, groups = stacked(joined, bins)
@@ -110,7 +127,7 @@ def make_tests(joined: Joined, noise: float, seed: int) -> Battery:
     crossed = correlated(joined, joined.value, noise_spectrum)
     acf = autocorrelation(joined, LAGS)
     battery = Battery(
-        joined, noise, noise_spectrum, bins, columns, where, sums, spectrum, line, crossed, acf, {}
+        joined, noise, rounding, noise_spectrum, bins, columns, where, sums, spectrum, line, crossed, acf, {}
     )  # fmt: skip
     for b in bins:
         battery.evidence["conditional mean", b.variable] = sums.test(where[b.variable], battery.freedom)
@@ -133,11 +150,19 @@ def correlated(joined: Joined, series: Array, noise_spectrum: Array) -> tuple[Co
 
 
 def sizes_over(battery: Battery, series: Array, seed: int) -> dict[str, Evidence]:
-    """Tests of the size of a series: over each variable, and in bursts."""
-    sizes = sizes_of(battery.joined, series, battery.noise_spectrum)
+    """Tests of the size of a series: over each variable, and in bursts.
+
+    Coarse rounding makes a signal that rests look quiet: noise as large as a step is added, so that
+    only a change of size beyond it counts.
+    """
+    joined, spectrum = battery.joined, battery.noise_spectrum
+    if battery.rounding > 0.0:
+        blur = np.random.default_rng(seed).normal(0.0, battery.rounding, len(series))
+        series, spectrum = series + np.where(joined.inside, blur, 0.0), spectrum + battery.rounding**2
+    sizes = sizes_of(joined, series, spectrum)
     names = [b.variable for b in battery.bins]
-    found = size_tests(battery.joined, sizes, battery.columns, [battery.where[n] for n in names])
-    return dict(zip(names, found, strict=True)) | {"bursts": burst_test(battery.joined, sizes, seed)}
+    found = size_tests(joined, sizes, battery.columns, [battery.where[n] for n in names])
+    return dict(zip(names, found, strict=True)) | {"bursts": burst_test(joined, sizes, seed)}
 
 
 def events_of(battery: Battery, series: Array) -> Events:

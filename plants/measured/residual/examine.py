@@ -67,7 +67,7 @@ def examine(remainders: Sequence[Remainder], seed: int = 0) -> Examination:
     joined = join(remainders)
     weights = [float(len(r.value)) for r in remainders]
     noise = float(np.sqrt(np.average([r.noise**2 for r in remainders], weights=weights)))
-    battery = make_tests(joined, noise, seed)
+    battery = make_tests(joined, noise, seed, max(r.resolution for r in remainders))
     structured = bool(battery.found())
     rmse = float(np.sqrt(battery.total + joined.mean**2))
     return Examination(

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.noise import resolution
 from plants.measured.recording import Recording
 
 Array = NDArray[np.float64]
@@ -36,6 +37,24 @@ class Remainder:
     noise: float
     variables: Mapping[str, Array]
     resolution: float = 0.0
+
+
+def remainder_of(
+    recording: Recording, stage: RemainderStage, pressure: Array, angle: Array | None, noise: float
+) -> Remainder:
+    """What a simulated pressure [kPa] and angle [deg] (n,) leave of a recording at a stage.
+
+    `noise` is the floor of the stage's channel.  Raises ValueError where that was not logged or simulated.
+    """
+    measured, simulated = (
+        (recording.pressure, pressure) if stage == "regulator" else (recording.angle, angle)
+    )
+    if measured is None or simulated is None:
+        raise ValueError(f"{recording.name}: the {stage} was not measured, or not simulated")
+    return Remainder(
+        recording.name, stage, recording.time, measured - simulated, noise,
+        variables(recording, pressure, angle), resolution(measured),
+    )  # fmt: skip
 
 
 def variables(recording: Recording, pressure: Array, angle: Array | None) -> dict[str, Array]:

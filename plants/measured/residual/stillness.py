@@ -1,0 +1,156 @@
+"""Noise of a channel where the command has long been still, whatever its colour."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plants.measured.recording import Recording
+from plants.measured.residual.background import LONGEST_MEMORY, background, first_order
+from plants.measured.residual.joined import Joined, join
+from plants.measured.residual.periodic import harmonic, line_in, spectrum_of
+from plants.measured.residual.remainder import Array, Remainder
+
+SETTLED = 3.0
+"""Time after the command moved [s] from which on the wrist counts as still."""
+
+SHORTEST = 1.5
+"""Stretches of stillness shorter than this [s] say nothing of slow noise."""
+
+ENOUGH = 20.0
+"""Stillness in all [s] that is needed to tell the colour of the noise."""
+
+MOVED = 0.002
+"""The command is still while it stays within this [V] of where it stopped, 0.1 kPa."""
+
+BENT = 2
+"""Degree of the polynomial that is taken off each stretch: creep and drift are slow."""
+
+DISTURBED = 8.0
+"""A stretch with so many times the usual variance holds an event, and is left out."""
+
+SLOWEST = 2.0
+"""Cycles in a usual stretch below which trends rule."""
+
+KEPT = 0.97
+"""Part of the row before that differences take off."""
+
+LINES = 4
+"""Most lines of a hum that are taken off."""
+
+SURE = 1e-6
+"""Probability of a line in noise that has none."""
+
+
+def still_noise(recordings: Sequence[Recording], channel: Sequence[Array]) -> Joined | None:
+    """Noise of a channel, one array (n,) for each recording, where it is still: the stretches, each
+    less its slow trend, and all less a hum.
+
+    None where there is not ENOUGH stillness.
+    """
+    stretches = [
+        (r, s, bent(values[s]))
+        for r, values in zip(recordings, channel, strict=True)
+        for s in still_rows(r)
+    ]
+    if not stretches:
+        return None
+    variances = np.array([np.var(v) for _, _, v in stretches])
+    usual = float(np.median(variances))
+    found = [
+        Remainder(r.name, "wrist", r.time[s], v, 1.0, {})
+        for (r, s, v), variance in zip(stretches, variances, strict=True)
+        if variance <= DISTURBED * usual
+    ]
+    if sum(float(np.ptp(f.time)) for f in found) < ENOUGH or usual == 0.0:
+        return None
+    return _without_lines(join(found))
+
+
+def still_rows(recording: Recording) -> list[slice]:
+    """Rows of a recording where the command has not moved for SETTLED seconds."""
+    time, command = recording.time, recording.command
+    begins, at = [0], 0
+    for i in (np.flatnonzero(np.diff(command)) + 1).tolist():
+        if abs(command[i] - command[at]) > MOVED:
+            begins.append(i)
+            at = i
+    found = []
+    for begin, end in zip(begins, [*begins[1:], len(time)], strict=True):
+        first = int(np.searchsorted(time, time[begin] + SETTLED))
+        if first < end and time[end - 1] - time[first] >= SHORTEST:
+            found.append(slice(first, end))
+    return found
+
+
+def bent(values: Array) -> Array:
+    """Values (n,) less a polynomial of degree BENT."""
+    from numpy.polynomial import Legendre
+
+    x = np.linspace(-1.0, 1.0, len(values))
+    found: Array = values - Legendre.fit(x, values, BENT, domain=[-1.0, 1.0])(x)
+    return found
+
+
+def total_noise(joined: Joined) -> float:
+    """Standard deviation of the noise in stretches of stillness, with the part too slow to show in them.
+
+    White and first-order noise, whose correlation time of at most LONGEST_MEMORY is that of the
+    greatest likelihood (Whittle's, on the periodogram above SLOWEST cycles a stretch).
+    """
+    from scipy.optimize import nnls
+
+    power, at = _whitened_periodogram(joined)
+    edges = _edges(joined, at)
+    count = np.diff(np.append(edges, len(at))).astype(float)
+    level = np.add.reduceat(power, edges) / count
+    best, total = np.inf, 0.0
+    for memory in np.geomspace(joined.dt / 2.0, LONGEST_MEMORY, 30):
+        shape = np.add.reduceat(first_order(at, memory, joined.dt), edges) / count
+        model = np.stack([np.ones(len(shape)), shape], axis=1)
+        fitted = level
+        for _ in range(5):
+            weight = np.sqrt(count) / fitted
+            parts, _ = nnls(model * weight[:, None], level * weight)
+            fitted = model @ parts
+        unlikely = float(np.sum(count * (np.log(fitted) + level / fitted)))
+        if unlikely < best:
+            best, total = unlikely, float(np.sqrt(np.sum(parts)))
+    return total
+
+
+def _whitened_periodogram(joined: Joined) -> tuple[Array, Array]:
+    """Power at frequencies [Hz].  Of differences, and divided by what they do to it: a steep spectrum
+    leaks upwards from a stretch that is cut off, theirs does not."""
+    from scipy.fft import rfft
+
+    total, rows = np.zeros(len(joined.frequencies)), 0
+    for span in joined.spans:
+        values = joined.value[span]
+        total += np.abs(rfft(values[1:] - KEPT * values[:-1], joined.length)) ** 2
+        rows += len(values) - 1
+    gain = 1.0 - 2.0 * KEPT * np.cos(2.0 * np.pi * joined.frequencies * joined.dt) + KEPT**2
+    return total / rows / gain, joined.frequencies
+
+
+def _edges(joined: Joined, at: Array) -> NDArray[np.int64]:
+    """First index of bands of frequencies [Hz] that widen upwards."""
+    usual = float(np.median([s.stop - s.start for s in joined.spans])) * joined.dt
+    edges = [SLOWEST / usual]
+    while edges[-1] < at[-1]:
+        edges.append(max(1.25 * edges[-1], edges[-1] + 0.05))
+    return np.unique(np.searchsorted(at, edges[:-1]))
+
+
+def _without_lines(joined: Joined) -> Joined:
+    """The series less the waves of a hum, fitted in each stretch by itself."""
+    from dataclasses import replace
+
+    for _ in range(LINES):
+        line = line_in(joined, spectrum_of(joined, background(joined)))
+        if line is None or line.evidence.p_value > SURE:
+            break
+        waves = harmonic(joined, line.frequency)
+        fitted = np.linalg.lstsq(waves.T, joined.value, rcond=None)[0] @ waves
+        joined = replace(joined, value=joined.value - fitted)
+    return joined
