@@ -1,17 +1,18 @@
 """Parameters that carry their evidence: value, unit, bounds and where the value comes from.
 
 A parameter set is a TOML file; ``plants/parameters/flexion.toml`` shows the format.
+A revised set has effects beside the declared wrist, whose parameters go by names
+such as ``creep.gain``.
 """
 
-import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from plants.errors import InputError
+if TYPE_CHECKING:
+    from plants.effects.effect import Effect  # which takes its `Kind` from here
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,25 @@ KINDS: Mapping[str, Kind] = {
 }
 """The parameters of the declared wrist, by name."""
 
+
+def kind_of(name: str, effects: "Sequence[type[Effect]]" = ()) -> Kind:
+    """The kind of a parameter of the declared wrist, or, such as ``creep.gain``, of one of its effects.
+
+    Raises KeyError for a name that neither has.
+
+    >>> from plants.effects import Creep
+    >>> kind_of("a1").unit, kind_of("creep.time_constant", [Creep]).unit
+    ('deg/kPa', 's')
+    """
+    if name in KINDS:
+        return KINDS[name]
+    phenomenon, _, own = name.partition(".")
+    for effect in effects:
+        if phenomenon == effect.NAME:
+            return effect.kinds()[own]
+    raise KeyError(name)
+
+
 REGULATOR_NAMES = ("gain", "k_fast", "k_slow", "e0")
 WRIST_NAMES = ("a1", "w1", "a2", "w2", "s", "Tw")
 
@@ -95,13 +115,15 @@ class Parameter:
 class ParameterSet:
     """All parameters of one motion of a wrist.
 
-    axis: ``flexion``, ``deviation`` or a user's own name; title: one line for reports.
+    axis: ``flexion``, ``deviation`` or a user's own name; title: one line for
+    reports; parameters: of the declared wrist, then of the effects, by their names
+    in a wrist; effects: the forms of the effects, in the order of `plants.effects.EFFECTS`.
     """
 
     axis: str
     title: str
     parameters: Mapping[str, Parameter]
-    effects: tuple[Any, ...] = ()
+    effects: tuple[type["Effect"], ...] = ()
 
     @property
     def values(self) -> dict[str, float]:
@@ -127,7 +149,8 @@ class ParameterSet:
 
     def unbounded(self) -> "ParameterSet":
         """The same set within the bounds of each kind of parameter, the widest that there are."""
-        wide = {n: replace(p, low=KINDS[n].low, high=KINDS[n].high) for n, p in self.parameters.items()}
+        kinds = {n: kind_of(n, self.effects) for n in self.parameters}
+        wide = {n: replace(p, low=kinds[n].low, high=kinds[n].high) for n, p in self.parameters.items()}
         return replace(self, parameters=wide)
 
     def fitted(
@@ -146,6 +169,42 @@ class ParameterSet:
             )  # fmt: skip
         return replace(self, title=f"{self.axis}, fitted to {data}", parameters=changed)
 
+    def revised(
+        self,
+        forms: "Sequence[type[Effect]]",
+        values: Mapping[str, float],
+        errors: Mapping[str, float | None],
+        data: str,
+        title: str | None = None,
+    ) -> "ParameterSet":
+        """The same set with effects added, all `values` being estimates from `data`.
+
+        `values` holds every parameter of the effects and those of the declared wrist
+        that were fitted; `errors` their standard errors, None or no entry for one
+        without.  An effect that the set has already is replaced.  Raises KeyError for
+        a parameter of an effect without a value, or a value that is nobody's.
+        """
+        from plants.effects import EFFECTS
+
+        chosen = {e.NAME: e for e in (*self.effects, *forms)}
+        effects = tuple(chosen[n] for n in EFFECTS if n in chosen)
+        gone = {f"{f.NAME}." for f in forms}
+        kept = {n: p for n, p in self.parameters.items() if not any(n.startswith(g) for g in gone)}
+        added = {}
+        for form in forms:
+            for own, kind in form.kinds().items():
+                name = f"{form.NAME}.{own}"
+                added[name] = Parameter(
+                    float(values[name]), kind.unit, kind.low, kind.high, Fitted(data, None)
+                )
+        # Declared parameters first, then those of the effects in their order.
+        names = list(KINDS) + [f"{e.NAME}.{own}" for e in effects for own in e.kinds()]
+        together = {**kept, **added}
+        base = replace(self, parameters={n: together[n] for n in names if n in together}, effects=effects)
+        found = base.fitted(values, {n: errors.get(n) for n in values}, data)
+        words = f"{self.axis} with {', '.join(e.NAME for e in effects)}, fitted to {data}"
+        return replace(found, title=title or (words if effects else found.title))
+
 
 @cache
 def built_in(axis: str) -> ParameterSet:
@@ -158,75 +217,17 @@ def built_in(axis: str) -> ParameterSet:
 
 
 def load(path: str | Path) -> ParameterSet:
-    """The parameter set of a TOML file.
+    """The parameter set of a TOML file; see `plants.parameter_files.read` for what is refused."""
+    from plants.parameter_files import read
 
-    Raises InputError, in one line with the file and the parameter, for a file
-    that is missing or no TOML, for an unknown or missing name, a wrong unit, a
-    value outside its bounds, or slopes and offsets that make the loop run backwards.
-    """
-    path = Path(path)
-    try:
-        text = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such parameter set; give a .toml file that exists") from None
-    except IsADirectoryError:
-        raise InputError(f"{path}: is a folder; give the .toml file of a parameter set") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); give the .toml file of a set") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not valid TOML ({error}); see plants/parameters/flexion.toml") from None
-    table = text.get("parameters")
-    if not isinstance(table, dict) or not isinstance(text.get("axis"), str):
-        raise InputError(
-            f'{path}: needs axis = "..." and [parameters.NAME] tables, as plants/parameters/flexion.toml'
-        )
-    unknown = [n for n in table if n not in KINDS]
-    if unknown:
-        raise InputError(f"{path}: unknown parameter {unknown[0]!r}; known are {', '.join(KINDS)}")
-    missing = [n for n in KINDS if n not in table]
-    if missing:
-        raise InputError(f"{path}: parameter {missing[0]!r} is missing; all of {', '.join(KINDS)} are needed")
-    found = {name: _parameter(path, name, table[name]) for name in KINDS}
-    result = ParameterSet(text["axis"], str(text.get("title", text["axis"])), found)
-    _check_loop(path, result.values)
-    return result
+    return read(path)
 
 
-def _parameter(path: Path, name: str, entry: Any) -> Parameter:
-    where, kind = f"{path}: parameter {name!r}", KINDS[name]
-    if not isinstance(entry, dict):
-        raise InputError(f"{where}: needs value, unit and provenance")
-    value = entry.get("value")
-    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
-        raise InputError(f"{where}: value {value!r} is not a finite number")
-    if entry.get("unit") != kind.unit:
-        raise InputError(f"{where}: unit {entry.get('unit')!r} is wrong; give the value in {kind.unit}")
-    bounds = entry.get("bounds", [kind.low, kind.high])
-    if not (
-        isinstance(bounds, list) and len(bounds) == 2 and all(isinstance(b, int | float) for b in bounds)
-    ):
-        raise InputError(f"{where}: bounds must be two numbers, lower and upper")
-    low, high = float(bounds[0]), float(bounds[1])
-    if not max(low, kind.low) <= value <= min(high, kind.high):
-        low, high = max(low, kind.low), min(high, kind.high)
-        raise InputError(f"{where}: value {value:g} is outside its bounds {low:g} to {high:g} {kind.unit}")
-    return Parameter(float(value), kind.unit, low, high, _provenance(where, entry.get("provenance")))
+def dump(parameters: ParameterSet, path: str | Path) -> None:
+    """Write a parameter set as TOML, complete or not at all; `load` gives it back to the last bit."""
+    from plants.parameter_files import write
 
-
-def _provenance(where: str, entry: Any) -> Provenance:
-    match entry:
-        case {"kind": "stated", "source": str(source), "section": str(section)}:
-            return Stated(source, section)
-        case {"kind": "assumed", "why": str(why)}:
-            return Assumed(why)
-        case {"kind": "fitted", "data": str(data), "std_error": int(error) | float(error)}:
-            return Fitted(data, float(error))
-        case {"kind": "fitted", "data": str(data)}:
-            return Fitted(data, None)
-    raise InputError(
-        f'{where}: provenance must be {{kind="stated", source, section}}, {{kind="assumed", why}} '
-        'or {kind="fitted", data, std_error}'
-    )
+    write(parameters, path)
 
 
 def loop_problem(v: Mapping[str, float], low: float = 0.0, high: float = 200.0) -> str | None:
@@ -245,32 +246,3 @@ def loop_problem(v: Mapping[str, float], low: float = 0.0, high: float = 200.0) 
         if not gap > 0:
             return f"line 1 lies above line 2 at {pressure:g} kPa, so the loop runs backwards"
     return None
-
-
-def _check_loop(path: Path, values: Mapping[str, float]) -> None:
-    # The pressures that the command range reaches; the paper's own goes to 200 kPa.
-    problem = loop_problem(values, 0.0, 4.0 * values["gain"])
-    if problem:
-        raise InputError(f"{path}: {problem}; check a1, a2, s, w1 and w2")
-
-
-def dump(parameters: ParameterSet, path: str | Path) -> None:
-    """Write a parameter set as TOML, complete or not at all."""
-    import tomlkit
-
-    from plants.files import write_atomically
-
-    document = tomlkit.document()
-    document["axis"], document["title"] = parameters.axis, parameters.title
-    table = tomlkit.table(is_super_table=True)
-    for name, p in parameters.parameters.items():
-        entry = tomlkit.table()
-        entry.comment(KINDS[name].meaning)
-        entry["value"], entry["unit"], entry["bounds"] = p.value, p.unit, [p.low, p.high]
-        provenance = tomlkit.inline_table()
-        provenance["kind"] = type(p.provenance).__name__.lower()
-        provenance.update({k: v for k, v in vars(p.provenance).items() if v is not None})
-        entry["provenance"] = provenance
-        table[name] = entry
-    document["parameters"] = table
-    write_atomically(path, tomlkit.dumps(document))

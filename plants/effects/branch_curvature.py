@@ -5,10 +5,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, Nothing, Number, parameter
+from plants.effects.effect import Around, Effect, Linear, Nothing, Number, parameter
 
 SPAN = 100.0
 """Pressure from rest [kPa] at which the coefficients of the polynomials count in full."""
+
+
+def _from_rest(wrist: Any, reach: tuple[float, float]) -> Any:
+    """Pressures from rest, in units of SPAN, (201,), where slopes are looked at."""
+    return (np.linspace(*reach, 201) - wrist.hysteresis.rest_pressure) / SPAN
+
+
+def _least_and_largest(slope: Any) -> tuple[float, float]:
+    return float(np.min(slope)), float(np.max(slope))
 
 
 class SampledWarp(NamedTuple):
@@ -45,6 +54,11 @@ class Polynomial(Effect):
     def sampled(self, wrist: Any, dt: float) -> SampledWarp:
         return SampledWarp(wrist.hysteresis.rest_pressure, self.quadratic, self.cubic)
 
+    def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
+        x = _from_rest(wrist, reach)
+        slope = _least_and_largest(1.0 + x * (2.0 * self.quadratic + 3.0 * self.cubic * x))
+        return Linear(slopes=dict.fromkeys(("transit", "line1", "line2"), slope))
+
 
 class SampledSaturation(NamedTuple):
     """Rest pressure [kPa]; the pressure from rest [kPa] at which the response saturates, inverted."""
@@ -75,6 +89,10 @@ class Saturation(Effect):
 
     def sampled(self, wrist: Any, dt: float) -> SampledSaturation:
         return SampledSaturation(wrist.hysteresis.rest_pressure, 1.0 / np.asarray(self.range, float))
+
+    def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
+        slope = _least_and_largest(1.0 - np.tanh(_from_rest(wrist, reach) * SPAN / self.range) ** 2)
+        return Linear(slopes=dict.fromkeys(("transit", "line1", "line2"), slope))
 
 
 class SampledBow(NamedTuple):
@@ -110,6 +128,14 @@ class Bow(Effect):
 
     def sampled(self, wrist: Any, dt: float) -> SampledBow:
         return SampledBow(wrist.hysteresis.rest_pressure, self.bow1, self.bow2, self.cubic)
+
+    def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
+        p, x = wrist.hysteresis, _from_rest(wrist, reach)
+        slopes = {}
+        for line, bow, straight in (("line1", self.bow1, p.a1), ("line2", self.bow2, p.a2)):
+            bend = x * (2.0 * bow + 3.0 * self.cubic * x) / SPAN  # deg/kPa
+            slopes[line] = _least_and_largest(1.0 + bend / straight)
+        return Linear(slopes=slopes)
 
 
 class SampledCurve(NamedTuple):
@@ -152,3 +178,8 @@ class Curve(Effect):
     def sampled(self, wrist: Any, dt: float) -> SampledCurve:
         shares = (self.t2, self.t3, self.t4, self.t5, self.t6, self.t7)
         return SampledCurve(wrist.hysteresis.rest_pressure, shares)
+
+    def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
+        shares = [0.0, 0.0, self.t2, self.t3, self.t4, self.t5, self.t6, self.t7]
+        bend = np.polynomial.Chebyshev(shares).deriv()(np.clip(_from_rest(wrist, reach), -1.2, 1.2))
+        return Linear(slopes=dict.fromkeys(("line1", "line2"), _least_and_largest(1.0 + bend)))

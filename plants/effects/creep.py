@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, Number, parameter
+from plants.effects.effect import Around, Effect, Linear, Number, parameter
 
 
 class Slow(NamedTuple):
@@ -40,7 +40,17 @@ def _sampled(gains: tuple[Number, ...], times: tuple[Number, ...], dt: float) ->
 
 
 @dataclass(frozen=True)
-class Creep(Effect):
+class _Creeping(Effect):
+    """What the forms share."""
+
+    def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
+        c = self.sampled(wrist, dt)
+        pairs = zip(c.gains, c.shares, strict=True)
+        return Linear(static=1.0 + sum(g * p * 0.5 * (z + 1.0) / (z - 1.0 + p) for g, p in pairs))
+
+
+@dataclass(frozen=True)
+class Creep(_Creeping):
     """One time constant: in the end the angle has gone `gain` times the static angle further.
 
     >>> Creep(gain=0.1, time_constant=4.0).kinds()["time_constant"].unit
@@ -62,7 +72,7 @@ class Creep(Effect):
 
 
 @dataclass(frozen=True)
-class TwoTimeCreep(Effect):
+class TwoTimeCreep(_Creeping):
     """Two time constants, the second `ratio` times the first."""
 
     NAME = "creep"
@@ -87,7 +97,7 @@ LOG_RATIO = 4.0
 
 
 @dataclass(frozen=True)
-class LogCreep(Effect):
+class LogCreep(_Creeping):
     """Creep with the logarithm of time: five equal lags, each `LOG_RATIO` times as slow as the last."""
 
     NAME = "creep"

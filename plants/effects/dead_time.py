@@ -7,7 +7,7 @@ import numpy as np
 
 from plants import delay
 from plants.delay import DelayLine, SampledDelay
-from plants.effects.effect import Around, Effect, Number, parameter
+from plants.effects.effect import Around, Effect, Linear, Number, parameter
 
 
 class Tube(NamedTuple):
@@ -56,6 +56,9 @@ class DeadTime(Effect):
     def sampled(self, wrist: Any, dt: float) -> SampledDeadTime:
         return SampledDeadTime(delay.sampled(self.delay, dt))
 
+    def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
+        return Linear(command=delay.response(z, delay.sampled(self.delay, dt)))
+
     def rest(self, wrist: Any, pressure: Number, angle: Number) -> Tube:
         return Tube(delay.at_rest(pressure), pressure)
 
@@ -73,6 +76,10 @@ class TubeDeadTime(Effect):
 
     def sampled(self, wrist: Any, dt: float) -> SampledTube:
         return SampledTube(delay.sampled(self.delay, dt), -np.expm1(-dt / np.maximum(self.lag, 1e-9)))
+
+    def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
+        c = self.sampled(wrist, dt)
+        return Linear(command=delay.response(z, c.delay) * c.share * z / (z - 1.0 + c.share))
 
     def rest(self, wrist: Any, pressure: Number, angle: Number) -> Tube:
         return Tube(delay.at_rest(pressure), pressure)

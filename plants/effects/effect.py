@@ -37,6 +37,23 @@ class Around(NamedTuple):
     other_pressure: Number = 100.0
 
 
+@dataclass(frozen=True)
+class Linear:
+    """What an effect does to small motions about an equilibrium: factors of the declared wrist's.
+
+    command, static: frequency responses, shape of z, in the commanded pressure and in the
+    static angle; joint: that from the static angle to the angle, in place of the lag's;
+    rates: factors of the regulator's rate that occur; slopes: least and largest factor
+    of the slope of each branch that is changed.
+    """
+
+    command: Any = 1.0
+    static: Any = 1.0
+    joint: Any = None
+    rates: tuple[float, ...] = (1.0,)
+    slopes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+
 class Nothing(NamedTuple):
     """The state of an effect that remembers nothing."""
 
@@ -90,3 +107,11 @@ class Effect:
     def rest(self, wrist: Any, pressure: Number, angle: Number) -> Any:
         """State of the effect in a wrist that has long rested at a pressure [kPa] and a static angle [deg]."""
         return Nothing()
+
+    def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
+        """What is linear of the effect at points z = exp(j omega dt), within pressures `reach` [kPa]."""
+        return Linear()
+
+    def obstacle(self, pressure: float, angle: float) -> str | None:
+        """What keeps a wrist that needs a pressure [kPa] for it from an angle [deg], in words, or None."""
+        return None

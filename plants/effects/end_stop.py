@@ -81,8 +81,25 @@ _HIGH = parameter("deg", "upper stop", 0.0, 90.0, 90.0, (90.0, 26.0, 21.0, 16.0,
 _GIVE = parameter("1", "give: slope beyond the stop over the slope before", 0.0, 0.6, 0.0, (0.1,))
 
 
+class _Stop(Effect):
+    """What the forms share; each has its own fields."""
+
+    low: Number
+    high: Number
+
+    def obstacle(self, pressure: float, angle: float) -> str | None:
+        beyond = float(np.clip(angle, self.low, self.high))
+        if beyond == angle or self._gives():
+            return None
+        return f"the end stop at {beyond:+.3g} deg"
+
+    def _gives(self) -> bool:
+        """Whether the joint can be pressed beyond a stop so that the sensor shows where it is."""
+        return False
+
+
 @dataclass(frozen=True)
-class HardStop(Effect):
+class HardStop(_Stop):
     """The joint cannot pass `low` and `high` [deg]."""
 
     NAME = "end-stop"
@@ -97,7 +114,7 @@ class HardStop(Effect):
 
 
 @dataclass(frozen=True)
-class SpringStop(Effect):
+class SpringStop(_Stop):
     """The joint meets a spring at `low` and `high` [deg]: in the end it goes on with a share `give` of
     the static angle, and gets there faster than it would without."""
 
@@ -116,7 +133,7 @@ class SpringStop(Effect):
 
 
 @dataclass(frozen=True)
-class PadStop(Effect):
+class PadStop(_Stop):
     """The joint meets a pad that pushes with the square of its compression, `push` [deg] at 1 deg."""
 
     NAME = "end-stop"
@@ -132,7 +149,7 @@ class PadStop(Effect):
 
 
 @dataclass(frozen=True)
-class GivingStop(Effect):
+class GivingStop(_Stop):
     """Beyond `low` and `high` [deg] the static angle goes on with a share `give` of its slope."""
 
     NAME = "end-stop"
@@ -146,9 +163,12 @@ class GivingStop(Effect):
     def sampled(self, wrist: Any, dt: float) -> SampledStaticStop:
         return SampledStaticStop(self.low, self.high, self.give)
 
+    def _gives(self) -> bool:
+        return float(self.give) > 0.0
+
 
 @dataclass(frozen=True)
-class CompliantStop(Effect):
+class CompliantStop(_Stop):
     """The link beyond the stop gives: what is seen goes on with a share `give` of the joint's angle."""
 
     NAME = "end-stop"

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, Nothing, Number, parameter
+from plants.effects.effect import Around, Effect, Linear, Nothing, Number, parameter
 
 SLOWEST = 0.02
 """No valve is slower than this share of its nominal rate."""
@@ -32,7 +32,18 @@ class SampledAsymmetry(NamedTuple):
 
 
 @dataclass(frozen=True)
-class TwoRates(Effect):
+class _TwoValves(Effect):
+    """What the forms share."""
+
+    def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
+        valve, quiet = self.sampled(wrist, dt).valve, Around()
+        # Filling and exhausting, at both ends of the pressures.
+        speeds = [float(valve(Nothing(), p, e, quiet)[1]) for e in (1.0, -1.0) for p in reach]
+        return Linear(rates=tuple(dict.fromkeys(speeds)))
+
+
+@dataclass(frozen=True)
+class TwoRates(_TwoValves):
     """Exhausting is `ratio` times as fast as filling, at any pressure."""
 
     NAME = "fill-exhaust-asymmetry"
@@ -46,7 +57,7 @@ class TwoRates(Effect):
 
 
 @dataclass(frozen=True)
-class PressureDependentRates(Effect):
+class PressureDependentRates(_TwoValves):
     """Both speeds change linearly with the pressure: factors 1 + fill x and ratio (1 + exhaust x)
     with x = (P - 100 kPa) / 100 kPa."""
 
@@ -74,7 +85,7 @@ class SampledOrifice(NamedTuple):
 
 
 @dataclass(frozen=True)
-class OrificeExhaust(Effect):
+class OrificeExhaust(_TwoValves):
     """Exhaust through an orifice: its speed goes with a power of the pressure above the outside's."""
 
     NAME = "fill-exhaust-asymmetry"

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Effect, Number, parameter
+from plants.effects.effect import Effect, Linear, Number, parameter
 
 NULL = 1e-6
 """Inertia [s] that stands for none: its second pole is gone within a nanosecond."""
@@ -69,7 +69,19 @@ def second_order_hold(inertia: Number, lag: Number, dt: float) -> tuple[Number, 
 
 
 @dataclass(frozen=True)
-class Inertia(Effect):
+class _Inert(Effect):
+    """What the forms share; drag is of second order in the speed, and no part of small motions."""
+
+    def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
+        c = self.sampled(wrist, dt)
+        # Cramer's rule on (zI - A)(angle, velocity) = before + after z.
+        own, speed = c.yb + c.ya * z, c.vb + c.va * z
+        determinant = (z - c.yy) * (z - c.vv) - c.yv * c.vy
+        return Linear(joint=(own * (z - c.vv) + c.yv * speed) / determinant)
+
+
+@dataclass(frozen=True)
+class Inertia(_Inert):
     """The joint's inertia with linear damping; `inertia` [s] is 1 / wn."""
 
     NAME = "inertia"
@@ -86,7 +98,7 @@ class Inertia(Effect):
 
 
 @dataclass(frozen=True)
-class DraggedInertia(Effect):
+class DraggedInertia(_Inert):
     """As `Inertia`, with a drag that grows with the square of the speed."""
 
     NAME = "inertia"

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, Number, parameter
+from plants.effects.effect import Around, Effect, Linear, Number, parameter
 
 
 class Worked(NamedTuple):
@@ -82,6 +82,12 @@ class _Form(Effect):
 
     def rest(self, wrist: Any, pressure: Number, angle: Number) -> Worked:
         return Worked(0.0)
+
+    def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
+        """Fresh, and fully worked."""
+        low, high = sorted((1.0, float(1.0 + self.depth)))
+        least, most = sorted((1.0, float(1.0 + self.transit * self.depth)))
+        return Linear(slopes={"line1": (low, high), "line2": (low, high), "transit": (least, most)})
 
     def _coefficients(self, scale: Number, dt: float) -> tuple[Number, ...]:
         return self.depth, self.width, self.transit, 1.0 / np.asarray(scale, float), dt

@@ -63,6 +63,11 @@ class _Droop(Effect):
     def rest(self, wrist: Any, pressure: Number, angle: Number) -> Supply:
         return Supply(0.0)
 
+    def obstacle(self, pressure: float, angle: float) -> str | None:
+        if pressure <= float(self.supply):
+            return None
+        return f"a supply of {float(self.supply):.4g} kPa, where {pressure:.4g} kPa are needed,"
+
     def _coefficients(self, dt: float, per_deepest: Number = 0.0) -> tuple[Number, ...]:
         return self.supply, self.use, np.exp(-dt / np.asarray(self.recovery, float)), per_deepest
 

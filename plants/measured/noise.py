@@ -70,7 +70,7 @@ def noise_of(recordings: list[Array]) -> float | None:
 
 
 def noise_of_campaign(recordings: Sequence[Recording], channel: str) -> float | None:
-    """Noise floor of a channel, by its standard name, over recordings of one rig; None where it was not logged.
+    """Noise floor of a channel, by its column name, over recordings of one rig; None where it was not logged.
 
     Noise with a memory escapes differences, which see only what is new from row to row.
     Where the command was still for long, its spectrum is looked at instead: slow
@@ -98,12 +98,15 @@ def noise_of_campaign(recordings: Sequence[Recording], channel: str) -> float | 
 def is_coloured(stretches: Sequence[Array]) -> bool:
     """Whether noise has a memory: its differences over STRIDE rows exceed those over one, for certain."""
     near = [np.diff(s, 3) for s in stretches]
-    far = [s[3 * STRIDE :] - 3 * s[2 * STRIDE : -STRIDE] + 3 * s[STRIDE : -2 * STRIDE] - s[: -3 * STRIDE] for s in stretches]
+    far = [
+        s[3 * STRIDE :] - 3 * s[2 * STRIDE : -STRIDE] + 3 * s[STRIDE : -2 * STRIDE] - s[: -3 * STRIDE]
+        for s in stretches
+    ]
     count = sum(len(f) for f in far)
     if count < 100:
         return False
     ratio = _trimmed(np.concatenate(far)) / _trimmed(np.concatenate(near))
-    return ratio > 1.0 + LEAST_COLOUR + SURE * (SCATTER / count) ** 0.5
+    return bool(ratio > 1.0 + LEAST_COLOUR + SURE * (SCATTER / count) ** 0.5)
 
 
 def _channel(recording: Recording, name: str) -> Array | None:

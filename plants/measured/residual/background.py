@@ -6,6 +6,8 @@ half a hertz it is a mixture of white and first-order noise with correlation
 times up to LONGEST_MEMORY, so that it levels off where a drift goes on rising.
 """
 
+from itertools import pairwise
+
 import numpy as np
 
 from plants.measured.residual.joined import Joined
@@ -85,7 +87,7 @@ def _bands(joined: Joined, power: Array, shape: float) -> tuple[Array, Array, Ar
     correction = shape / gamma.ppf(0.5, shape)
     rows = [
         (np.mean(joined.frequencies[a:b]), np.median(power[a:b]) * correction, b - a)
-        for a, b in zip(found[:-1], found[1:], strict=True)
+        for a, b in pairwise(found)
         if b - a >= 4
     ]
     at, level, count = np.array(rows).T

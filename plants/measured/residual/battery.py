@@ -46,8 +46,16 @@ KNOWN = 0.36
 From the scatter of `background` at frequency zero over simulated noise, 14 % for 280 s.
 """
 
-INPUTS = ("pressure_kPa", "pressure_rate_kPa_s", "direction", "angle_deg", "time_s", "since_reversal_s", "work_kPa")
-"""Variables that are no inputs: made from the simulation, or time."""
+MADE = (
+    "pressure_kPa",
+    "pressure_rate_kPa_s",
+    "direction",
+    "angle_deg",
+    "time_s",
+    "since_reversal_s",
+    "work_kPa",
+)
+"""Variables made from the simulation or the time; all others are logged, and may be inputs."""
 
 Key = tuple[str, str]
 
@@ -57,8 +65,8 @@ class Battery:
     """All tests made on a series, and what they were made of.
 
     noise: floor, of which rounding is a part; rounding: size of the steps that the channel comes in,
-    0 where the noise is larger; columns (k, n): indicators of all bins, then waves of the line; where: which of them belong to
-    a variable; evidence: by kind of test and variable.
+    0 where noise blurs them; columns (k, n): indicators of all bins, then waves of the line; where:
+    which of them belong to a variable; evidence: by kind of test and variable.
     """
 
     joined: Joined
@@ -113,7 +121,8 @@ class Battery:
 def make_tests(joined: Joined, noise: float, seed: int, resolution: float = 0.0) -> Battery:
     """Make all tests on a series, whose noise floor and smallest step are known [its unit]."""
     rounding = resolution if resolution * FINE > noise else 0.0
-    noise_spectrum = np.maximum(background(joined), 1e-6 * noise**2)
+    total = float(np.mean(joined.value[joined.inside] ** 2))
+    noise_spectrum = np.maximum(background(joined), max(1e-6 * noise**2, 1e-9 * total, 1e-30))
     bins = (*(b for n in joined.variables if (b := bins_of(joined, n))), stretches(joined))
     columns, groups = stacked(joined, bins)
     where = {b.variable: g for b, g in zip(bins, groups, strict=True)}
@@ -145,7 +154,7 @@ def make_tests(joined: Joined, noise: float, seed: int, resolution: float = 0.0)
 
 def correlated(joined: Joined, series: Array, noise_spectrum: Array) -> tuple[Correlation, ...]:
     """Correlation of a series with the changes of each logged channel that is an input."""
-    names = [n for n in joined.variables if n not in INPUTS]
+    names = [n for n in joined.variables if n not in MADE]
     return tuple(c for n in names if (c := correlation(joined, series, n, noise_spectrum)) is not None)
 
 
@@ -174,6 +183,4 @@ def _offset(battery: Battery) -> Evidence:
     """Whether the mean of the whole remainder differs from zero."""
     joined = battery.joined
     variance = float(battery.noise_spectrum[0]) / joined.rows
-    return Evidence(
-        joined.mean**2 / variance, "f", (1.0, battery.freedom), 1.0, joined.mean**2 - variance
-    )
+    return Evidence(joined.mean**2 / variance, "f", (1.0, battery.freedom), 1.0, joined.mean**2 - variance)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +34,9 @@ class Sums:
         if not len(columns):
             return self
         j = np.asarray(columns)
-        share = self.overlap[:, j] @ np.linalg.pinv(self.overlap[np.ix_(j, j)], rcond=SINGULAR, hermitian=True)
+        share = self.overlap[:, j] @ np.linalg.pinv(
+            self.overlap[np.ix_(j, j)], rcond=SINGULAR, hermitian=True
+        )
         cross = share @ self.covariance[j]
         return Sums(
             self.sums - share @ self.sums[j],
@@ -60,13 +63,13 @@ class Sums:
     def coefficients(self, columns: Sequence[int]) -> Array:
         """Least-squares coefficients of the remainder over these columns."""
         j = np.asarray(columns)
-        found: Array = np.linalg.pinv(self.overlap[np.ix_(j, j)], rcond=SINGULAR, hermitian=True) @ self.sums[j]
+        found: Array = (
+            np.linalg.pinv(self.overlap[np.ix_(j, j)], rcond=SINGULAR, hermitian=True) @ self.sums[j]
+        )
         return found
 
 
-def sums_of(
-    joined: Joined, series: Array, columns: NDArray[np.float32], spectrum: Array | float
-) -> Sums:
+def sums_of(joined: Joined, series: Array, columns: NDArray[np.float32], spectrum: Array | float) -> Sums:
     """Sums of a series (n,) over columns (k, n), with their covariance for noise of a spectrum.
 
     The covariance of two sums is the overlap of the columns' spectra weighted
@@ -93,5 +96,5 @@ def stacked(joined: Joined, bins: Sequence[Bins]) -> tuple[NDArray[np.float32], 
     """Columns of all bins one under the other, centred, and which belong to each."""
     blocks = [b.columns for b in bins]
     ends = np.cumsum([0, *(len(b) for b in blocks)])
-    where = [list(range(a, b)) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    where = [list(range(a, b)) for a, b in pairwise(ends)]
     return centred(joined, np.concatenate(blocks)), where

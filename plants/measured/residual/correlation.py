@@ -64,12 +64,13 @@ def correlation(joined: Joined, series: Array, variable: str, spectrum: Array) -
     products: Array = irfft(joined.transform(series) * np.conj(moved), joined.length)
     lasting: Array = irfft(np.abs(moved) ** 2, joined.length)
     lags = np.arange(-round(BEFORE / joined.dt), round(AFTER / joined.dt) + 1)
-    scattered: Array = irfft(joined.transform(series**2) * np.conj(joined.transform(changes**2)), joined.length)
+    seconds = (joined.dt * lags).astype(np.float64)
+    scattered: Array = irfft(
+        joined.transform(series**2) * np.conj(joined.transform(changes**2)), joined.length
+    )
     agreement = products[lags] / np.sqrt(np.maximum(scattered[lags], 1e-300))
     scale = float(np.sqrt(lasting[0] * np.sum(series**2))) or 1.0
     variance = float(np.sum(joined.counts * np.abs(moved) ** 2 * spectrum)) / joined.length
     sharpness = 1.0 / float(np.sum((lasting[lags] / lasting[0]) ** 2))
     deviation = float(np.sqrt(max(variance, 1e-300))) / scale
-    return Correlation(
-        variable, lags * joined.dt, products[lags] / scale, deviation, agreement, sharpness
-    )
+    return Correlation(variable, seconds, products[lags] / scale, deviation, agreement, sharpness)

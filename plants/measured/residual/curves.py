@@ -53,7 +53,7 @@ def _conditional(battery: Battery, bins: Bins) -> Curve:
 def _autocorrelation(battery: Battery) -> Curve:
     """Bounds are those of white noise: outside them the remainder is coloured, which noise may be."""
     value = battery.autocorrelation
-    lags = np.arange(1, len(value) + 1) * battery.joined.dt
+    lags = np.arange(1.0, len(value) + 1.0, dtype=np.float64) * battery.joined.dt
     bound = np.full(len(value), _normal(len(value)) / battery.joined.rows**0.5)
     return Curve(lags, value, -bound, bound)
 

@@ -60,7 +60,7 @@ def events_in(joined: Joined, series: Array, spectrum: Array) -> Events:
     excess = float(np.sum(level[sure] ** 2)) - np.count_nonzero(sure) * float(np.mean(spectrum))
     starts = np.flatnonzero(np.diff(sure.astype(int), prepend=0) == 1)
     return Events(
-        Evidence(largest, "norm", (), trials, max(0.0, excess) / joined.rows),
+        Evidence(largest, "norm", (), trials, max(0.0, float(excess)) / joined.rows),
         tuple(starts.tolist()),
         float(np.mean(sure[joined.inside])),
     )

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plants.measured.residual.battery import FALSE_ALARM, Battery, make_tests
+from plants.measured.residual.battery import Battery, make_tests
 from plants.measured.residual.curves import Curve, curves_of
 from plants.measured.residual.joined import join
 from plants.measured.residual.names import named
@@ -23,10 +23,11 @@ from plants.measured.residual.remainder import Remainder, RemainderStage
 class Finding:
     """One test of a remainder.
 
-    test: ``conditional mean``, ``offset``, ``cross-correlation``, ``periodic``, ``events``, ``changing size`` or
-    ``whiteness``; variable: what it looks at; statistic, and bound: what noise alone stays below in
-    all tests together, with probability 1 - FALSE_ALARM; p_value: of this test by itself; share:
-    part of the remainder's variance that it accounts for, beyond noise.
+    test: ``conditional mean``, ``offset``, ``cross-correlation``, ``periodic``, ``events``,
+    ``changing size`` or ``whiteness``; variable: what it looks at; statistic, and bound: what noise
+    alone stays below in all tests together but for a probability of `battery.FALSE_ALARM`;
+    p_value: of this test by itself; share: part of the remainder's variance that it accounts for,
+    beyond what noise would (for ``changing size``: mean square of the relative change).
     """
 
     test: str

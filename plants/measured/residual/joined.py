@@ -1,13 +1,16 @@
 """Remainders of all recordings as one series, with silence between them, and its Fourier transform."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.residual.remainder import Array, Remainder
+
+FEWEST, MOST = 200, 80_000
+"""Rows of the longest recording, and of all, that an examination is made for."""
 
 SILENCE = 4.0
 """Zeros between two recordings [s], longer than legal noise remembers."""
@@ -52,7 +55,7 @@ class Joined:
     @property
     def longest(self) -> float:
         """Duration of the longest recording [s]."""
-        return self.dt * max(s.stop - s.start for s in self.spans)
+        return float(self.dt * max(s.stop - s.start for s in self.spans))
 
     @cached_property
     def length(self) -> int:
@@ -64,8 +67,7 @@ class Joined:
     @cached_property
     def frequencies(self) -> Array:
         """Frequencies of the transforms [Hz]."""
-        found: Array = np.fft.rfftfreq(self.length, self.dt)
-        return found
+        return np.arange(self.length // 2 + 1) / (self.length * self.dt)
 
     @cached_property
     def counts(self) -> Array:
@@ -94,12 +96,16 @@ class Joined:
 def join(remainders: Sequence[Remainder]) -> Joined:
     """One series of all remainders of a stage.
 
-    Raises ValueError for none, for different stages, and for fewer than 200 rows in all.
+    Of a log with more than MOST rows every second, third or so is taken.  Raises ValueError for none,
+    for different stages, and where no recording has FEWEST rows.
     """
     if not remainders or len({r.stage for r in remainders}) > 1:
         raise ValueError("an examination needs remainders, all of the same stage")
-    if sum(len(r.value) for r in remainders) < 200:
-        raise ValueError("an examination needs at least 200 rows")
+    if max(len(r.value) for r in remainders) < FEWEST:
+        raise ValueError(f"an examination needs a recording of at least {FEWEST} rows")
+    every = -(-sum(len(r.value) for r in remainders) // MOST)
+    if every > 1:
+        remainders = [_thinned(r, every) for r in remainders]
     dt = float(np.median(np.concatenate([np.diff(r.time) for r in remainders])))
     gap = round(SILENCE / dt)
     spans, start = [], 0
@@ -118,3 +124,9 @@ def join(remainders: Sequence[Remainder]) -> Joined:
     mean = float(np.mean(value[inside]))
     value[inside] -= mean
     return Joined(dt, tuple(spans), inside, value, mean, found)
+
+
+def _thinned(remainder: Remainder, every: int) -> Remainder:
+    """Every so many-th row of a remainder."""
+    kept = {name: values[::every] for name, values in remainder.variables.items()}
+    return replace(remainder, time=remainder.time[::every], value=remainder.value[::every], variables=kept)

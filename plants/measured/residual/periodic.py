@@ -68,7 +68,8 @@ def spectrum_of(joined: Joined, noise: Array) -> Spectrum:
     step = float(joined.frequencies[1])
     beside, stride = round(BESIDE / step), max(1, round(0.1 / step))
     # A median every tenth of a hertz is enough, and much quicker than one at every frequency.
-    surroundings = sliding_window_view(np.pad(power / noise, beside, mode="reflect"), 2 * beside + 1)[::stride]
+    padded = np.pad(power / noise, beside, mode="reflect")
+    surroundings = sliding_window_view(padded, 2 * beside + 1)[::stride]
     medians = np.median(surroundings, axis=1) * shape / gamma.ppf(0.5, shape)
     level = np.interp(joined.frequencies, joined.frequencies[::stride], medians)
     return Spectrum(joined.frequencies, power, noise * np.maximum(level, 1.0), shape)
@@ -86,7 +87,9 @@ def line_in(joined: Joined, spectrum: Spectrum) -> Line | None:
     along = waves @ joined.value
     inverse = np.linalg.pinv(waves @ waves.T, hermitian=True)
     power = (float(along @ inverse @ along) - level * len(waves)) / joined.rows
-    found = Evidence(float(ratio[k]), "gamma", (spectrum.shape, 0.0, 1.0 / spectrum.shape), spectrum.trials, power)
+    found = Evidence(
+        float(ratio[k]), "gamma", (spectrum.shape, 0.0, 1.0 / spectrum.shape), spectrum.trials, power
+    )
     return Line(frequency, found, _steady(joined, frequency, level))
 
 
@@ -114,7 +117,7 @@ def _steady(joined: Joined, frequency: float, level: float) -> bool:
     rows = round(max(SEGMENT, PERIODS / frequency) / joined.dt)
     wave = np.exp(-2j * np.pi * frequency * joined.dt * np.arange(rows))
     powers = [
-        abs(np.vdot(np.conj(wave), joined.value[a : a + rows])) ** 2 / rows - level
+        abs(wave @ joined.value[a : a + rows]) ** 2 / rows - level
         for span in joined.spans
         for a in range(span.start, span.stop - rows + 1, rows)
     ]

@@ -46,9 +46,7 @@ def remainder_of(
 
     `noise` is the floor of the stage's channel.  Raises ValueError where that was not logged or simulated.
     """
-    measured, simulated = (
-        (recording.pressure, pressure) if stage == "regulator" else (recording.angle, angle)
-    )
+    measured, simulated = (recording.pressure, pressure) if stage == "regulator" else (recording.angle, angle)
     if measured is None or simulated is None:
         raise ValueError(f"{recording.name}: the {stage} was not measured, or not simulated")
     return Remainder(

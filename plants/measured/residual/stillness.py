@@ -49,9 +49,7 @@ def still_noise(recordings: Sequence[Recording], channel: Sequence[Array]) -> Jo
     None where there is not ENOUGH stillness.
     """
     stretches = [
-        (r, s, bent(values[s]))
-        for r, values in zip(recordings, channel, strict=True)
-        for s in still_rows(r)
+        (r, s, bent(values[s])) for r, values in zip(recordings, channel, strict=True) for s in still_rows(r)
     ]
     if not stretches:
         return None

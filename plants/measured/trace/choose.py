@@ -79,8 +79,13 @@ def judged(model: Model) -> Candidate:
     return Candidate(model, held_out(model))
 
 
-def search(declared: Model, tell: Callable[[str], None] | None = None, seed: int = 0) -> Search:
-    """Add effects to a fitted declared model while each is worth it.
+def search(
+    declared: Model,
+    names: Sequence[str] | None = None,
+    tell: Callable[[str], None] | None = None,
+    seed: int = 0,
+) -> Search:
+    """Add effects, of those named, to a fitted declared model while each is worth it.
 
     The best few models of a round are all carried to the next: the first effect
     is chosen while another is still missing, which may pass for it.  Raises
@@ -94,7 +99,7 @@ def search(declared: Model, tell: Callable[[str], None] | None = None, seed: int
         ranking: list[Ranked] = []
         for start in beam:
             tell(f"ranking effects beyond {', '.join(start.model.effects) or 'none'}")
-            left = [n for n in declared.stage.effects if n not in start.model.effects]
+            left = [n for n in names or declared.stage.effects if n not in start.model.effects]
             found = screen(start.model, left, seed)
             ranking = ranking or found
             candidates += refit(start.model, shortlist(found))

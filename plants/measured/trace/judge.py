@@ -1,0 +1,100 @@
+"""What a search for effects amounts to: which names could as well be others, what the data cannot
+tell, and whether all is explained."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plants.effects import EFFECTS
+from plants.measured.trace.choose import Candidate, Search
+from plants.measured.trace.model import Model
+from plants.measured.trace.screening import Screen
+from plants.measured.trace.stage import BLOCK
+
+Array = NDArray[np.float64]
+UNEXPLAINED = 1.5
+"""A stage whose chi-square per row is above this is not explained (an error 1.22 times the noise)."""
+
+WANDER, WANDERING = 5.0, 3.0
+"""A drifting gyro also wanders, which no model foresees: where drift was found, chi-square may be up to
+the second figure if it is explained once a moving mean over the first [s] is taken out."""
+
+SEEN = 0.02
+"""An effect whose response, at any strength tried, adds less than this to the mean square of the
+remainder in units of the noise is not excited by the data."""
+
+
+def explained(model: Model) -> bool:
+    """Whether a fitted model reaches the noise."""
+    if model.chi2 <= UNEXPLAINED:
+        return True
+    if "gyro-drift" not in model.effects or model.chi2 > WANDERING:
+        return False
+    return _without_wander(model) <= 1.0 + 0.5 * (UNEXPLAINED - 1.0)
+
+
+def _without_wander(model: Model) -> float:
+    from scipy.ndimage import uniform_filter1d
+
+    total, stage = 0.0, model.stage
+    for playback, a, b in zip(stage.playbacks, stage.edges[:-1], stage.edges[1:], strict=True):
+        rows = max(3, round(WANDER / float(np.median(np.diff(playback.recording.time)))))
+        r = model.residual[a:b]
+        total += float(np.sum((r - uniform_filter1d(r, rows, mode="nearest")) ** 2))
+    return total / model.residual.size
+
+
+def alternatives(search: Search) -> dict[str, tuple[Candidate, ...]]:
+    """For each effect that was chosen, models with another in its place that this data does not tell
+    from it: the errors on blocks of time do not differ by more than their scatter."""
+    chosen = search.chosen
+    found: dict[str, tuple[Candidate, ...]] = {}
+    names = set(chosen.model.effects)
+    for name in chosen.model.effects:
+        beside = []
+        for round_ in search.rounds:
+            for c in round_.candidates:
+                others = set(c.model.effects)
+                if len(others) == len(names) and names - others == {name} and _tied(chosen.model, c.model):
+                    beside.append(c)
+        found[name] = tuple(beside)
+    return found
+
+
+def _tied(best: Model, other: Model) -> bool:
+    """Whether two models differ by no more than two standard errors over blocks, nor by much."""
+    blocks = best.stage.blocks(BLOCK)
+    difference = np.bincount(blocks, other.residual**2 - best.residual**2)
+    scatter = float(np.std(difference, ddof=1)) * np.sqrt(len(difference))
+    return float(difference.sum()) < 2.0 * scatter and other.chi2 - best.chi2 < 0.1
+
+
+def unexcited(model: Model, names: Sequence[str]) -> Mapping[str, str]:
+    """Effects that the recordings do not excite, with the reason; by name."""
+    held = Screen(model)
+    found = {}
+    for name in names:
+        if name == "cross-coupling" and not logs_other(model):
+            found[name] = "the other motion's pressure was not logged, or never moved"
+            continue
+        seen = 0.0
+        for form in EFFECTS[name]:
+            grid = list(form.trials())
+            seen = max(seen, float(np.mean(held.cleared(held.responses(form, grid)) ** 2, axis=0).max()))
+        if seen < SEEN:
+            found[name] = (
+                f"at every strength tried it would change the {_what(model)} by less than "
+                f"{SEEN**0.5:.2g} of the noise beyond what other parameters absorb"
+            )
+    return found
+
+
+def logs_other(model: Model) -> bool:
+    """Whether the other motion's pressure was logged and moves."""
+    logged = [p.recording.other_pressure for p in model.stage.playbacks]
+    return any(o is not None and float(np.ptp(o)) > 5.0 for o in logged)
+
+
+def _what(model: Model) -> str:
+    return model.stage.channel.split("_")[0]

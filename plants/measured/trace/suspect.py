@@ -1,0 +1,55 @@
+"""Recordings that would mislead a trace: clipped sensors, and too little motion to tell."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plants.errors import InputError
+from plants.measured.campaign import Campaign
+from plants.measured.noise import noise_floor, resolution
+from plants.measured.problem import measured
+from plants.measured.recording import Recording
+
+Array = NDArray[np.float64]
+FLAT = 30
+"""Rows in which a noisy channel stays at one and the same extreme value: a clipped sensor."""
+
+SHORT = 20.0
+"""Seconds of recordings to fit on below which slow effects cannot show."""
+
+
+def check(campaign: Campaign) -> tuple[str, ...]:
+    """Remarks on the recordings of a campaign.
+
+    Raises InputError, in one line with file and column, for a clipped sensor:
+    what it hides would pass for an effect.
+    """
+    for recording in (*campaign.fit, *campaign.validate):
+        for channel in ("angle_deg", "pressure_kPa"):
+            values = measured(recording, channel)
+            if values is not None:
+                _check_clipped(campaign, recording, channel, values)
+    seconds = sum(float(r.time[-1] - r.time[0]) for r in campaign.fit)
+    said = []
+    if seconds < SHORT:
+        said.append(f"Only {seconds:.3g} s of recordings to fit on: slow effects cannot show in them.")
+    return tuple(said)
+
+
+def _check_clipped(campaign: Campaign, recording: Recording, channel: str, values: Array) -> None:
+    step = resolution(values)
+    if step == 0.0 or len(values) < 8 * FLAT or noise_floor(values) < 0.7 * step:
+        return  # a channel without noise may well stay at one value
+    for extreme in (values.min(), values.max()):
+        at = values == extreme
+        if _longest(at) >= FLAT:
+            raise InputError(
+                f"{campaign.name}/{recording.name}: column {channel!r}: stays at exactly {extreme:g}, its "
+                f"extreme, for {_longest(at)} rows though it is noisy elsewhere: the sensor is clipped; "
+                "widen its range or cut those rows out"
+            )
+
+
+def _longest(flags: NDArray[np.bool_]) -> int:
+    """Longest run of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(np.int8), [0]])))
+    return int(max(edges[1::2] - edges[::2], default=0))

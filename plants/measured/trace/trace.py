@@ -1,0 +1,399 @@
+"""The trace of a campaign: what the declared wrist leaves, what causes it, and the revised wrist.
+
+Everything is fitted and chosen on the recordings that may be fitted on; the
+errors before and after come from the others, simulated freely from the command.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plants.measured.campaign import Campaign
+from plants.measured.estimate import HUBER, standard_errors
+from plants.measured.fit import CHANNELS, Fit, fit_campaign, rmse
+from plants.measured.playback import Playback
+from plants.measured.problem import Begin, first_begin, measured
+from plants.measured.residual.examine import Examination, examine
+from plants.measured.residual.remainder import Remainder, variables
+from plants.measured.recording import Recording
+from plants.measured.trace.choose import Search, search
+from plants.measured.trace.experiments import sentence, separate
+from plants.measured.trace.judge import alternatives, explained, logs_other, unexcited
+from plants.measured.trace.learnt import Learnt, learn
+from plants.measured.trace.model import Model
+from plants.measured.trace.stage import Stage
+from plants.measured.trace.suspect import check
+from plants.quantities import ParameterSet
+from plants.simulate import open_loop
+from plants.wrist import State, Wrist
+
+Array = NDArray[np.float64]
+BOOTSTRAP = 400
+BLOCK = 2.0
+"""Blocks of time [s] that are drawn for intervals of errors."""
+
+
+@dataclass(frozen=True)
+class Named:
+    """An effect that was found.
+
+    name, form, stage: which; parameters: value, unit and standard error by name;
+    alternatives: other effects that this data cannot tell from it; separations:
+    which recording would, in words.
+    """
+
+    name: str
+    form: str
+    stage: str
+    parameters: Mapping[str, tuple[float, str, float | None]]
+    alternatives: tuple[str, ...]
+    separations: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class StageTrace:
+    """One stage: the search for effects, the remainder before and after it, and what to make of it.
+
+    explained: whether the remainder reaches the noise.  cannot_judge: effects
+    that the data never excites, with the reason.  learnt: a description of what
+    is left, where no effect explains it.
+    """
+
+    stage: Stage
+    search: Search
+    before: Examination
+    after: Examination
+    explained: bool
+    cannot_judge: Mapping[str, str]
+    learnt: Learnt | None
+
+    @property
+    def model(self) -> Model:
+        """The model that was chosen."""
+        return self.search.chosen.model
+
+    @property
+    def name(self) -> str:
+        """``regulator``, ``wrist`` or ``whole``."""
+        return self.stage.name
+
+
+@dataclass(frozen=True)
+class Played:
+    """A recording beside free runs of the declared and of the revised wrist, (n,) each; an angle is
+    None for a campaign of the regulator alone."""
+
+    recording: Recording
+    role: str
+    pressure_before: Array
+    angle_before: Array | None
+    pressure: Array
+    angle: Array | None
+
+
+@dataclass(frozen=True)
+class Trace:
+    """The trace of a campaign.
+
+    verdict: ``nothing-missing``, ``explained`` or ``unexplained``; before, after:
+    errors by channel on the recordings that took no part, with intervals at 95 %
+    by bootstrap over blocks; revised: the declared parameters refitted, and effects.
+    """
+
+    campaign: Campaign
+    fit: Fit
+    verdict: str
+    stages: tuple[StageTrace, ...]
+    effects: tuple[Named, ...]
+    revised: ParameterSet
+    runs: tuple[Played, ...]
+    before: Mapping[str, float | None]
+    after: Mapping[str, float | None]
+    before_interval: Mapping[str, tuple[float, float] | None]
+    after_interval: Mapping[str, tuple[float, float] | None]
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def noise(self) -> Mapping[str, float | None]:
+        """Noise floor of each channel, from the data alone."""
+        return self.fit.noise
+
+    @property
+    def cannot_judge(self) -> dict[str, str]:
+        """Effects that the data never excites, with the reason."""
+        return {n: why for s in self.stages for n, why in s.cannot_judge.items()}
+
+    @property
+    def unexplained(self) -> list[StageTrace]:
+        """Stages in which a structured remainder is left."""
+        return [s for s in self.stages if not s.explained]
+
+
+def trace_campaign(
+    campaign: Campaign,
+    start: ParameterSet,
+    seed: int = 0,
+    progress: Callable[[str, float], None] | None = None,
+) -> Trace:
+    """Find what the declared wrist lacks of a rig, from its recordings.
+
+    `start` gives starting values and bounds of the declared parameters.  Raises
+    InputError where the recordings cannot be fitted at all.
+    """
+    tell = progress or (lambda what, share: None)
+    remarks = check(campaign)
+    tell("fitting the declared wrist", 0.0)
+    fit = fit_campaign(campaign, start, starts=3, seed=seed)
+    values: dict[str, float] = dict(fit.fitted.values)
+    traced: list[StageTrace] = []
+    for stage in _stages(campaign, fit):
+        share = 0.15 + 0.4 * len(traced)
+        declared = Model(stage, start, values, fixed=_fixed(stage, fit))
+        if stage.name == "wrist":
+            stage = replace(stage, drives=_drives(stage, traced, values))
+            declared = replace(declared, stage=stage)
+            if traced and traced[0].model.forms:  # another pressure drives the wrist now
+                declared = declared.fitted()
+        found = _trace_stage(declared, fit, lambda what, s=share: tell(what, s), seed)
+        values |= {n: found.model.values[n] for n in found.model.names}
+        traced.append(found)
+    tell("judging", 0.95)
+    return _result(campaign, fit, tuple(traced), remarks)
+
+
+def _stages(campaign: Campaign, fit: Fit) -> list[Stage]:
+    """What can be traced one after the other."""
+    def made(name: str, channel: str) -> Stage:
+        used = [i for i, r in enumerate(campaign.fit) if measured(r, channel) is not None]
+        begins = None if fit.begins is None else tuple(fit.begins[i] for i in used)
+        floor = fit.noise[channel] or 1.0
+        return Stage(name, channel, floor, tuple(Playback(campaign.fit[i]) for i in used), None, begins)  # type: ignore[arg-type]
+
+    pressure = any(r.pressure is not None for r in campaign.fit)
+    stages = [made("regulator", "pressure_kPa")] if pressure else []
+    if campaign.stage == "wrist":
+        stages.append(made("wrist" if pressure else "whole", "angle_deg"))
+    return stages
+
+
+def _fixed(stage: Stage, fit: Fit) -> tuple[str, ...]:
+    return tuple(n for n in fit.undetermined if n in stage.declared)
+
+
+def _drives(stage: Stage, traced: Sequence[StageTrace], values: Mapping[str, float]) -> tuple[Array, ...]:
+    """Pressure [kPa] of every ms that drives the wrist: as simulated, and where the regulator is not
+    explained, with what it leaves put back, smoothed."""
+    regulator = traced[0]
+    wrist = Wrist.from_values(values, regulator.model.forms)
+    drives = []
+    for i, playback in enumerate(stage.playbacks):
+        begin = None if stage.begins is None else stage.begins[i]
+        pressure = open_loop(
+            wrist, playback.commands, begun(wrist, begin), begin=float(playback.recording.time[0])
+        ).pressure
+        if not regulator.explained and playback.recording.pressure is not None:
+            left = playback.recording.pressure - pressure[playback.rows]
+            pressure = pressure + np.interp(np.arange(len(pressure)), playback.rows, _smooth(left))
+        drives.append(pressure)
+    return tuple(drives)
+
+
+def _smooth(left: Array) -> Array:
+    from scipy.signal import savgol_filter
+
+    smooth: Array = savgol_filter(left, 15, 2) if len(left) > 15 else left
+    return smooth
+
+
+def begun(wrist: Wrist, begin: Begin | None) -> State | None:
+    """The state of a wrist, effects included, in which a recording starts; None at rest."""
+    if begin is None:
+        return None
+    at = begin.state()
+    return wrist.rest()._replace(pressure=at.pressure, memory=at.memory, angle=at.angle)
+
+
+def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: int) -> StageTrace:
+    stage = declared.stage
+    blind = unexcited(declared, stage.effects)
+    logged = [n for n in stage.effects if n != "cross-coupling" or logs_other(declared)]
+    found = search(declared, logged, lambda what: tell(f"{stage.name}: {what}"), seed)
+    model = found.chosen.model
+    before = examine(remainders(declared), seed)
+    after = examine(remainders(model), seed) if model.forms else before
+    good = explained(model)
+    learnt = None if good else learn(remainders(model), _numeric(after.depends_on))
+    return StageTrace(stage, found, before, after, good, blind, learnt)
+
+
+def _numeric(depends_on: Sequence[str]) -> list[str]:
+    """The variables to describe a remainder by: what it was found to depend on, time where it wanders."""
+    return list(dict.fromkeys("time_s" if d == "time" else d for d in depends_on))
+
+
+def remainders(model: Model) -> list[Remainder]:
+    """What a model leaves of its channel in each recording, measured minus simulated."""
+    stage, found = model.stage, []
+    simulated = model.residual * stage.noise + stage.target
+    whole = Wrist.from_values(model.values, model.forms)
+    for i, (playback, a, b) in enumerate(
+        zip(stage.playbacks, stage.edges[:-1], stage.edges[1:], strict=True)
+    ):
+        if stage.name == "regulator":
+            pressure, angle = simulated[a:b], None
+        elif stage.drives is not None:
+            pressure, angle = stage.drives[i][playback.rows], simulated[a:b]
+        else:
+            begin = None if stage.begins is None else stage.begins[i]
+            pressure, angle = playback.play(whole, begun(whole, begin))
+        found.append(
+            Remainder(
+                playback.recording.name, "regulator" if stage.name == "regulator" else "wrist",
+                playback.recording.time, stage.target[a:b] - simulated[a:b], stage.noise,
+                variables(playback.recording, pressure, angle),
+            )
+        )  # fmt: skip
+    return found
+
+
+def _result(
+    campaign: Campaign, fit: Fit, stages: tuple[StageTrace, ...], remarks: tuple[str, ...]
+) -> Trace:
+    forms = tuple(f for s in stages for f in s.model.forms)
+    values: dict[str, float] = {}
+    errors: dict[str, float | None] = {}
+    for s in stages:
+        if forms:
+            values |= {n: s.model.values[n] for n in s.model.names}
+            errors |= _errors(s.model)
+    origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
+    revised = fit.fitted.revised(forms, values, errors, origin) if forms else fit.fitted
+    runs = tuple(_played(fit, Wrist.of(revised)))
+    before, after = fit.validate_rmse, fit.validate_rmse
+    if forms:
+        after = _rmse(runs)
+    verdict = "explained" if forms else "nothing-missing"
+    if not all(s.explained for s in stages):
+        verdict = "unexplained"
+    return Trace(
+        campaign, fit, verdict, stages, tuple(n for s in stages for n in _named(s, errors, revised)),
+        revised, runs, before, after, _intervals(runs, "_before"), _intervals(runs, ""),
+        (*remarks, *_rigs_differ(stages)),
+    )  # fmt: skip
+
+
+def _errors(model: Model) -> dict[str, float | None]:
+    """Standard errors of the parameters, None for one that lies at a bound or is not determined."""
+    corner = HUBER * max(1.0, 1.4826 * float(np.median(np.abs(model.residual))))
+    found = standard_errors(model.problem, model.vector, model.bounds, corner)
+    x, low, high = model.bounds
+    at_edge = np.minimum(x - low, high - x) < 1e-6 * (high - low)
+    return {n: None if e else s for n, s, e in zip(model.names, found, at_edge, strict=True)}
+
+
+def _played(fit: Fit, wrist: Wrist) -> list[Played]:
+    """Every recording beside the free runs of both wrists."""
+    found = []
+    fitted_begins = iter(fit.begins or ())
+    for run in fit.runs:
+        begin = None
+        if fit.begins is not None:
+            rest = fit.before.values["rest_pressure"]
+            begin = next(fitted_begins) if run.role == "fit" else first_begin(run.recording, rest)
+        if wrist.effects:
+            pressure, angle = Playback(run.recording).play(wrist, begun(wrist, begin))
+        else:
+            pressure, angle = run.pressure, run.angle if run.angle is not None else run.pressure
+        found.append(
+            Played(run.recording, run.role, run.pressure, run.angle, pressure, None if run.angle is None else angle)
+        )
+    return found
+
+
+def _squares(runs: Sequence[Played], channel: str, side: str) -> list[Array]:
+    """Squared errors of the recordings that took no part, one array for each."""
+    name = ("pressure" if channel == "pressure_kPa" else "angle") + side
+    pairs = [(getattr(r, name), measured(r.recording, channel)) for r in runs if r.role == "validate"]
+    return [(a - b) ** 2 for a, b in pairs if a is not None and b is not None]
+
+
+def _rmse(runs: Sequence[Played]) -> dict[str, float | None]:
+    found = {c: _squares(runs, c, "") for c in CHANNELS}
+    return {c: float(np.sqrt(np.mean(np.concatenate(s)))) if s else None for c, s in found.items()}
+
+
+def _intervals(runs: Sequence[Played], side: str) -> dict[str, tuple[float, float] | None]:
+    """Intervals at 95 % of the errors, by bootstrap over blocks of two seconds."""
+    found: dict[str, tuple[float, float] | None] = {}
+    for channel in CHANNELS:
+        pieces = []
+        for run, squares in zip(
+            [r for r in runs if r.role == "validate" and measured(r.recording, channel) is not None],
+            _squares(runs, channel, side), strict=False,
+        ):  # fmt: skip
+            rows = max(1, round(BLOCK / float(np.median(np.diff(run.recording.time)))))
+            pieces += np.array_split(squares, max(1, len(squares) // rows))
+        if not pieces:
+            found[channel] = None
+            continue
+        sums, sizes = np.array([p.sum() for p in pieces]), np.array([p.size for p in pieces])
+        draws = np.random.default_rng(0).integers(len(pieces), size=(BOOTSTRAP, len(pieces)))
+        low, high = np.quantile(np.sqrt(sums[draws].sum(axis=1) / sizes[draws].sum(axis=1)), (0.025, 0.975))
+        found[channel] = (float(low), float(high))
+    return found
+
+
+def _named(s: StageTrace, errors: Mapping[str, float | None], revised: ParameterSet) -> list[Named]:
+    beside = alternatives(s.search)
+    found = []
+    for form in s.model.forms:
+        prefix = f"{form.NAME}."
+        parameters = {
+            n: (revised.values[prefix + n], kind.unit, errors[prefix + n]) for n, kind in form.kinds().items()
+        }
+        others = {_other(s.model, c.model): c.model for c in beside[form.NAME]}
+        mine = Wrist.from_values(s.model.values, s.model.forms)
+        words = tuple(
+            sentence(form.NAME, name, separate(
+                mine, Wrist.from_values(m.values, m.forms), s.stage.channel, s.stage.noise
+            ))
+            for name, m in others.items()
+        )  # fmt: skip
+        found.append(Named(form.NAME, form.FORM, form.STAGE, parameters, tuple(others), words))
+    return found
+
+
+def _other(one: Model, other: Model) -> str:
+    """The effect that another model has instead."""
+    return next(iter(set(other.effects) - set(one.effects)))
+
+
+def _rigs_differ(stages: Sequence[StageTrace]) -> tuple[str, ...]:
+    """A remark where each recording alone is explained, but not all together: two rigs, or one that
+    was changed in between."""
+    for s in stages:
+        if s.explained or len(s.stage.playbacks) < 2:
+            continue
+        alone = []
+        for i in range(len(s.stage.playbacks)):
+            rows = np.zeros(s.stage.edges[-1], bool)
+            rows[s.stage.edges[i] : s.stage.edges[i + 1]] = True
+            m = s.model.fitted(15, 1e-4, rows)
+            alone.append((float(np.mean(m.residual[rows] ** 2)), m))
+        if max(c for c, _ in alone) < 1.2:
+            name = max(
+                s.model.names, key=lambda n: np.ptp([m.values[n] for _, m in alone]) / (abs(s.model.values[n]) or 1.0)
+            )
+            each = ", ".join(
+                f"{p.recording.name} {m.values[name]:.3g}" for p, (_, m) in zip(s.stage.playbacks, alone, strict=True)
+            )
+            return (
+                f"Each recording alone is explained, but not all with one set of parameters ({name}: {each}): "
+                "they may come from two rigs, or the rig was changed between them.",
+            )
+    return ()
+
+
+__all__ = ["Named", "Played", "StageTrace", "Trace", "remainders", "rmse", "trace_campaign"]
