@@ -52,8 +52,3 @@ def step(line: DelayLine, value: Number, c: SampledDelay) -> tuple[DelayLine, Nu
     """
     near = np.where(c.samples < 0.5, value, line.near)
     return line._replace(newest=value), near + c.share * (line.far - near)
-
-
-def response(z: Number, c: SampledDelay) -> Number:
-    """Frequency response of the line at points z = exp(j omega dt)."""
-    return z**-c.samples * (1.0 - c.share + c.share / z)

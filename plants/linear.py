@@ -1,14 +1,21 @@
-"""The wrist as python-control objects: the sampled system, and its linearisation on each branch."""
+"""The wrist as python-control objects: the sampled system, and its linearisation on each branch.
 
+A wrist with effects is no small rational system any more, but has a frequency
+response all the same: `responses` multiplies it together from its parts.
+"""
+
+from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plants import lag, regulator, tree
 from plants.compiled import jacobians
 from plants.hysteresis import Memory
 from plants.regulator import Regulator
-from plants.wrist import SAMPLE_TIME, State, Wrist, step
+from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist, step
 
 BRANCHES = ("transit", "line1", "line2")
 """Where the closed loop can work; the virgin curve has slope 0 and is left once, for good."""
@@ -29,9 +36,13 @@ def nlsys(wrist: Wrist) -> Any:
     >>> r = control.input_output_response(nlsys(w), t, np.full(1001, 3.0), wrist_x0(w))
     >>> bool(abs(r.outputs[1, -1] - w.simulate([3.0] * 1000).angle[-1]) < 1e-12)
     True
+
+    Raises ValueError for a wrist with effects, whose delay lines python-control cannot hold.
     """
     import control
 
+    if wrist.effects:
+        raise ValueError(f"{_named(wrist)}: no control.nlsys of it is to be had; use Wrist.simulate")
     c = wrist.sampled()
 
     def update(_t: float, x: Any, u: Any, _params: Any) -> Any:
@@ -69,7 +80,8 @@ def branch_ss(wrist: Wrist, branch: str, rate: str = "fast") -> Any:
     the pressure times the branch's slope, so it is no state of its own.  The two
     rates are the ends of k(e); the slope of k(e) e itself passes its fast end by up
     to an eighth of k_fast - k_slow (at e = sqrt(3) e0), which no branch here shows.
-    `rate` is ``fast`` or ``slow``.  Raises ValueError for another name.
+    `rate` is ``fast`` or ``slow``.  Raises ValueError for another name, and for a
+    wrist with effects, of which there are only `responses`.
 
     >>> from plants import Wrist
     >>> w = Wrist.flexion()
@@ -78,6 +90,8 @@ def branch_ss(wrist: Wrist, branch: str, rate: str = "fast") -> Any:
     """
     import control
 
+    if wrist.effects:
+        raise ValueError(f"{_named(wrist)}: no control.ss of it is to be had; use plants.linear.responses")
     slope = branch_slope(wrist, branch)
     if rate not in RATES:
         raise ValueError(f"unknown regulator rate {rate!r}; one of {', '.join(RATES)}")
@@ -96,3 +110,56 @@ def branch_ss(wrist: Wrist, branch: str, rate: str = "fast") -> Any:
         a, b, [[0.0, 1.0]], [[0.0]], SAMPLE_TIME, name=f"{branch}_{rate}",
         inputs=["command_V"], states=["pressure_kPa", "angle_deg"], outputs=["angle_deg"],
     )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Response:
+    """Frequency response [deg/V] of one branch at one regulator rate, shape of omega, with their
+    names; a branch that bends has its least and its largest slope, a rate its factors."""
+
+    branch: str
+    rate: str
+    response: NDArray[np.complex128]
+
+
+def responses(wrist: Wrist, omega: Any) -> list[Response]:
+    """Frequency responses of a wrist with effects at omega [rad/s], on every branch at every rate.
+
+    To the command [V], of small motions about an equilibrium: what comes from
+    outside the wrist (load, hum, drift, the other motion) takes no part, nor what
+    only acts beyond a threshold (dead band, end stop, supply) or on large motions
+    (the loop's widening with the rate, drag); all else is what `Effect.linear`
+    says.  Curved branches come with the least and the largest slope within the
+    command range, soft ones fresh and fully worked, the regulator with the rates
+    of filling and exhausting at both ends of the range.  Of several effects the
+    extremes are multiplied, so that the list holds more than what can occur at once.
+    """
+    z = np.exp(1j * np.asarray(omega, float) * SAMPLE_TIME)
+    p = wrist.regulator
+    reach = (p.gain * COMMAND_RANGE[0], p.gain * COMMAND_RANGE[1])
+    parts = [e.linear(wrist, z, SAMPLE_TIME, reach) for e in wrist.effects]
+    c = lag.sampled(wrist.Tw, SAMPLE_TIME)
+    joint = next((x.joint for x in parts if x.joint is not None), (c.before + c.after * z) / (z - c.keep))
+    common = p.gain * joint
+    for part in parts:
+        common = common * part.command * part.static
+    speeds = _products([x.rates for x in parts])
+    found = []
+    for branch in BRANCHES:
+        slopes = _products([x.slopes.get(branch, (1.0,)) for x in parts])
+        for slope, rate, speed in product(sorted({min(slopes), max(slopes)}), RATES, speeds):
+            share = -np.expm1(-speed * (p.k_fast if rate == "fast" else p.k_slow) * SAMPLE_TIME)
+            air = share / (z - 1.0 + share)
+            bent = "" if len(set(slopes)) == 1 else f", slope x {slope:.3g}"
+            quick = rate if speed == 1.0 else f"{rate} x {speed:.3g}"
+            found.append(Response(branch + bent, quick, common * air * (slope * branch_slope(wrist, branch))))
+    return found
+
+
+def _products(factors: list[tuple[float, ...]]) -> list[float]:
+    """Every product of one factor of each kind, without repetition."""
+    return list(dict.fromkeys(float(np.prod(chosen)) for chosen in product(*factors)))
+
+
+def _named(wrist: Wrist) -> str:
+    return f"a wrist with {', '.join(e.NAME for e in wrist.effects)}"

@@ -69,7 +69,7 @@ def _effects(path: Path, table: Any) -> list[tuple["type[Effect]", Mapping[str, 
     unknown = [n for n in table if n not in EFFECTS]
     if unknown:
         raise InputError(f"{path}: unknown effect {unknown[0]!r}; known are {', '.join(EFFECTS)}")
-    found = []
+    found: list[tuple[type[Effect], Mapping[str, Any]]] = []
     for name in (n for n in EFFECTS if n in table):
         entry, forms = table[name], {e.FORM: e for e in EFFECTS[name]}
         own = entry.get("parameters") if isinstance(entry, dict) else None

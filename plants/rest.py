@@ -4,13 +4,17 @@ from typing import Any
 
 import numpy as np
 
-from plants import hysteresis
+from plants import hysteresis, lag
 from plants.effects.effect import Around
 from plants.hysteresis import Memory
 from plants.wrist import STARTS, Number, Start, State, Wrist
 
 LOWEST, HIGHEST = -300.0, 700.0
-"""Pressures [kPa] between which a wrist with curved branches is looked for at rest."""
+"""Pressures [kPa] between which a wrist with effects is looked for at rest; one that is found at
+an end of them rests nowhere."""
+
+SPACING = 5.0
+"""Pressures [kPa] are tried so far apart before the rest is narrowed down."""
 
 
 def at_rest(wrist: Wrist, start: Start = "virgin", angle: Number = 0.0) -> State:
@@ -20,7 +24,8 @@ def at_rest(wrist: Wrist, start: Start = "virgin", angle: Number = 0.0) -> State
     ``line2``: arrived in the plus, the minus direction.  ``inside``: half-way in
     pressure between the two lines, as after a reversal.  Effects have come to
     rest too: what creeps has crept, the supply is full, no work has been done.
-    Raises ValueError for an unknown start or a virgin wrist away from 0.
+    An angle that effects keep the wrist from gets a state that does not last:
+    `obstacle` says so.  Raises ValueError for an unknown start or a virgin wrist away from 0.
     """
     p = wrist.hysteresis
     if start not in STARTS:
@@ -44,16 +49,51 @@ def _effects(wrist: Wrist, pressure: Number, h: Number) -> tuple[Any, ...]:
     return tuple(e.rest(wrist, pressure, h) for e in wrist.effects)
 
 
+def at_pressure(wrist: Wrist, start: Start, pressure: float) -> State:
+    """The state of a wrist that holds still on ``line1`` or ``line2`` at a pressure [kPa]."""
+    line = {"line1": 0, "line2": 1}[start]
+    if not wrist.effects:
+        return at_rest(wrist, start, (hysteresis.line1, hysteresis.line2)[line](pressure, wrist.hysteresis))
+    h = float(_line_angle(wrist, line, pressure, 0.0))
+    return State(pressure, Memory(h, 0.0), float(_held_angle(wrist, h)), _effects(wrist, pressure, h))
+
+
+def obstacle(wrist: Wrist, start: Start, angle: float) -> str | None:
+    """What keeps a wrist from holding still at an angle [deg] on ``line1`` or ``line2``, in words; None
+    where nothing does.  Whether a command in the range gives the pressure is not asked."""
+    if not wrist.effects:
+        return None
+    pressure = float(at_rest(wrist, start, angle).pressure)
+    for effect in wrist.effects:
+        words = effect.obstacle(pressure, angle)
+        if words is not None:
+            return words
+    return None if LOWEST < pressure < HIGHEST else f"a branch that no pressure takes to {angle:+g} deg"
+
+
+def _held_angle(wrist: Wrist, h: Number) -> Number:
+    """The angle [deg] at which the effects let a wrist rest whose loop is at h [deg]; stops left out."""
+    c = wrist.sampled()
+    s = _effects(wrist, wrist.hysteresis.rest_pressure, h)
+    after = h
+    for i, effect in c.at("static"):
+        _, _, after = effect(s[i], h, after, Around())
+    return after
+
+
 def _static_angle(wrist: Wrist, angle: Number) -> Number:
     """The loop's angle [deg] from which the effects make the angle that is held; by secants."""
-    c = wrist.sampled()
+    stops = wrist.sampled().at("stop")
 
     def held(h: Number) -> Number:
-        s = _effects(wrist, wrist.hysteresis.rest_pressure, h)
-        after = h
-        for i, effect in c.at("static"):
-            _, _, after = effect(s[i], h, after, Around())
-        return after - angle
+        static = _held_angle(wrist, h)
+        if not stops:
+            return static - angle
+        # A joint that rests against a stop: the lag pulls it on and the stop pushes it back.
+        moved = lag.step(angle, static, static, wrist.sampled().lag)
+        for i, effect in stops:
+            moved = effect(_effects(wrist, wrist.hysteresis.rest_pressure, h)[i], moved)
+        return moved - angle
 
     h0 = np.asarray(angle, float)
     h1 = h0 + 0.1
@@ -66,23 +106,42 @@ def _static_angle(wrist: Wrist, angle: Number) -> Number:
     return h1
 
 
-def _pressure_on(wrist: Wrist, line: int, h: Number) -> Number:
-    """The pressure [kPa] at which line 1 (0) or line 2 (1) has the angle h [deg]; by bisection."""
+def _line_angle(wrist: Wrist, line: int, pressure: Number, h: Number) -> Number:
+    """The angle [deg] of line 1 (0) or line 2 (1), as the effects bend it, at a pressure [kPa]."""
     c, loop = wrist.sampled(), wrist.hysteresis
+    s = _effects(wrist, pressure, h)
+    driven = pressure
+    for i, effect in c.at("drive"):
+        _, _, driven = effect(s[i], driven, driven, Around())
+    found = (hysteresis.line1, hysteresis.line2)[line](driven, loop)
+    for i, effect in c.at("bend"):
+        found = found + effect(s[i], driven, driven, loop, Around())[1 + line]
+    return found
 
-    def angle(pressure: Number) -> Number:
-        s = _effects(wrist, pressure, h)
-        driven = pressure
-        for i, effect in c.at("drive"):
-            _, _, driven = effect(s[i], driven, driven, Around())
-        found = (hysteresis.line1, hysteresis.line2)[line](driven, loop)
-        for i, effect in c.at("bend"):
-            found = found + effect(s[i], driven, driven, loop, Around())[1 + line]
-        return found
 
-    low, high = np.broadcast_arrays(LOWEST, HIGHEST, h)[:2]
-    for _ in range(60):
+def _pressure_on(wrist: Wrist, line: int, h: Number) -> Number:
+    """The pressure [kPa] at which line 1 (0) or line 2 (1) has the angle h [deg]; by bisection.
+
+    A curved line may have it more than once: of the pressures where the line rises
+    through it, the nearest to the rest pressure is taken.
+    """
+
+    def below(pressure: Number) -> Number:
+        return _line_angle(wrist, line, pressure, h) < h
+
+    shape = np.shape(below(wrist.hysteresis.rest_pressure))
+    grid = np.arange(LOWEST, HIGHEST + SPACING, SPACING).reshape(-1, *(1 for _ in shape))
+    under = np.broadcast_to(below(grid), (len(grid), *shape))
+    rises = under[:-1] & ~under[1:]
+    far = np.abs(grid[:-1] + 0.5 * SPACING - wrist.hysteresis.rest_pressure)
+    nearest = np.where(rises, far, np.inf).argmin(axis=0)
+    low = LOWEST + SPACING * nearest
+    # Where it rises through it nowhere, the end that is nearer to it.
+    nowhere, high = ~rises.any(axis=0), low + SPACING
+    low = np.where(nowhere, np.where(under[-1], HIGHEST, LOWEST), low)
+    high = np.where(nowhere, low, high)
+    for _ in range(50):
         middle = 0.5 * (low + high)
-        below = angle(middle) < h
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
+        small = below(middle)
+        low, high = np.where(small, middle, low), np.where(small, high, middle)
     return 0.5 * (low + high)

@@ -15,7 +15,7 @@ from plants import tree
 from plants.compiled import LANES, kernel
 from plants.effects.effect import Around
 from plants.errors import InputError
-from plants.wrist import QUIET, SAMPLE_TIME, State, Wrist, bend, read, step
+from plants.wrist import QUIET, SAMPLE_TIME, State, Wrist, bend, read, settled, step
 
 Array = NDArray[np.float64]
 
@@ -157,7 +157,9 @@ def open_loop(
     start, c = wrist.rest() if state is None else state, wrist.sampled()
     if wrist.effects:
         other = np.full(len(v), QUIET.other_pressure) if other_pressure is None else other_pressure
-        seen = read(start, c, Around(begin, other[0] if len(v) else QUIET.other_pressure))
+        first = Around(begin, other[0] if len(v) else QUIET.other_pressure)
+        start = settled(start, c, first) if state is None else start
+        seen = read(start, c, first)
         logged, rows = run_lanes(
             _logged_step, Logged(start, seen), c, len(v), {"command": v, "other": other, "time": _times(len(v), begin)},
             ("command", "other", "time"), every, ("plant.pressure", "plant.memory.h", "reading"), jobs,
@@ -185,7 +187,7 @@ def _driven_step(state: Logged, inputs: tuple[Any, ...], c: Any) -> Logged:
 def driven(
     wrist: Wrist,
     pressures: Any,
-    state: State,
+    state: State | None = None,
     every: int = 1,
     jobs: int | None = None,
     other_pressure: Any = None,
@@ -202,8 +204,9 @@ def driven(
     p = np.asarray(pressures, float)
     steps = len(p) - 1
     other = np.full(steps, QUIET.other_pressure) if other_pressure is None else other_pressure
-    c, start = wrist.sampled(dt), state._replace(pressure=p[0])
-    seen = read(start, c, Around(begin, other[0] if steps else QUIET.other_pressure))
+    c, first = wrist.sampled(dt), Around(begin, other[0] if steps else QUIET.other_pressure)
+    start = (settled(wrist.rest(), c, first) if state is None else state)._replace(pressure=p[0])
+    seen = read(start, c, first)
     signals = {"pressure": p[1:], "other": other, "time": _times(steps, begin, dt)}
     _, rows = run_lanes(
         _driven_step, Logged(start, seen), (c, dt), steps, signals, ("pressure", "other", "time"),

@@ -120,6 +120,15 @@ def bend(
     return State(pressure, memory, angle, tuple(s))
 
 
+def settled(state: State, c: SampledWrist, around: Around) -> State:
+    """The state with the angle [deg] where it comes to rest in its surroundings, such as a pressure of
+    the other motion that moves it."""
+    angle = state.memory.h
+    for i, effect in c.at("static"):
+        _, _, angle = effect(state.effects[i], angle, angle, around)
+    return state._replace(angle=angle)
+
+
 def read(state: State, c: SampledWrist, around: Around = QUIET) -> Number:
     """What the sensor shows of the angle [deg] at the time of `around`."""
     angle = state.angle

@@ -14,26 +14,26 @@ from plants.effects.effect import Around, Effect
 from plants.effects.end_stop import CompliantStop, GivingStop, HardStop, PadStop, SpringStop
 from plants.effects.fill_exhaust import OrificeExhaust, PressureDependentRates, TwoRates
 from plants.effects.gyro_drift import Drift, WarmingDrift
-from plants.effects.inertia import DraggedInertia, Inertia
+from plants.effects.inertia import DraggedInertia, Inertia, StiffeningInertia
 from plants.effects.load_step import GradualLoad, LoadStep
 from plants.effects.periodic import HarmonicHum, Hum
 from plants.effects.rate_dependence import PowerWidening, RememberedRate, SaturatingWidening, Viscous
 from plants.effects.regulator_deadband import Latch, Play, ValveOverlap
 from plants.effects.softening import Mullins, SofteningByWork, Warming
-from plants.effects.supply_droop import CappedPressure, CappedTarget, SaturatingSag
+from plants.effects.supply_droop import CappedPressure, CappedTarget, LimitedFlow, SaturatingSag
 
 EFFECTS: dict[str, tuple[type[Effect], ...]] = {
     "dead-time": (DeadTime, TubeDeadTime),
     "regulator-deadband": (Latch, Play, ValveOverlap),
     "fill-exhaust-asymmetry": (TwoRates, PressureDependentRates, OrificeExhaust),
-    "supply-droop": (CappedPressure, CappedTarget, SaturatingSag),
+    "supply-droop": (CappedPressure, CappedTarget, SaturatingSag, LimitedFlow),
     "branch-curvature": (Polynomial, Saturation, Bow, Curve),
     "cross-coupling": (Coupling, QuadraticCoupling, PressureCoupling),
     "rate-dependence": (Viscous, PowerWidening, SaturatingWidening, RememberedRate),
     "softening": (SofteningByWork, Warming, Mullins),
     "load-step": (LoadStep, GradualLoad),
     "creep": (Creep, TwoTimeCreep, LogCreep),
-    "inertia": (Inertia, DraggedInertia),
+    "inertia": (Inertia, DraggedInertia, StiffeningInertia),
     "end-stop": (HardStop, GivingStop, SpringStop, PadStop, CompliantStop),
     "gyro-drift": (Drift, WarmingDrift),
     "periodic-disturbance": (Hum, HarmonicHum),

@@ -39,6 +39,11 @@ class SampledTube(NamedTuple):
         return Tube(line, behind), behind
 
 
+def _transport(z: Any, c: SampledDelay) -> Any:
+    """Frequency response of a delay line at points z = exp(j omega dt)."""
+    return z**-c.samples * (1.0 - c.share + c.share / z)
+
+
 @dataclass(frozen=True)
 class DeadTime(Effect):
     """Pure transport: the regulator sees the command `delay` [s] late.
@@ -57,7 +62,7 @@ class DeadTime(Effect):
         return SampledDeadTime(delay.sampled(self.delay, dt))
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
-        return Linear(command=delay.response(z, delay.sampled(self.delay, dt)))
+        return Linear(command=_transport(z, delay.sampled(self.delay, dt)))
 
     def rest(self, wrist: Any, pressure: Number, angle: Number) -> Tube:
         return Tube(delay.at_rest(pressure), pressure)
@@ -79,7 +84,7 @@ class TubeDeadTime(Effect):
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         c = self.sampled(wrist, dt)
-        return Linear(command=delay.response(z, c.delay) * c.share * z / (z - 1.0 + c.share))
+        return Linear(command=_transport(z, c.delay) * c.share * z / (z - 1.0 + c.share))
 
     def rest(self, wrist: Any, pressure: Number, angle: Number) -> Tube:
         return Tube(delay.at_rest(pressure), pressure)

@@ -105,7 +105,7 @@ class Effect:
         raise NotImplementedError
 
     def rest(self, wrist: Any, pressure: Number, angle: Number) -> Any:
-        """State of the effect in a wrist that has long rested at a pressure [kPa] and a static angle [deg]."""
+        """State of the effect in a wrist at rest for long at a pressure [kPa] and a static angle [deg]."""
         return Nothing()
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:

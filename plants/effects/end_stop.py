@@ -131,6 +131,9 @@ class SpringStop(_Stop):
         left = self.give / (self.give + (1.0 - self.give) * _pull(wrist, dt))
         return SampledSpringStop(self.low, self.high, left)
 
+    def _gives(self) -> bool:
+        return float(self.give) > 0.0
+
 
 @dataclass(frozen=True)
 class PadStop(_Stop):
@@ -146,6 +149,9 @@ class PadStop(_Stop):
 
     def sampled(self, wrist: Any, dt: float) -> SampledPadStop:
         return SampledPadStop(self.low, self.high, 4.0 * self.push * _pull(wrist, dt))
+
+    def _gives(self) -> bool:
+        return True
 
 
 @dataclass(frozen=True)

@@ -74,13 +74,15 @@ class PressureDependentRates(_TwoValves):
 
 
 class SampledOrifice(NamedTuple):
-    """Factor of the rate of exhausting at 100 kPa, and its exponent."""
+    """Factor of the rate of exhausting at 100 kPa, its exponent, and the pressure [kPa] added to the
+    gauge's."""
 
     ratio: Number
     exponent: Number
+    base: Number
 
     def valve(self, s: Nothing, pressure: Number, error: Number, around: Around) -> tuple[Number, Number]:
-        relative = np.maximum(pressure, 1.0) / 100.0  # above the outside's pressure
+        relative = np.maximum((pressure + self.base) / (100.0 + self.base), 1e-3)
         return error, np.where(error > 0.0, 1.0, np.maximum(self.ratio * relative**self.exponent, SLOWEST))
 
 
@@ -93,7 +95,8 @@ class OrificeExhaust(_TwoValves):
     STAGE = "regulator"
 
     ratio: Number = parameter("1", "rate of exhausting over filling, at 100 kPa", 0.1, 5.0, 1.0, (0.7, 1.4))
-    exponent: Number = parameter("1", "exponent of the gauge pressure", 0.0, 2.0, 0.0, (0.5,))
+    exponent: Number = parameter("1", "exponent of the gauge pressure", 0.0, 2.0, 0.0, (0.5, 1.0))
+    base: Number = parameter("kPa", "pressure that drives the exhaust at 0 kPa gauge", 0.5, 200.0, 20.0)
 
     def sampled(self, wrist: Any, dt: float) -> SampledOrifice:
-        return SampledOrifice(self.ratio, self.exponent)
+        return SampledOrifice(self.ratio, self.exponent, self.base)

@@ -97,6 +97,40 @@ class Inertia(_Inert):
         return Velocity(0.0)
 
 
+class SampledStiffening(NamedTuple):
+    """The linear transient, and the change of stiffness per degree of static angle [1/deg]."""
+
+    linear: SampledInertia
+    stiffening: Number
+
+    def joint(
+        self, s: Velocity, angle: Number, before: Number, after: Number
+    ) -> tuple[Velocity, Number]:
+        # A stiffness 1 + k h pulls like a stiffness of 1 towards h + k h (h - y).
+        pull = self.stiffening * (before - angle)
+        return self.linear.joint(s, angle, before + before * pull, after + after * pull)
+
+
+@dataclass(frozen=True)
+class StiffeningInertia(Effect):
+    """As `Inertia`, the joint's stiffness changing with its static angle, as it does where the muscles
+    are under more pressure."""
+
+    NAME = "inertia"
+    FORM = "stiffness that changes with the angle"
+    STAGE = "wrist"
+
+    inertia: Number = parameter("s", "1 / natural frequency", 0.0, 1.0, 0.0, (0.06, 0.14))
+    stiffening: Number = parameter("1/deg", "change of stiffness per deg", -0.03, 0.03, 0.0, (-0.01, 0.01))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledStiffening:
+        linear = SampledInertia(*second_order_hold(self.inertia, wrist.Tw, dt), 0.0)
+        return SampledStiffening(linear, self.stiffening)
+
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Velocity:
+        return Velocity(0.0)
+
+
 @dataclass(frozen=True)
 class DraggedInertia(_Inert):
     """As `Inertia`, with a drag that grows with the square of the speed."""

@@ -46,9 +46,26 @@ class SampledTargetCap(SampledSupply):
         return self.used(s, before, after), after
 
 
+class SampledFlow(NamedTuple):
+    """The supply, the flow that its tube lets through per sample, and 1 / difference of pressure [1/kPa]
+    above which that is turbulent."""
+
+    source: SampledSupply
+    flow: Number
+    per_laminar: Number
+
+    def supply(self, s: Supply, before: Number, after: Number) -> tuple[Supply, Number]:
+        drop = np.maximum(self.source.full - s.sag - before, 0.0)
+        most = self.flow * drop / np.sqrt(1.0 + drop * self.per_laminar)
+        after = np.minimum(after, before + most)
+        return self.source.used(s, before, after), after
+
+
 _SUPPLY = parameter("kPa", "pressure of the rested supply", 120.0, 400.0, 400.0, (180.0, 190.0, 200.0, 210.0))
 _USE = parameter("1", "sag of the supply per kPa filled", 0.0, 2.0, 0.0, (0.05, 0.2))
 _RECOVERY = parameter("s", "time constant of the supply's recovery", 0.3, 100.0, 8.0, (3.0, 12.0))
+
+_DEEPEST = parameter("kPa", "deepest sag of the supply", 2.0, 200.0, 200.0, (30.0,))
 
 
 @dataclass(frozen=True)
@@ -84,12 +101,14 @@ class CappedPressure(_Droop):
 
 @dataclass(frozen=True)
 class CappedTarget(_Droop):
-    """As `CappedPressure`, but the commanded pressure is capped, so that the approach is gradual."""
+    """As `SaturatingSag`, but the commanded pressure is capped, so that the approach is gradual."""
 
     FORM = "the commanded pressure is capped"
 
+    deepest: Number = _DEEPEST
+
     def sampled(self, wrist: Any, dt: float) -> SampledTargetCap:
-        return SampledTargetCap(*self._coefficients(dt))
+        return SampledTargetCap(*self._coefficients(dt, 1.0 / np.asarray(self.deepest, float)))
 
 
 @dataclass(frozen=True)
@@ -98,7 +117,23 @@ class SaturatingSag(_Droop):
 
     FORM = "the pressure is capped, the sag saturates"
 
-    deepest: Number = parameter("kPa", "deepest sag of the supply", 2.0, 200.0, 200.0, (30.0,))
+    deepest: Number = _DEEPEST
 
     def sampled(self, wrist: Any, dt: float) -> SampledCap:
         return SampledCap(*self._coefficients(dt, 1.0 / np.asarray(self.deepest, float)))
+
+
+@dataclass(frozen=True)
+class LimitedFlow(_Droop):
+    """Filling is never faster than the supply's tube lets through: `flow` [1/s] times the difference of
+    pressure, and from `laminar` [kPa] on, where it is turbulent, with its square root."""
+
+    FORM = "filling is limited by the flow from the supply"
+
+    flow: Number = parameter("1/s", "rate of filling per difference of pressure", 0.2, 500.0, 500.0, (3.0, 12.0))
+    laminar: Number = parameter("kPa", "difference of pressure where the flow becomes turbulent", 0.5, 500.0, 30.0)
+
+    def sampled(self, wrist: Any, dt: float) -> SampledFlow:
+        return SampledFlow(
+            SampledSupply(*self._coefficients(dt)), self.flow * dt, 1.0 / np.asarray(self.laminar, float)
+        )

@@ -38,15 +38,17 @@ def estimate(problem: Problem, bounds: Array, starts: int, seed: int) -> Estimat
     """Minimise a Huber loss of the residuals within `bounds`, rows start, lower, upper, shape (3, n).
 
     The loss's corner is set by the spread of the residuals themselves: first
-    that of the start, then that of the best minimum, so that a model that
-    misses something is not fitted to the few rows where it happens to be right.
+    that of the start, then that of the minimum with the least squares, so that a
+    model that misses something is not fitted to the few rows where it happens to
+    be right.
     """
     x0, low, high = bounds
     draws = np.random.default_rng(seed).uniform(-1.0, 1.0, (max(starts - 1, 0), x0.size))
     reach = np.where(draws < 0.0, x0 - low, high - x0)
     candidates = np.vstack([x0, np.clip(x0 + 0.5 * draws * reach * np.abs(draws), low, high)])
     ends = [minimise(problem, x, bounds, _corner(problem.residuals(x[None, :])[:, 0])) for x in candidates]
-    corner = min(_corner(problem.residuals(x[None, :])[:, 0]) for x, _ in ends)
+    left = [problem.residuals(x[None, :])[:, 0] for x, _ in ends]
+    corner = _corner(min(left, key=lambda r: float(np.mean(r**2))))
     ends = [minimise(problem, x, bounds, corner) for x, _ in ends]
     ends.sort(key=lambda end: end[1])
     best = ends[0][1]

@@ -83,7 +83,7 @@ def noise_of_campaign(recordings: Sequence[Recording], channel: str) -> float | 
     there is too little stillness to tell (less than 20 s, 3 s after the command
     moved).  White noise with a slow part that is smaller counts as white.
     """
-    from plants.measured.residual.stillness import still_noise, total_noise
+    from plants.measured.residual.stillness import still_noise, total_noise, without_lines
 
     logged = [(r, v) for r in recordings if (v := _channel(r, channel)) is not None]
     white = noise_of([v for _, v in logged])
@@ -91,6 +91,9 @@ def noise_of_campaign(recordings: Sequence[Recording], channel: str) -> float | 
         return None
     still = still_noise([r for r, _ in logged], [v for _, v in logged])
     if still is None or not is_coloured([still.value[s] for s in still.spans]):
+        return white
+    still = without_lines(still)
+    if not is_coloured([still.value[s] for s in still.spans]):
         return white
     return max(white, total_noise(still))
 

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plants.measured.residual.background import background
 from plants.measured.residual.bins import Bins, bins_of, stretches
-from plants.measured.residual.conditional import Sums, stacked, sums_of
+from plants.measured.residual.conditional import Sums, sums_of
 from plants.measured.residual.correlation import Correlation, correlation
+from plants.measured.residual.design import Design, design_of
 from plants.measured.residual.events import Events, events_in
 from plants.measured.residual.evidence import Evidence
 from plants.measured.residual.joined import Joined
@@ -28,7 +28,7 @@ SMALLEST = {
     "events": 0.01,
     "changing size": 0.01,
 }
-"""Smallest part of the noise's variance that counts as structure.
+"""Smallest part that counts as structure: of the noise's variance, or the remainder's where that is larger.
 
 0.02 is an effect whose spread is a seventh of the noise.  Events are rare, and large while they
 last.  For a changing size it is the mean square of the relative change: a tenth up and down.
@@ -65,8 +65,8 @@ class Battery:
     """All tests made on a series, and what they were made of.
 
     noise: floor, of which rounding is a part; rounding: size of the steps that the channel comes in,
-    0 where noise blurs them; columns (k, n): indicators of all bins, then waves of the line; where:
-    which of them belong to a variable; evidence: by kind of test and variable.
+    0 where noise blurs them; design: indicators of all bins, and waves of the line; evidence:
+    by kind of test and variable.
     """
 
     joined: Joined
@@ -74,8 +74,7 @@ class Battery:
     rounding: float
     noise_spectrum: Array
     bins: tuple[Bins, ...]
-    columns: NDArray[np.float32]
-    where: dict[str, list[int]]
+    design: Design
     sums: Sums
     spectrum: Spectrum
     line: Line | None
@@ -110,7 +109,7 @@ class Battery:
         if kind == "changing size":
             least = SMALLEST[kind]
         else:
-            least = SMALLEST[kind] * self.noise**2 + self.rounding_power
+            least = SMALLEST[kind] * max(self.noise**2, self.total) + self.rounding_power
         return evidence.p_value < self.each and evidence.power > least
 
     def found(self) -> list[Key]:
@@ -124,22 +123,21 @@ def make_tests(joined: Joined, noise: float, seed: int, resolution: float = 0.0)
     total = float(np.mean(joined.value[joined.inside] ** 2))
     noise_spectrum = np.maximum(background(joined), max(1e-6 * noise**2, 1e-9 * total, 1e-30))
     bins = (*(b for n in joined.variables if (b := bins_of(joined, n))), stretches(joined))
-    columns, groups = stacked(joined, bins)
-    where = {b.variable: g for b, g in zip(bins, groups, strict=True)}
+    design = design_of(joined, bins)
     spectrum = spectrum_of(joined, noise_spectrum)
     line = line_in(joined, spectrum)
     if line is not None:
-        waves = harmonic(joined, line.frequency).astype(np.float32)
-        where[line.name] = list(range(len(columns), len(columns) + len(waves)))
-        columns = np.concatenate([columns, waves])
-    sums = sums_of(joined, joined.value, columns, noise_spectrum)
+        design = design.with_waves(line.name, harmonic(joined, line.frequency))
+    sums = sums_of(joined, joined.value, design, noise_spectrum)
     crossed = correlated(joined, joined.value, noise_spectrum)
     acf = autocorrelation(joined, LAGS)
     battery = Battery(
-        joined, noise, rounding, noise_spectrum, bins, columns, where, sums, spectrum, line, crossed, acf, {}
+        joined, noise, rounding, noise_spectrum, bins, design, sums, spectrum, line, crossed, acf, {}
     )  # fmt: skip
     for b in bins:
-        battery.evidence["conditional mean", b.variable] = sums.test(where[b.variable], battery.freedom)
+        battery.evidence["conditional mean", b.variable] = sums.test(
+            design.where[b.variable], battery.freedom
+        )
     if line is not None:
         battery.evidence["periodic", line.name] = line.evidence
     for c in crossed:
@@ -166,12 +164,12 @@ def sizes_over(battery: Battery, series: Array, seed: int) -> dict[str, Evidence
     """
     joined, spectrum = battery.joined, battery.noise_spectrum
     if battery.rounding > 0.0:
-        blur = np.random.default_rng(seed).normal(0.0, battery.rounding, len(series))
+        # A stream of its own: noise made elsewhere from the same seed must not come again.
+        blur = np.random.default_rng([seed, 1]).normal(0.0, battery.rounding, len(series))
         series, spectrum = series + np.where(joined.inside, blur, 0.0), spectrum + battery.rounding**2
     sizes = sizes_of(joined, series, spectrum)
     names = [b.variable for b in battery.bins]
-    found = size_tests(joined, sizes, battery.columns, [battery.where[n] for n in names])
-    return dict(zip(names, found, strict=True)) | {"bursts": burst_test(joined, sizes, seed)}
+    return size_tests(joined, sizes, battery.design, names) | {"bursts": burst_test(joined, sizes)}
 
 
 def events_of(battery: Battery, series: Array) -> Events:

@@ -23,17 +23,11 @@ MOST_STRETCHES = 60
 
 @dataclass(frozen=True)
 class Bins:
-    """Bins of one variable: `label` (n,) of each row, -1 for none; centre (bins,) in its unit."""
+    """Bins of one variable: label (n,) of each row, -1 for none; centre (bins,) in its unit."""
 
     variable: str
     label: NDArray[np.int64]
     centre: Array
-
-    @property
-    def columns(self) -> NDArray[np.float32]:
-        """Indicator of each bin, (bins, n)."""
-        found: NDArray[np.float32] = (self.label == np.arange(len(self.centre))[:, None]).astype(np.float32)
-        return found
 
 
 def bins_of(joined: Joined, variable: str) -> Bins | None:

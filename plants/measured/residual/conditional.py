@@ -2,15 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from plants.measured.residual.bins import Bins
+from plants.measured.residual.design import Design
 from plants.measured.residual.evidence import NOTHING, Evidence
 from plants.measured.residual.joined import Joined
 from plants.measured.residual.remainder import Array
+
+FAST = 12.5
+"""Frequency [Hz] above which the noise counts as flat where its effect on sums over bins is concerned."""
 
 SINGULAR = 1e-6
 """Directions of the columns with less than this part of the largest variance do not count."""
@@ -69,32 +70,25 @@ class Sums:
         return found
 
 
-def sums_of(joined: Joined, series: Array, columns: NDArray[np.float32], spectrum: Array | float) -> Sums:
-    """Sums of a series (n,) over columns (k, n), with their covariance for noise of a spectrum.
+def sums_of(joined: Joined, series: Array, design: Design, spectrum: Array) -> Sums:
+    """Sums of a series (n,) over the columns of a design, with their covariance for noise of a spectrum.
 
-    The covariance of two sums is the overlap of the columns' spectra weighted
-    with the noise's: right for any stationary noise, white or coloured.
+    The covariance of two sums is the product of the columns' spectra weighted with the
+    noise's: right for any stationary noise, white or coloured.  Above FAST, where
+    indicators of bins have little power and ever less, the noise counts as flat.
     """
-    overlap = (columns @ columns.T).astype(float)
-    sums = columns.astype(float) @ series
-    if isinstance(spectrum, float):
-        return Sums(sums, overlap, spectrum * overlap, joined.rows)
-    weight = spectrum * joined.counts
-    shaped = joined.transform(columns) * np.sqrt(weight).astype(np.float32)
-    both = np.concatenate([shaped.real, shaped.imag], axis=1)
-    return Sums(sums, overlap, (both @ both.T).astype(float) / joined.length, joined.rows)
+    slow = joined.frequencies < FAST
+    flat = 0.0
+    if not np.all(slow):
+        weight = joined.frequencies[~slow] ** -2.0
+        flat = float(np.sum(weight * spectrum[~slow]) / np.sum(weight))
+    transforms = joined.transform(design.columns)[:, slow]
+    both = np.concatenate([transforms.real, transforms.imag], axis=1)
+    extra = ((spectrum[slow] - flat) * joined.counts[slow] / joined.length).astype(np.float32)
+    covariance = (both * np.tile(extra, 2)) @ both.T + flat * design.overlap
+    return Sums(design.sums(series), design.overlap, covariance, joined.rows)
 
 
-def centred(joined: Joined, columns: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Columns with their mean over the rows taken off: a constant is no dependence."""
-    means = columns[:, joined.inside].mean(axis=1, dtype=float).astype(np.float32)
-    found: NDArray[np.float32] = columns - means[:, None] * joined.inside.astype(np.float32)
-    return found
-
-
-def stacked(joined: Joined, bins: Sequence[Bins]) -> tuple[NDArray[np.float32], list[list[int]]]:
-    """Columns of all bins one under the other, centred, and which belong to each."""
-    blocks = [b.columns for b in bins]
-    ends = np.cumsum([0, *(len(b) for b in blocks)])
-    where = [list(range(a, b)) for a, b in pairwise(ends)]
-    return centred(joined, np.concatenate(blocks)), where
+def white_sums(joined: Joined, series: Array, design: Design, variance: float) -> Sums:
+    """The same for white noise of a variance."""
+    return Sums(design.sums(series), design.overlap, variance * design.overlap, joined.rows)

@@ -42,7 +42,7 @@ def _normal(many: int) -> float:
 
 def _conditional(battery: Battery, bins: Bins) -> Curve:
     """Means in the channel's unit, the mean of all rows included; the bounds are about that."""
-    j = battery.where[bins.variable]
+    j = battery.design.where[bins.variable]
     counts = np.bincount(bins.label[bins.label >= 0], minlength=len(bins.centre))
     mean = battery.joined.mean
     found = mean + battery.sums.sums[j] / counts

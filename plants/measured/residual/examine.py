@@ -62,8 +62,8 @@ class Examination:
 def examine(remainders: Sequence[Remainder], seed: int = 0) -> Examination:
     """Examine the remainders of one stage in all recordings together.
 
-    `seed` is for the test of bursts, which shuffles.  Raises ValueError for none,
-    for different stages, or fewer than 200 rows.
+    `seed` is for the noise that blurs coarse rounding (`battery.sizes_over`).  Raises ValueError for none,
+    for different stages, or where no recording has 200 rows.
     """
     joined = join(remainders)
     weights = [float(len(r.value)) for r in remainders]

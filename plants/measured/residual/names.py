@@ -9,7 +9,7 @@ from plants.measured.residual.conditional import Sums
 from plants.measured.residual.events import LONGEST_SHARE
 from plants.measured.residual.evidence import Evidence
 from plants.measured.residual.remainder import Array
-from plants.measured.residual.size import is_rough
+from plants.measured.residual.size import evened, is_rough
 
 MINOR = 0.1
 """What accounts for less than this part of what the first name does is not worth a name."""
@@ -28,7 +28,7 @@ class _Names:
 
     @property
     def columns(self) -> list[int]:
-        return sorted({j for v in self.variables.values() for j in self.battery.where[v]})
+        return sorted({j for v in self.variables.values() for j in self.battery.design.where[v]})
 
     @property
     def left(self) -> Sums:
@@ -53,7 +53,7 @@ class _Names:
         j = self.columns
         if not j:
             return self.battery.joined.value
-        fitted = self.battery.sums.coefficients(j).astype(np.float32) @ self.battery.columns[j]
+        fitted = self.battery.sums.coefficients(j).astype(np.float32) @ self.battery.design.columns[j]
         found: Array = self.battery.joined.value - fitted
         return found
 
@@ -72,13 +72,16 @@ def named(battery: Battery, seed: int) -> tuple[str, ...]:
         e = c.evidence(float(np.mean(rest[battery.joined.inside] ** 2)))
         if names.worth("cross-correlation", e):
             names.add(c.variable, e.power)
-    events = events_of(battery, rest)
+    sizes = sizes_over(battery, rest, seed).values()
+    changing = any(battery.counts("changing size", e) for e in sizes)
+    changing = changing and is_rough(battery.joined, rest, battery.noise_spectrum)
+    # Loud noise makes excursions of its own: events are what still stands out for its surroundings.
+    level = evened(battery.joined, rest, battery.noise_spectrum) if changing else rest
+    events = events_of(battery, level)
     if names.worth("events", events.evidence) and events.duty < LONGEST_SHARE:
         names.add("events", events.evidence.power)
     ordered = sorted(names.power, key=lambda n: -names.power[n])
-    sizes = sizes_over(battery, rest, seed).values()
-    changing = any(battery.counts("changing size", e) for e in sizes)
-    if changing and is_rough(battery.joined, rest, battery.noise_spectrum):
+    if changing:
         ordered.append("changing size")
     # A drift from zero, or a loop that lies askew, has a mean too: an offset is what is nothing else.
     return tuple(ordered or dict.fromkeys(_plain(*key) for key in battery.found()))
@@ -98,16 +101,16 @@ def _name_wander(names: _Names) -> None:
     where the stretches explain all that it did.
     """
     battery = names.battery
-    wander = names.left.test(battery.where["time"], battery.freedom)
+    wander = names.left.test(battery.design.where["time"], battery.freedom)
     if not names.worth("conditional mean", wander):
         return
     for name, variable in list(names.variables.items()):
-        others = [j for v in names.variables.values() if v != variable for j in battery.where[v]]
-        without = battery.sums.without(others + battery.where["time"])
-        left = without.test(battery.where[variable], battery.freedom)
+        others = [j for v in names.variables.values() if v != variable for j in battery.design.where[v]]
+        without = battery.sums.without(others + battery.design.where["time"])
+        left = without.test(battery.design.where[variable], battery.freedom)
         if name != "time" and not names.worth("conditional mean", left):
             names.drop(name)
-    wander = names.left.test(battery.where["time"], battery.freedom)
+    wander = names.left.test(battery.design.where["time"], battery.freedom)
     names.add("time", wander.power, "time")
 
 
@@ -119,7 +122,7 @@ def _name_variables(names: _Names) -> None:
         open_.append(line.name)
     while open_ and len(names.power) < MOST:
         left = names.left
-        tests = {v: left.test(battery.where[v], battery.freedom) for v in open_}
+        tests = {v: left.test(battery.design.where[v], battery.freedom) for v in open_}
         best = max(open_, key=lambda v: tests[v].power)
         if not names.worth("conditional mean", tests[best]):
             return

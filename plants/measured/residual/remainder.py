@@ -91,7 +91,7 @@ def direction(time: Array, pressure: Array) -> tuple[Array, Array]:
     """Direction of the last movement of the pressure [kPa], (n,), -1, 0 or 1, 0 before the first, and
     the time since it last turned [s].
 
-    A turn counts when the pressure has come back by TURN, and from where it turned.
+    A turn counts when the pressure has come back by TURN, and from where it last stood at its extreme.
     """
     heading, since = np.zeros(len(time)), np.empty(len(time))
     now, extreme, turned = 0.0, float(pressure[0]), float(time[0])
@@ -100,7 +100,7 @@ def direction(time: Array, pressure: Array) -> tuple[Array, Array]:
         if abs(p - extreme) > TURN and (p - extreme) * now <= 0.0:
             now, turned = (1.0 if p > extreme else -1.0), at
             extreme, at = p, t
-        elif (p - extreme) * now > 0.0:
+        elif now != 0.0 and (p - extreme) * now >= 0.0:
             extreme, at = p, t
         elif now == 0.0:
             at = t

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from plants.measured.residual.conditional import sums_of
-from plants.measured.residual.evidence import Evidence
+from plants.measured.residual.conditional import white_sums
+from plants.measured.residual.design import Design
+from plants.measured.residual.evidence import NOTHING, Evidence
 from plants.measured.residual.joined import Joined
 from plants.measured.residual.remainder import Array
 
@@ -17,7 +17,6 @@ BURST = 0.5
 EDGE = 5
 """Rows at the ends of a recording that are not looked at."""
 
-SHUFFLES = 60
 FREEDOM = 1000.0
 """Degrees of freedom of the variance of the sizes: there are as many as rows."""
 
@@ -52,36 +51,51 @@ def sizes_of(joined: Joined, series: Array, spectrum: Array) -> Sizes:
     white = white - uniform_filter1d(white, max(3, round(BASELINE / joined.dt)))
     there = joined.inner(EDGE)
     size = np.where(there, np.abs(white), 0.0)
-    size = np.where(there, size / float(np.mean(size[there])) - 1.0, 0.0)
+    usual = float(np.mean(size[there])) if np.any(there) else 0.0
+    if usual == 0.0:
+        return Sizes(size, 1.0)
+    size = np.where(there, size / usual - 1.0, 0.0)
     return Sizes(size, float(np.mean(size[there] ** 2)))
 
 
-def size_tests(
-    joined: Joined, sizes: Sizes, columns: NDArray[np.float32], where: Sequence[Sequence[int]]
-) -> list[Evidence]:
-    """Whether the mean size differs between the bins of each variable, given by their columns.
+def size_tests(joined: Joined, sizes: Sizes, design: Design, variables: Sequence[str]) -> dict[str, Evidence]:
+    """Whether the mean size differs between the bins of each variable.
 
     The power of a test is the mean square of the relative change of size.
     """
-    sums = sums_of(joined, sizes.value, columns, sizes.variance)
-    return [sums.test(w, FREEDOM) for w in where]
+    sums = white_sums(joined, sizes.value, design, sizes.variance)
+    return {v: sums.test(design.where[v], FREEDOM) for v in variables}
 
 
-def burst_test(joined: Joined, sizes: Sizes, seed: int) -> Evidence:
-    """Whether the size changes between stretches of BURST, against the same sizes in random order."""
-    rows = max(4, round(BURST / joined.dt))
+def burst_test(joined: Joined, sizes: Sizes) -> Evidence:
+    """Whether the size changes between stretches of BURST: the mean square of their mean sizes.
+
+    Of independent sizes with variance v and excess kurtosis k, the square of the mean of m has the
+    mean v / m and the variance (v / m)^2 (2 + k / m); over j stretches it is close to gamma.
+    """
+    m = max(4, round(BURST / joined.dt))
     inside = sizes.value[joined.inside]
-    stretches = len(inside) // rows
-    rng = np.random.default_rng(seed)
+    j = len(inside) // m
+    variance = float(np.mean(inside**2))
+    if variance == 0.0 or j == 0:
+        return NOTHING
+    means = inside[: j * m].reshape(j, m).mean(axis=1)
+    found = float(np.mean(means**2)) * m / variance
+    kurtosis = float(np.mean(inside**4)) / variance**2 - 3.0
+    shape = j / (2.0 + kurtosis / m)
+    return Evidence(found, "gamma", (shape, 0.0, 1.0 / shape), 1.0, (found - 1.0) * variance / m)
 
-    def spread(values: Array) -> float:
-        return float(np.mean(values[: stretches * rows].reshape(stretches, rows).mean(axis=1) ** 2))
 
-    found = spread(inside)
-    drawn = np.array([spread(rng.permutation(inside)) for _ in range(SHUFFLES)])
-    mean, variance = float(drawn.mean()), float(drawn.var(ddof=1))
-    shape = mean**2 / max(variance, 1e-300)
-    return Evidence(found / mean, "gamma", (shape, 0.0, 1.0 / shape), 1.0, found - mean)
+def evened(joined: Joined, series: Array, spectrum: Array) -> Array:
+    """A remainder (n,) over its local size where that is more than usual, from half a second around."""
+    from scipy.ndimage import maximum_filter1d, uniform_filter1d
+
+    white = joined.filtered(series, 1.0 / np.sqrt(spectrum))
+    rows = max(4, round(BURST / joined.dt))
+    local = maximum_filter1d(uniform_filter1d(white**2, LOCAL), rows)
+    usual = float(np.median(local[joined.inside]))
+    found: Array = series / np.sqrt(np.maximum(local / max(usual, 1e-300), 1.0))
+    return found
 
 
 def is_rough(joined: Joined, series: Array, spectrum: Array) -> bool:

@@ -1,6 +1,7 @@
 """Noise of a channel where the command has long been still, whatever its colour."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,9 +45,7 @@ SURE = 1e-6
 
 def still_noise(recordings: Sequence[Recording], channel: Sequence[Array]) -> Joined | None:
     """Noise of a channel, one array (n,) for each recording, where it is still: the stretches, each
-    less its slow trend, and all less a hum.
-
-    None where there is not ENOUGH stillness.
+    less its slow trend.  None where there is not ENOUGH stillness.
     """
     stretches = [
         (r, s, bent(values[s])) for r, values in zip(recordings, channel, strict=True) for s in still_rows(r)
@@ -62,7 +61,7 @@ def still_noise(recordings: Sequence[Recording], channel: Sequence[Array]) -> Jo
     ]
     if sum(float(np.ptp(f.time)) for f in found) < ENOUGH or usual == 0.0:
         return None
-    return _without_lines(join(found))
+    return join(found)
 
 
 def still_rows(recording: Recording) -> list[slice]:
@@ -140,15 +139,31 @@ def _edges(joined: Joined, at: Array) -> NDArray[np.int64]:
     return np.unique(np.searchsorted(at, edges[:-1]))
 
 
-def _without_lines(joined: Joined) -> Joined:
+def without_lines(joined: Joined) -> Joined:
     """The series less the waves of a hum, fitted in each stretch by itself."""
-    from dataclasses import replace
-
     for _ in range(LINES):
         line = line_in(joined, spectrum_of(joined, background(joined)))
         if line is None or line.evidence.p_value > SURE:
             break
-        waves = harmonic(joined, line.frequency)
-        fitted = np.linalg.lstsq(waves.T, joined.value, rcond=None)[0] @ waves
-        joined = replace(joined, value=joined.value - fitted)
+        joined = replace(joined, value=_without_hum(joined, line.frequency))
     return joined
+
+
+def _without_hum(joined: Joined, near: float) -> Array:
+    """The series less the waves of the frequency near one [Hz] that fit best.
+
+    Over all stretches a loud hum is known more closely than from the peak of its spectrum.
+    """
+    from scipy.optimize import minimize_scalar
+
+    def left(frequency: float) -> Array:
+        waves = harmonic(joined, frequency)
+        found: Array = joined.value - np.linalg.solve(waves @ waves.T, waves @ joined.value) @ waves
+        return found
+
+    reach = 0.2 / joined.longest
+    best = minimize_scalar(
+        lambda f: float(np.sum(left(f) ** 2)), bounds=(near - reach, near + reach), method="bounded",
+        options={"maxiter": 12},
+    )  # fmt: skip
+    return left(float(best.x))

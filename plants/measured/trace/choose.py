@@ -1,7 +1,8 @@
 """Choosing effects: refit the best few fully, judge on blocks left out, prefer fewer effects."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +20,12 @@ smaller ones are beyond doubt, but they are imperfections of a form as often as 
 SHARE = 0.25
 """Least share of what chi-square has above 1 that an effect must take away."""
 
-SHORTLIST = 4
-"""Effects that are refitted in each round."""
+TRIFLE = 0.002
+"""Least share, of what chi-square fell by so far, that a further effect must bring: the form of a strong
+effect is never quite the rig's, and what it leaves invites others."""
+
+SHORTLIST, FORMS = 4, 2
+"""Effects that are refitted in each round, and of how many of their forms."""
 
 MOST = 3
 """Effects that a stage may be given; beyond that a description is more honest than a list of causes."""
@@ -37,10 +42,14 @@ FOLDS = 2
 
 @dataclass(frozen=True)
 class Candidate:
-    """A model that was fitted, with its chi-square per row on blocks that did not fit it."""
+    """A model that was fitted."""
 
     model: Model
-    held_out: float
+
+    @cached_property
+    def held_out(self) -> float:
+        """Its chi-square per row on blocks that did not fit it."""
+        return held_out(self.model)
 
 
 @dataclass(frozen=True)
@@ -61,7 +70,6 @@ class Search:
     rounds: tuple[Round, ...]
     chosen: Candidate
     declared: Candidate
-    dropped: tuple[str, ...] = field(default=())
 
 
 def held_out(model: Model, evaluations: int = 6) -> float:
@@ -72,11 +80,6 @@ def held_out(model: Model, evaluations: int = 6) -> float:
         apart = fold == k
         total += float(np.sum(model.fitted(evaluations, 1e-4, ~apart).residual[apart] ** 2))
     return total / fold.size
-
-
-def judged(model: Model) -> Candidate:
-    """A fitted model with its error on blocks left out."""
-    return Candidate(model, held_out(model))
 
 
 def search(
@@ -92,9 +95,9 @@ def search(
     nothing for a remainder that no effect explains: the search just ends.
     """
     tell = tell or (lambda what: None)
-    first = now = judged(declared)
+    first = now = Candidate(declared)
     beam, rounds = [first], list[Round]()
-    while len(now.model.forms) < MOST and now.held_out > 1.0 + WORTH:
+    while len(now.model.forms) < MOST and (not rounds or now.model.chi2 > 1.0 + WORTH):
         candidates: list[Candidate] = []
         ranking: list[Ranked] = []
         for start in beam:
@@ -102,17 +105,18 @@ def search(
             left = [n for n in names or declared.stage.effects if n not in start.model.effects]
             found = screen(start.model, left, seed)
             ranking = ranking or found
-            candidates += refit(start.model, shortlist(found))
-        candidates = distinct(sorted(candidates, key=lambda c: c.held_out))
+            if now.model.chi2 > 1.0 + WORTH:
+                candidates += refit(start.model, shortlist(found))
+        candidates = distinct(sorted(candidates, key=lambda c: c.model.chi2))
         best = candidates[0] if candidates else None
-        if best is not None and best.held_out > 1.0 + WORTH:
+        if best is not None and best.model.chi2 > 1.0 + WORTH:
             best = reformed(best)
-        taken = best if best is not None and worth_it(now, best) else None
+        taken = best if best is not None and worth_it(now, best, first) else None
         rounds.append(Round(now, tuple(ranking), tuple(candidates), taken))
         if taken is None:
             break
-        now = pruned(taken)
-        beam = [now, *(c for c in candidates[1:] if c.held_out < BEAM_REACH * now.held_out)][:BEAM]
+        now = pruned(taken, first)
+        beam = [now, *(c for c in candidates[1:] if c.model.chi2 < BEAM_REACH * now.model.chi2)][:BEAM]
     return Search(tuple(rounds), simplest(now) if now.model.forms else now, first)
 
 
@@ -129,17 +133,17 @@ def reformed(now: Candidate) -> Candidate:
     for form in now.model.forms:
         rest = now.model.without(form.NAME)
         held = Screen(rest.fitted(6, 1e-3))
-        others = [r for f in EFFECTS[form.NAME] if f is not form and (r := held.rank(f)) is not None]
-        for other in refit(rest, others):
-            if other.held_out < now.held_out:
+        others = [held.rank(f) for f in EFFECTS[form.NAME] if f is not form]
+        for other in refit(rest, others, len(others)):
+            if other.model.chi2 < now.model.chi2:
                 now = other
     return now
 
 
-def worth_it(before: Candidate, after: Candidate) -> bool:
+def worth_it(before: Candidate, after: Candidate, declared: Candidate) -> bool:
     """Whether an effect earns its place on the blocks that were left out."""
-    gain = before.held_out - after.held_out
-    return gain > max(WORTH, SHARE * (before.held_out - 1.0))
+    gain, so_far = before.held_out - after.held_out, declared.held_out - before.held_out
+    return gain > max(WORTH, SHARE * (before.held_out - 1.0), TRIFLE * so_far)
 
 
 def shortlist(ranking: Sequence[Ranked]) -> list[Ranked]:
@@ -151,24 +155,28 @@ def shortlist(ranking: Sequence[Ranked]) -> list[Ranked]:
     return [r for r in ranking if r.name in names[:SHORTLIST]]
 
 
-def refit(model: Model, ranked: Sequence[Ranked]) -> list[Candidate]:
-    """Each effect ranked, in its best form, fitted fully and judged; the best first."""
-    rough = [model.plus(r.form, r.values).fitted(8, 1e-3) for r in ranked if r.drop > 0.0]
+def refit(model: Model, ranked: Sequence[Ranked], forms: int = FORMS) -> list[Candidate]:
+    """Each effect ranked, in the best of so many of its forms, fitted fully; the best first."""
     best: dict[str, Model] = {}
-    for r, m in zip([r for r in ranked if r.drop > 0.0], rough, strict=True):
+    tried: dict[str, int] = {}
+    for r in ranked:
+        tried[r.name] = tried.get(r.name, 0) + 1
+        if r.drop <= 0.0 or tried[r.name] > forms:
+            continue
+        m = model.plus(r.form, r.values).fitted(8, 1e-3)
         if r.name not in best or m.chi2 < best[r.name].chi2:
             best[r.name] = m
     order = sorted(best.values(), key=lambda m: m.chi2)
-    return sorted((judged(m.fitted()) for m in order[:3]), key=lambda c: c.held_out)
+    return sorted((Candidate(m.fitted()) for m in order[:3]), key=lambda c: c.model.chi2)
 
 
-def pruned(now: Candidate) -> Candidate:
+def pruned(now: Candidate, declared: Candidate) -> Candidate:
     """The model without effects that a later one made needless."""
     for name in now.model.effects:
         if len(now.model.forms) < 2:
             break
-        less = judged(now.model.without(name).fitted())
-        if not worth_it(less, now):
+        less = Candidate(now.model.without(name).fitted())
+        if not worth_it(less, now, declared):
             now = less
     return now
 
@@ -181,10 +189,8 @@ def simplest(now: Candidate) -> Candidate:
             if len(other.kinds()) >= len(form.kinds()):
                 break
             ranked = Screen(rest.fitted(6, 1e-3)).rank(other)
-            if ranked is None:
-                continue
-            found = judged(rest.plus(other, ranked.values).fitted())
-            if found.held_out - now.held_out < SAME * max(now.held_out - 1.0, WORTH):
+            found = Candidate(rest.plus(other, ranked.values).fitted())
+            if found.model.chi2 - now.model.chi2 < SAME * max(now.model.chi2 - 1.0, WORTH):
                 now = found
                 break
     return now

@@ -6,15 +6,18 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.effects import EFFECTS
 from plants.measured.trace.choose import Candidate, Search
 from plants.measured.trace.model import Model
-from plants.measured.trace.screening import Screen
+from plants.measured.trace.screening import Ranked
 from plants.measured.trace.stage import BLOCK
 
 Array = NDArray[np.float64]
 UNEXPLAINED = 1.5
 """A stage whose chi-square per row is above this is not explained (an error 1.22 times the noise)."""
+
+LEFT = 0.05
+"""Share of what chi-square had above 1 that may be left: a cause in a form that is not quite the rig's
+leaves less, a wrong one more.  Nothing is made of what is left below 1.1."""
 
 WANDER, WANDERING = 5.0, 3.0
 """A drifting gyro also wanders, which no model foresees: where drift was found, chi-square may be up to
@@ -25,9 +28,11 @@ SEEN = 0.02
 remainder in units of the noise is not excited by the data."""
 
 
-def explained(model: Model) -> bool:
-    """Whether a fitted model reaches the noise."""
-    if model.chi2 <= UNEXPLAINED:
+def explained(search: Search) -> bool:
+    """Whether the model that was chosen reaches the noise."""
+    model, declared = search.chosen.model, search.declared.model
+    left = (model.chi2 - 1.0) / max(declared.chi2 - 1.0, 1e-9)
+    if model.chi2 <= UNEXPLAINED and (model.chi2 <= 1.1 or left <= LEFT):
         return True
     if "gyro-drift" not in model.effects or model.chi2 > WANDERING:
         return False
@@ -70,19 +75,14 @@ def _tied(best: Model, other: Model) -> bool:
     return float(difference.sum()) < 2.0 * scatter and other.chi2 - best.chi2 < 0.1
 
 
-def unexcited(model: Model, names: Sequence[str]) -> Mapping[str, str]:
+def unexcited(model: Model, ranking: Sequence[Ranked]) -> Mapping[str, str]:
     """Effects that the recordings do not excite, with the reason; by name."""
-    held = Screen(model)
     found = {}
-    for name in names:
+    for name in model.stage.effects:
         if name == "cross-coupling" and not logs_other(model):
             found[name] = "the other motion's pressure was not logged, or never moved"
             continue
-        seen = 0.0
-        for form in EFFECTS[name]:
-            grid = list(form.trials())
-            seen = max(seen, float(np.mean(held.cleared(held.responses(form, grid)) ** 2, axis=0).max()))
-        if seen < SEEN:
+        if max((r.power for r in ranking if r.name == name), default=0.0) < SEEN:
             found[name] = (
                 f"at every strength tried it would change the {_what(model)} by less than "
                 f"{SEEN**0.5:.2g} of the noise beyond what other parameters absorb"

@@ -36,13 +36,15 @@ class Ranked:
 
     drop: by how much the mean square of the residual, in units of the noise,
     would fall; chance: by how much at most it falls for noise alone, in 95 % of
-    draws (the whole grid tried on each).
+    draws (the whole grid tried on each).  power: largest mean square of its
+    response over the grid that no refit would absorb, in units of the noise.
     """
 
     form: Form
     values: Mapping[str, float]
     drop: float
     chance: float
+    power: float
 
     @property
     def name(self) -> str:
@@ -103,10 +105,13 @@ class Screen:
             power * len(responses), 1e-12
         )
 
-    def rank(self, form: Form) -> Ranked | None:
-        """The best point of a form's grid, refined; None where the grid changes nothing."""
+    def rank(self, form: Form) -> Ranked:
+        """The best point of a form's grid, refined."""
         grid = trials(form, self.model)
         best, drop, seen = grid[0], -1.0, []
+        # How much it could show does not depend on what the remainder suggests.
+        plain = self.cleared(self.responses(form, list(form.trials())))
+        power = float(np.mean(plain**2, axis=0).max())
         for round_ in range(ROUNDS + 1):
             responses = self.cleared(self.responses(form, grid))
             drops = self.drops(responses)
@@ -115,7 +120,7 @@ class Screen:
                 best, drop = grid[int(drops.argmax())], float(drops.max())
             if round_ < ROUNDS:
                 grid = refined(form, best, 0.5**round_)
-        return Ranked(form, best, max(drop, 0.0), self._chance(np.hstack(seen))) if drop >= 0.0 else None
+        return Ranked(form, best, max(drop, 0.0), self._chance(np.hstack(seen)), power)
 
     def _chance(self, responses: Array) -> float:
         """95 % quantile of the largest drop that noise alone would give."""
@@ -161,4 +166,4 @@ def screen(model: Model, names: Iterable[str], seed: int = 0) -> list[Ranked]:
 
     held = Screen(model, seed)
     found = [held.rank(form) for name in names for form in EFFECTS[name]]
-    return sorted((r for r in found if r is not None), key=lambda r: -r.drop)
+    return sorted(found, key=lambda r: -r.drop)

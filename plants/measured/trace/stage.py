@@ -111,7 +111,7 @@ class Stage:
         stride = max(k for k in STRIDES if playback.every % k == 0)
         other = playback.other_pressure
         rows = driven(
-            wrist, self.drives[i][::stride], state or wrist.rest(), playback.every // stride, 1,
+            wrist, self.drives[i][::stride], state, playback.every // stride, 1,
             None if other is None else other[::stride], float(playback.recording.time[0]),
             stride * SAMPLE_TIME,
         )  # fmt: skip

@@ -30,6 +30,9 @@ from plants.simulate import open_loop
 from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
+NEARLY = 1.05
+"""A regulator whose chi-square per row is above this is not simulated well enough to drive the wrist."""
+
 BOOTSTRAP = 400
 BLOCK = 2.0
 """Blocks of time [s] that are drawn for intervals of errors."""
@@ -142,7 +145,16 @@ def trace_campaign(
     `start` gives starting values and bounds of the declared parameters.  Raises
     InputError where the recordings cannot be fitted at all.
     """
-    tell = progress or (lambda what, share: None)
+    from threadpoolctl import threadpool_limits
+
+    # Small matrices: a second thread of linear algebra would only get in the way of the simulations.
+    with threadpool_limits(1):
+        return _trace(campaign, start, seed, progress or (lambda what, share: None))
+
+
+def _trace(
+    campaign: Campaign, start: ParameterSet, seed: int, tell: Callable[[str, float], None]
+) -> Trace:
     remarks = check(campaign)
     tell("fitting the declared wrist", 0.0)
     fit = fit_campaign(campaign, start, starts=3, seed=seed)
@@ -154,8 +166,8 @@ def trace_campaign(
         if stage.name == "wrist":
             stage = replace(stage, drives=_drives(stage, traced, values))
             declared = replace(declared, stage=stage)
-            if traced and traced[0].model.forms:  # another pressure drives the wrist now
-                declared = declared.fitted()
+        if declared.chi2 > NEARLY:  # by least squares, and for the pressure that drives the wrist now
+            declared = declared.fitted()
         found = _trace_stage(declared, fit, lambda what, s=share: tell(what, s), seed)
         values |= {n: found.model.values[n] for n in found.model.names}
         traced.append(found)
@@ -183,8 +195,8 @@ def _fixed(stage: Stage, fit: Fit) -> tuple[str, ...]:
 
 
 def _drives(stage: Stage, traced: Sequence[StageTrace], values: Mapping[str, float]) -> tuple[Array, ...]:
-    """Pressure [kPa] of every ms that drives the wrist: as simulated, and where the regulator is not
-    explained, with what it leaves put back, smoothed."""
+    """Pressure [kPa] of every ms that drives the wrist: as simulated, and where that does not quite
+    reach the noise, with what it leaves put back, smoothed."""
     regulator = traced[0]
     wrist = Wrist.from_values(values, regulator.model.forms)
     drives = []
@@ -193,7 +205,7 @@ def _drives(stage: Stage, traced: Sequence[StageTrace], values: Mapping[str, flo
         pressure = open_loop(
             wrist, playback.commands, begun(wrist, begin), begin=float(playback.recording.time[0])
         ).pressure
-        if not regulator.explained and playback.recording.pressure is not None:
+        if regulator.model.chi2 > NEARLY and playback.recording.pressure is not None:
             left = playback.recording.pressure - pressure[playback.rows]
             pressure = pressure + np.interp(np.arange(len(pressure)), playback.rows, _smooth(left))
         drives.append(pressure)
@@ -217,13 +229,12 @@ def begun(wrist: Wrist, begin: Begin | None) -> State | None:
 
 def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: int) -> StageTrace:
     stage = declared.stage
-    blind = unexcited(declared, stage.effects)
     logged = [n for n in stage.effects if n != "cross-coupling" or logs_other(declared)]
     found = search(declared, logged, lambda what: tell(f"{stage.name}: {what}"), seed)
-    model = found.chosen.model
+    model, blind = found.chosen.model, unexcited(declared, found.rounds[0].ranking)
     before = examine(remainders(declared), seed)
     after = examine(remainders(model), seed) if model.forms else before
-    good = explained(model)
+    good = explained(found)
     learnt = None if good else learn(remainders(model), _numeric(after.depends_on))
     return StageTrace(stage, found, before, after, good, blind, learnt)
 
@@ -271,15 +282,21 @@ def _result(
     origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
     revised = fit.fitted.revised(forms, values, errors, origin) if forms else fit.fitted
     runs = tuple(_played(fit, Wrist.of(revised)))
-    before, after = fit.validate_rmse, fit.validate_rmse
-    if forms:
-        after = _rmse(runs)
-    verdict = "explained" if forms else "nothing-missing"
-    if not all(s.explained for s in stages):
-        verdict = "unexplained"
+    effects = tuple(n for s in stages for n in _named(s, errors, revised))
+    whole = all(s.explained for s in stages)
+    if forms and not whole and not _helps(runs, campaign.stage):
+        remarks = (
+            *remarks,
+            f"What was tried ({', '.join(f.NAME for f in forms)}) does not make free runs from the command "
+            "better on every recording that it was fitted on, so the plant was not revised.",
+        )
+        revised, effects = fit.fitted, ()
+        runs = tuple(_played(fit, Wrist.of(revised)))
+    before = fit.validate_rmse
+    after = _rmse(runs) if effects else before
+    verdict = ("explained" if effects else "nothing-missing") if whole else "unexplained"
     return Trace(
-        campaign, fit, verdict, stages, tuple(n for s in stages for n in _named(s, errors, revised)),
-        revised, runs, before, after, _intervals(runs, "_before"), _intervals(runs, ""),
+        campaign, fit, verdict, stages, effects, revised, runs, before, after, _intervals(runs, "_before"), _intervals(runs, ""),
         (*remarks, *_rigs_differ(stages)),
     )  # fmt: skip
 
@@ -312,10 +329,21 @@ def _played(fit: Fit, wrist: Wrist) -> list[Played]:
     return found
 
 
-def _squares(runs: Sequence[Played], channel: str, side: str) -> list[Array]:
-    """Squared errors of the recordings that took no part, one array for each."""
+def _helps(runs: Sequence[Played], stage: str) -> bool:
+    """Whether effects make every recording that they were fitted on better, and all together by a
+    twentieth: in free runs from the command, which is how the plant will be used."""
+    channel = "pressure_kPa" if stage == "regulator" else "angle_deg"
+    before, after = (_squares(runs, channel, side, "fit") for side in ("_before", ""))
+    each = all(a.mean() <= 1.02 * b.mean() for a, b in zip(after, before, strict=True))
+    return each and sum(a.sum() for a in after) < 0.9 * sum(b.sum() for b in before)
+
+
+def _squares(
+    runs: Sequence[Played], channel: str, side: str, role: str = "validate"
+) -> list[Array]:
+    """Squared errors of the recordings of a role, one array for each."""
     name = ("pressure" if channel == "pressure_kPa" else "angle") + side
-    pairs = [(getattr(r, name), measured(r.recording, channel)) for r in runs if r.role == "validate"]
+    pairs = [(getattr(r, name), measured(r.recording, channel)) for r in runs if r.role == role]
     return [(a - b) ** 2 for a, b in pairs if a is not None and b is not None]
 
 
