@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from design.requirements import COSTS, LIMIT_UNITS, out_of_range, rollouts
+from design.tasks import hindrance
 from design.tuning import Tuning, nearest_limit
 
 UNITS = {"Kp": "kPa/deg", "Ki": "kPa/(deg s)"}
@@ -16,6 +17,9 @@ def refusal(found: Tuning) -> str | None:
     lack = out_of_range(found.problem)
     if lack is not None:
         scenario, volts = lack
+        words = hindrance(scenario)
+        if words is not None:
+            return f"no: {words} keeps the wrist from holding {scenario.name}"
         return f"no: the command range is {volts:.3g} V too small to hold {scenario.name}"
     if found.feasible:
         return None

@@ -100,7 +100,7 @@ def on_tasks(wrist: Wrist, pis: list[PI]) -> dict[str, list[Metrics]]:
     for sign in (1, -1):
         there = np.full(len(pis), sign * STEP)
         _, held, _ = run(wrist, gains, there, duration=HOLD)
-        judged, _, _ = run(wrist, gains, np.zeros(len(pis)), held.plant, held.controller)
+        judged, _, _ = run(wrist, gains, np.zeros(len(pis)), held.plant, held.controller, begin=HOLD)
         found[f"return from {sign * STEP:+g} to 0 deg"] = [judged[i] for i in range(len(pis))]
     return found
 

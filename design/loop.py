@@ -1,4 +1,8 @@
-"""The closed loop: PI and wrist, sampled together, judged while it runs."""
+"""The closed loop: PI and wrist, sampled together, judged while it runs.
+
+The controller sees what the sensor shows; the judge sees the joint.  The two differ
+where the wrist has effects that sit in its sensor, such as a drift.
+"""
 
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -9,7 +13,9 @@ from numpy.typing import NDArray
 from design import metrics, pi
 from design.metrics import Metrics, Tally, Yardstick
 from design.pi import PI, PIState, SampledPI
+from plants import tree
 from plants import wrist as plant
+from plants.effects.effect import Around
 from plants.simulate import run_lanes
 from plants.wrist import SAMPLE_TIME, SampledWrist, State, Wrist
 
@@ -33,23 +39,30 @@ class SampledLoop(NamedTuple):
     yardstick: Yardstick
 
 
-def step(s: Loop, inputs: tuple[Number], c: SampledLoop) -> Loop:
-    """One sample: measure, control, judge, move.  `inputs` holds the index of the sample."""
-    controller, command = pi.step(s.controller, c.yardstick.reference - s.plant.angle, c.controller)
+def step(s: Loop, inputs: tuple[Number, ...], c: SampledLoop) -> Loop:
+    """One sample: measure, control, judge by the true angle, move.
+
+    `inputs` holds the index of the sample and, for a wrist with effects, its time
+    [s]; the other motion rests.
+    """
+    around = Around(*inputs[1:])
+    seen = plant.read(s.plant, c.plant, around)
+    controller, command = pi.step(s.controller, c.yardstick.reference - seen, c.controller)
     tally = metrics.update(s.tally, inputs[0], s.plant.angle, command, c.yardstick)
-    return Loop(plant.step(s.plant, command, c.plant), controller, tally)
+    return Loop(plant.step(s.plant, command, c.plant, around), controller, tally)
 
 
 @dataclass(frozen=True)
 class Trajectory:
-    """Signals of closed loops, shape (samples, lanes): time [s] (samples,), angle and static
-    angle [deg], pressure [kPa], command [V]."""
+    """Signals of closed loops, shape (samples, lanes): time [s] (samples,), angle of the joint
+    and static angle [deg], pressure [kPa], command [V], and what the sensor shows [deg]."""
 
     time: Array
     angle: Array
     static_angle: Array
     pressure: Array
     command: Array
+    measured: Array
 
 
 def holding(wrist: Wrist, controller: PI, state: State) -> PIState:
@@ -66,13 +79,17 @@ def run(
     duration: float = 10.0,
     record: bool = False,
     jobs: int | None = None,
+    begin: float = 0.0,
 ) -> tuple[Metrics, Loop, Trajectory | None]:
     """Step the reference [deg] at time 0 and run the loop for a duration [s].
 
     Parameters, gains, references and states may be arrays, one entry per lane.
     The loop starts from `state` (the wrist's rest where not given), the
-    controller holding it.  Returns metrics with leaves of shape (lanes,), the
-    last state, and where `record` is true the signals of every sample.
+    controller holding it, at the time `begin` [s], which matters to effects that
+    depend on it alone.  Returns metrics with leaves of shape (lanes,), of the true
+    angle, the last state, and where `record` is true the signals of every sample.
+    What is under way in a delay line is no part of the state: a loop that goes on
+    from the last state of another starts with its last command everywhere in the tube.
 
     >>> from plants import Wrist
     >>> judged, _, _ = run(Wrist.flexion(), PI(1.2, 2.2), 15.0)
@@ -85,15 +102,19 @@ def run(
         held = holding(wrist, controller, state)
     command = (controller.rest_pressure + held.integral) / controller.gain
     c = SampledLoop(wrist.sampled(), controller.sampled(), metrics.yardstick(state.angle, reference))
-    signals = ("plant.angle", "plant.memory.h", "plant.pressure", "tally.command")
+    loop = Loop(state, held, metrics.begin(command))
+    signals = tuple(n for n in tree.names(loop) if n.startswith("plant.")) + ("tally.command",)
+    times = {"time": begin + np.arange(samples) * SAMPLE_TIME} if wrist.effects else {}
     last, rows = run_lanes(
-        step, Loop(state, held, metrics.begin(command)), c, samples,
-        inputs=("sample",), every=int(record), record=signals if record else (), jobs=jobs,
+        step, loop, c, samples, times, inputs=("sample", *times), every=int(record),
+        record=signals if record else (), jobs=jobs,
     )  # fmt: skip
     trajectory = None
     if record:
         # The command of a row is given after its measurement: it stands in the row after.
-        given = np.concatenate([rows[3, 1:], rows[3, -1:]])
+        given = np.concatenate([rows[-1, 1:], rows[-1, -1:]])
         time = np.asarray(np.arange(rows.shape[1]) * SAMPLE_TIME, float)
-        trajectory = Trajectory(time, rows[0], rows[1], rows[2], given)
+        went = tree.like(state, rows[:-1])
+        seen = plant.read(went, c.plant, Around(begin + time[:, None]))
+        trajectory = Trajectory(time, went.angle, went.memory.h, went.pressure, given, seen)
     return metrics.finish(last.tally, samples), last, trajectory

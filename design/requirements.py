@@ -159,7 +159,7 @@ def rollouts(problem: Problem, Kp: Array, Ki: Array) -> Metrics:
     wrist, state, reference = problem.stacked
     n, m = Kp.size, len(problem.scenarios)
     lanes = tree.like(state, [np.tile(x, n) for x in tree.leaves(state)])
-    plants = Wrist.from_values({k: np.tile(v, n) for k, v in wrist.values.items()})
+    plants = Wrist.from_values({k: np.tile(v, n) for k, v in wrist.values.items()}, wrist.forms)
     gains = controller(problem, np.repeat(Kp, m), np.repeat(Ki, m))
     judged, _, _ = run(
         plants, gains, np.tile(reference, n), lanes, duration=problem.duration, jobs=problem.jobs
@@ -196,7 +196,10 @@ def evaluate(problem: Problem, Kp: Any, Ki: Any) -> Evaluation:
 
 
 def out_of_range(problem: Problem) -> tuple[Scenario, float] | None:
-    """The scenario whose reference no command in the range can hold, and by how many volts; or None."""
+    """The scenario whose reference no command in the range can hold, and by how many volts; or None.
+
+    Infinitely many where an effect keeps the wrist from it, as `design.tasks.hindrance` says.
+    """
     known = controller(problem, 0.0, 0.0)
     lack = [unreachable(s, known.low, known.high) for s in problem.scenarios]
     worst = int(np.argmax(lack))

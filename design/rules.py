@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.pi import PI
+from plants.rest import at_pressure
 from plants.wrist import SAMPLE_TIME, Wrist
 
 Array = NDArray[np.float64]
@@ -63,8 +64,7 @@ def reaction_curve(wrist: Wrist, low: float = 100.0, high: float = 150.0, durati
     """
     from scipy.optimize import least_squares
 
-    p = wrist.hysteresis
-    start = wrist.rest("line1", p.a1 * (low - p.rest_pressure) - p.w1)
+    start = at_pressure(wrist, "line1", low)
     command = np.full(round(duration / SAMPLE_TIME), high / wrist.regulator.gain)
     response = wrist.simulate(command, start)
     angle = (response.angle - response.angle[0]) / (high - low)
@@ -74,7 +74,8 @@ def reaction_curve(wrist: Wrist, low: float = 100.0, high: float = 150.0, durati
         difference: Array = first_order(response.time[seen], *x) - angle[seen]
         return difference
 
-    fit = least_squares(residual, [angle[-1], 0.3, 0.05], bounds=([1e-4, 1e-3, 0.0], [10.0, 10.0, 2.0]))
+    begin = [np.clip(angle[-1], 2e-4, 9.0), 0.3, 0.05]
+    fit = least_squares(residual, begin, bounds=([1e-4, 1e-3, 0.0], [10.0, 10.0, 2.0]))
     gain, time_constant, dead_time = map(float, fit.x)
     fitted = first_order(response.time, *fit.x)
     rmse = float(np.sqrt(np.mean((fitted - angle) ** 2))) * (high - low)
@@ -86,14 +87,28 @@ def reaction_curve(wrist: Wrist, low: float = 100.0, high: float = 150.0, durati
 def simc(wrist: Wrist) -> PI:
     """SIMC with the half rule on the lags of line 1: regulator (fast rate), wrist, half a sample.
 
-    Half of the smaller lag goes to the larger, half to the dead time; closed-loop
-    time constant equal to the dead time.  Skogestad, J. Process Control 13 (2003)
-    291, doi 10.1016/S0959-1524(02)00062-8.
+    Half of the second largest lag goes to the largest, half and all smaller ones to the
+    dead time; closed-loop time constant equal to the dead time.  A dead time of the
+    wrist's adds to it, its tube is one lag more, and a joint with inertia counts as its
+    two lags, two halves of Tw where it rings.  Other effects take no part.
+    Skogestad, J. Process Control 13 (2003) 291, doi 10.1016/S0959-1524(02)00062-8.
     """
-    large, small = sorted((1.0 / wrist.regulator.k_fast, wrist.Tw), reverse=True)
+    large, small, *rest = sorted((1.0 / wrist.regulator.k_fast, *_lags(wrist)), reverse=True)
+    effects = {n: v for e in wrist.effects for n, v in e.values.items()}
     lag, dead = large + small / 2, small / 2 + SAMPLE_TIME / 2
+    dead += sum(rest) + effects.get("dead-time.delay", 0.0)
     Kp = lag / (wrist.hysteresis.a1 * 2.0 * dead)
     return _pi(wrist, Kp, min(lag, 8.0 * dead))
+
+
+def _lags(wrist: Wrist) -> list[float]:
+    """Time constants [s] of wrist and tube; a second-order joint by its two poles, or their mean."""
+    found = [wrist.Tw]
+    for effect in wrist.effects:
+        if effect.NAME == "inertia":
+            root = max(wrist.Tw**2 - 4.0 * effect.values["inertia.inertia"] ** 2, 0.0) ** 0.5
+            found = [(wrist.Tw + root) / 2, (wrist.Tw - root) / 2]
+    return found + [e.values["dead-time.lag"] for e in wrist.effects if "dead-time.lag" in e.values]
 
 
 def amigo(wrist: Wrist, r: Reaction) -> PI:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from plants import hysteresis, tree
+from plants.rest import obstacle
 from plants.wrist import COMMAND_RANGE, STARTS, Start, State, Wrist
 
 STEP = 15.0
@@ -101,9 +102,11 @@ def within_reach(scenarios: Sequence[Scenario]) -> tuple[list[Scenario], list[Sc
 
 
 def stack(scenarios: Sequence[Scenario]) -> tuple[Wrist, State, Any]:
-    """Wrist, states and references of many scenarios, leaves of shape (scenarios,)."""
+    """Wrist, states and references of many scenarios, leaves of shape (scenarios,); the wrists have
+    effects of the same forms."""
     values = [s.wrist.values for s in scenarios]
-    wrist = Wrist.from_values({n: np.array([v[n] for v in values], float) for n in values[0]})
+    forms = scenarios[0].wrist.forms
+    wrist = Wrist.from_values({n: np.array([v[n] for v in values], float) for n in values[0]}, forms)
     states = [tree.leaves(s.wrist.rest(s.start, s.angle)) for s in scenarios]
     state = tree.like(scenarios[0].wrist.rest(), list(np.array(states, float).T))
     return wrist, state, np.array([s.reference for s in scenarios], float)
@@ -112,7 +115,8 @@ def stack(scenarios: Sequence[Scenario]) -> tuple[Wrist, State, Any]:
 def unreachable(scenario: Scenario, low: float, high: float) -> float:
     """By how many volts the command that holds the scenario's reference lies outside a range [V].
 
-    The wrist is held on the line that it arrives on; 0 where the range suffices.
+    The wrist is held on the line that it arrives on; 0 where the range suffices,
+    infinite where no command at all does, for the reason that `hindrance` gives.
 
     >>> from plants import Wrist
     >>> unreachable(Scenario("virgin", 0.0, 15.0, Wrist.flexion()), 0.0, 4.0)
@@ -120,6 +124,22 @@ def unreachable(scenario: Scenario, low: float, high: float) -> float:
     """
     p = scenario.wrist.hysteresis
     plus = scenario.reference > scenario.angle
-    pressure = (hysteresis.line1_pressure if plus else hysteresis.line2_pressure)(scenario.reference, p)
+    if hindrance(scenario):
+        return float("inf")
+    if scenario.wrist.effects:
+        start: Start = "line1" if plus else "line2"
+        pressure = scenario.wrist.rest(start, scenario.reference).pressure
+    else:
+        pressure = (hysteresis.line1_pressure if plus else hysteresis.line2_pressure)(scenario.reference, p)
     command = pressure / scenario.wrist.regulator.gain
     return float(max(low - command, command - high, 0.0))
+
+
+def hindrance(scenario: Scenario) -> str | None:
+    """What keeps the scenario's wrist from its reference, or from its start, whatever the command: an
+    end stop or a supply that is too low, in words.  None for a declared wrist, and where nothing does."""
+    there: Start = "line1" if scenario.reference > scenario.angle else "line2"
+    words = obstacle(scenario.wrist, there, scenario.reference)
+    if words is None and scenario.start in ("line1", "line2"):
+        words = obstacle(scenario.wrist, scenario.start, scenario.angle)
+    return words

@@ -59,8 +59,8 @@ def run(coefficients, state, signals, steps, every, recorded, rows):
 {filled}
         for k in range(steps):
 {inputs}
-            for l in range({lanes}):
 {read}
+            for l in range({lanes}):
 {body}
 {written}
             if every > 0 and (k + 1) % every == 0:
@@ -186,7 +186,8 @@ def _delay_code(delays: list[tuple[int, int]]) -> dict[str, str]:
         made.append(f"    line{i} = np.empty({size} * {LANES})")
         filled += [f"        for j in range({size}):", f"            for l in range({LANES}):",
                    f"                line{i}[j * {LANES} + l] = {newest}"]  # fmt: skip
-        read += [f"                back = k - int(m[{delay * LANES} + l])",
+        read += [f"            for l in range({LANES}):",
+                 f"                back = k - int(m[{delay * LANES} + l])",
                  f"                {near} = line{i}[(back & {size - 1}) * {LANES} + l]",
                  f"                {far} = line{i}[((back - 1) & {size - 1}) * {LANES} + l]"]  # fmt: skip
         written += [f"            for l in range({LANES}):",

@@ -81,7 +81,7 @@ def main_figures(
     fits: Mapping[str, Fit],
 ) -> dict[str, "Figure"]:
     """The figures of the comparison by the names of their files."""
-    wrists = {m: Wrist.from_values(s.values) for m, s in sets.items()}
+    wrists = {m: Wrist.of(s) for m, s in sets.items()}
     found = {
         "worst-values": figures.worst_values(comparison),
         "loops": figures.loop_trajectories(comparison, wrists),
@@ -185,7 +185,7 @@ def _paper(sets: Mapping[str, ParameterSet]) -> list[Shown]:
         "flexion": sets.get("flexion", built_in("flexion")),
         "deviation": sets.get("deviation", built_in("deviation")),
     }
-    wrists = [Wrist.from_values(s.values) for s in both.values()]
+    wrists = [Wrist.of(s) for s in both.values()]
     found = []
     for which, figure in paper.FIGURES.items():
         drawing = svg(paper.draw(which, *wrists), f"paper-{which}", figure.title)

@@ -6,7 +6,7 @@ from design.compare import METRICS, PAPER, TUNED, Comparison, Row
 from design.metrics import UNITS
 from design.requirements import LIMIT_UNITS, Limits
 from design.tuning import ACTIVE, Tuning
-from plants.quantities import KINDS, Assumed, Fitted, ParameterSet, Stated
+from plants.quantities import KINDS, Assumed, Fitted, ParameterSet, Stated, kind_of
 from reports.figures import WINDOW, name_of, title_of
 from reports.fitted import Fit
 from reports.tables import Cell, Column, Group, Table, fixed, number, row, with_error
@@ -55,7 +55,7 @@ def parameter_table(sets: ParameterSet, before: ParameterSet | None = None) -> T
     """Every parameter with its evidence; with the set before the fit, where there was one."""
     rows = []
     for name, p in sets.parameters.items():
-        kind, origin = KINDS[name], p.provenance
+        kind, origin = kind_of(name, sets.effects), p.provenance
         value = with_error(p.value, origin.std_error) if isinstance(origin, Fitted) else number(p.value, 4)
         where = Cell(provenance(origin), marked=isinstance(origin, Assumed))
         first = [number(before.parameters[name].value, 4)] if before else []

@@ -55,7 +55,7 @@ def command(
     said = console(json)
     folders = list(campaigns or []) + (example_campaigns() if example else [])
     fits, sets = _plants(folders, plant or [], seed, said)
-    wrists = {name: Wrist.from_values(s.values) for name, s in sets.items()}
+    wrists = {name: Wrist.of(s) for name, s in sets.items()}
     tunings: dict[str, Tuning] = {}
     for name, wrist in wrists.items():
         with progress(f"tune {name}") as tell:

@@ -10,21 +10,27 @@ def command(axis: AxisOption = Axis.flexion, plant: PlantOption = None, json: Js
     from rich.padding import Padding
     from rich.text import Text
 
-    from plants.quantities import KINDS, Assumed
+    from plants.quantities import Assumed, kind_of
 
     chosen = parameter_set(axis, plant)
     out = console(json)
     out.print(Text(chosen.title, style="bold"))
+    width = max(14, *(len(n) for n in chosen.parameters))
+    forms = {e.NAME: e for e in chosen.effects}
     for name, p in chosen.parameters.items():
+        form = forms.pop(name.partition(".")[0], None)  # the heading stands before its first parameter
+        if form is not None:
+            out.print(Text.assemble((f"{form.NAME}: {form.FORM}", "bold cyan"), f" ({form.STAGE})"))
+        meaning = kind_of(name, chosen.effects).meaning
         assumed = isinstance(p.provenance, Assumed)
         head = Text.assemble(
             ("? " if assumed else "  ", "bold yellow"),
-            (f"{name:<14}", "bold"),
+            (f"{name:<{width}}", "bold"),
             f"{p.value:>9.5g} {p.unit:<8}",
             (f" within {p.low:g} to {p.high:g}", "dim"),
         )
         out.print(head)
-        out.print(Padding(Text(f"{KINDS[name].meaning}; {p.provenance}", style="dim"), (0, 0, 0, 4)))
+        out.print(Padding(Text(f"{meaning}; {p.provenance}", style="dim"), (0, 0, 0, 4)))
     if chosen.assumed:
         out.print(Text(f"? assumed, not stated and not fitted: {', '.join(chosen.assumed)}", style="yellow"))
     write_json(json, chosen.record)

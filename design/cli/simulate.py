@@ -57,7 +57,7 @@ def command(
     if start not in STARTS:
         raise InputError(f"--start: unknown memory {start!r}; one of {', '.join(STARTS)}")
     chosen = parameter_set(axis, plant)
-    wrist = Wrist.from_values(chosen.values)
+    wrist = Wrist.of(chosen)
     if gains is not None:
         result = _closed(wrist, numbers(gains, "--gains", "1.2,2.2"), step, start, duration)
     elif recording is not None:
@@ -171,7 +171,7 @@ def _figure(number: int, axis: Axis, plant: Path | None, json: Path | None, out:
             known = ", ".join(sets)
             raise InputError(f"{plant}: {given.axis!r} is no motion of the paper; its figures are of {known}")
         sets[given.axis] = given
-    wrists = [Wrist.from_values(s.values) for s in sets.values()]
+    wrists = [Wrist.of(s) for s in sets.values()]
     path = (out or Path("build/figures")) / f"figure-{number:02d}.png"
     save(paper.draw(number, *wrists), path)
     said = console(json)

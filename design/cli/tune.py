@@ -79,7 +79,7 @@ def command(
         raise InputError(f"--corners: {corners!r} must be shares below 1")
     chosen = parameter_set(axis, plant)
     limits = Limits(overshoot, ms, None if nominal else delay_margin, variation, steady_error)
-    problem = default_problem(Wrist.from_values(chosen.values), limits, cost, nominal, jobs, spread)
+    problem = default_problem(Wrist.of(chosen), limits, cost, nominal, jobs, spread)
     with progress("tune") as tell:
         found = tune(problem, Region(points=points), starts, seed, tell)
     said = console(json)

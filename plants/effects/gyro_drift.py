@@ -42,7 +42,9 @@ class WarmingDrift(Effect):
     FORM = "rate that changes while warming up"
     STAGE = "sensor"
 
-    rate: Number = parameter("deg/s", "drift of the measured angle in the end", -2.0, 2.0, 0.0, (-0.02, 0.0, 0.02))
+    rate: Number = parameter(
+        "deg/s", "drift of the measured angle in the end", -2.0, 2.0, 0.0, (-0.02, 0.0, 0.02)
+    )
     early: Number = parameter("deg/s", "further drift at first", -5.0, 5.0, 0.0, (-0.04, 0.04))
     time_constant: Number = parameter(
         "s", "time constant of warming up", 1.0, 1000.0, 40.0, (10.0, 40.0, 120.0)

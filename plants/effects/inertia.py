@@ -68,12 +68,21 @@ def second_order_hold(inertia: Number, lag: Number, dt: float) -> tuple[Number, 
     return tuple(np.real(x) for x in (yy, yv, yb, ya, vy, vv, vb, va))
 
 
+def _transient(inertia: Number, wrist: Any, dt: float, drag: Number = 0.0) -> SampledInertia:
+    return SampledInertia._make((*second_order_hold(inertia, wrist.Tw, dt), drag))
+
+
 @dataclass(frozen=True)
 class _Inert(Effect):
-    """What the forms share; drag is of second order in the speed, and no part of small motions."""
+    """What the forms share; small motions show neither drag nor a change of stiffness."""
+
+    inertia: Number = parameter("s", "1 / natural frequency", 0.0, 1.0, 0.0, (0.05, 0.1, 0.18))
+
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Velocity:
+        return Velocity(0.0)
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
-        c = self.sampled(wrist, dt)
+        c = _transient(self.inertia, wrist, dt)
         # Cramer's rule on (zI - A)(angle, velocity) = before + after z.
         own, speed = c.yb + c.ya * z, c.vb + c.va * z
         determinant = (z - c.yy) * (z - c.vv) - c.yv * c.vy
@@ -88,13 +97,8 @@ class Inertia(_Inert):
     FORM = "linear damping"
     STAGE = "wrist"
 
-    inertia: Number = parameter("s", "1 / natural frequency", 0.0, 1.0, 0.0, (0.05, 0.1, 0.18))
-
     def sampled(self, wrist: Any, dt: float) -> SampledInertia:
-        return SampledInertia(*second_order_hold(self.inertia, wrist.Tw, dt), 0.0)
-
-    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Velocity:
-        return Velocity(0.0)
+        return _transient(self.inertia, wrist, dt)
 
 
 class SampledStiffening(NamedTuple):
@@ -103,32 +107,24 @@ class SampledStiffening(NamedTuple):
     linear: SampledInertia
     stiffening: Number
 
-    def joint(
-        self, s: Velocity, angle: Number, before: Number, after: Number
-    ) -> tuple[Velocity, Number]:
+    def joint(self, s: Velocity, angle: Number, before: Number, after: Number) -> tuple[Velocity, Number]:
         # A stiffness 1 + k h pulls like a stiffness of 1 towards h + k h (h - y).
         pull = self.stiffening * (before - angle)
         return self.linear.joint(s, angle, before + before * pull, after + after * pull)
 
 
 @dataclass(frozen=True)
-class StiffeningInertia(Effect):
+class StiffeningInertia(_Inert):
     """As `Inertia`, the joint's stiffness changing with its static angle, as it does where the muscles
     are under more pressure."""
 
     NAME = "inertia"
     FORM = "stiffness that changes with the angle"
     STAGE = "wrist"
-
-    inertia: Number = parameter("s", "1 / natural frequency", 0.0, 1.0, 0.0, (0.06, 0.14))
     stiffening: Number = parameter("1/deg", "change of stiffness per deg", -0.03, 0.03, 0.0, (-0.01, 0.01))
 
     def sampled(self, wrist: Any, dt: float) -> SampledStiffening:
-        linear = SampledInertia(*second_order_hold(self.inertia, wrist.Tw, dt), 0.0)
-        return SampledStiffening(linear, self.stiffening)
-
-    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Velocity:
-        return Velocity(0.0)
+        return SampledStiffening(_transient(self.inertia, wrist, dt), self.stiffening)
 
 
 @dataclass(frozen=True)
@@ -138,12 +134,7 @@ class DraggedInertia(_Inert):
     NAME = "inertia"
     FORM = "damping that grows with the speed"
     STAGE = "wrist"
-
-    inertia: Number = parameter("s", "1 / natural frequency", 0.0, 1.0, 0.0, (0.06, 0.14))
     drag: Number = parameter("1/deg", "drag: deceleration over velocity squared", -0.05, 1.0, 0.0, (0.03,))
 
     def sampled(self, wrist: Any, dt: float) -> SampledInertia:
-        return SampledInertia(*second_order_hold(self.inertia, wrist.Tw, dt), self.drag * dt)
-
-    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Velocity:
-        return Velocity(0.0)
+        return _transient(self.inertia, wrist, dt, self.drag * dt)

@@ -130,8 +130,12 @@ class LimitedFlow(_Droop):
 
     FORM = "filling is limited by the flow from the supply"
 
-    flow: Number = parameter("1/s", "rate of filling per difference of pressure", 0.2, 500.0, 500.0, (3.0, 12.0))
-    laminar: Number = parameter("kPa", "difference of pressure where the flow becomes turbulent", 0.5, 500.0, 30.0)
+    flow: Number = parameter(
+        "1/s", "rate of filling per difference of pressure", 0.2, 500.0, 500.0, (3.0, 12.0)
+    )
+    laminar: Number = parameter(
+        "kPa", "difference of pressure where the flow becomes turbulent", 0.5, 500.0, 30.0
+    )
 
     def sampled(self, wrist: Any, dt: float) -> SampledFlow:
         return SampledFlow(

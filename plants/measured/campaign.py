@@ -2,13 +2,16 @@
 
 import hashlib
 import tomllib
+import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
 from typing import Any, Literal
 
-from plants.errors import InputError
+import numpy as np
+
+from plants.errors import InputError, InputWarning
 from plants.measured.cells import one_line, shorten
 from plants.measured.columns import Source, parse_columns
 from plants.measured.recording import Recording, Stage, from_table, required
@@ -18,6 +21,12 @@ FILE = "campaign.toml"
 KEYS = ("axis", "stage", "start", "sample_time_s", "fit", "validate", "columns")
 
 Start = Literal["rest", "unknown"]
+
+FEW = 100
+"""Rows up to which two recordings may well agree by chance."""
+
+FITTED = 0.6
+"""Share of a single recording that is fitted on; the rest reports the error."""
 
 
 @dataclass(frozen=True)
@@ -67,11 +76,42 @@ def load_campaign(folder: str | Path) -> Campaign:
         name: from_table(table, _sources_in(table, said, tables), said.stage, said.sample_time, name)
         for name, table in tables.items()
     }
+    fit, validate = (tuple(recordings[n] for n in names) for names in (said.fit, said.validate))
+    if not validate:
+        fit, validate = _split(fit[0], folder)
+    else:
+        _check_copies(fit, validate, folder)
     return Campaign(
-        folder.resolve().name, said.axis, said.stage, said.start, said.sample_time,
-        tuple(recordings[n] for n in said.fit), tuple(recordings[n] for n in said.validate),
+        folder.resolve().name, said.axis, said.stage, said.start, said.sample_time, fit, validate,
         _checksum(content, folder, said.fit + said.validate),
     )  # fmt: skip
+
+
+def _split(recording: Recording, folder: Path) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
+    """A single recording as two: its first part to fit on, and the whole, judged on the rest."""
+    first, last = float(recording.time[0]), float(recording.time[-1])
+    at = first + FITTED * (last - first)
+    warnings.warn(
+        f"{folder / FILE}: only one recording and no validate; it is fitted up to {at:.4g} s and the error "
+        "reported on the rest, which is of the same run; record another to be sure",
+        InputWarning,
+        stacklevel=3,
+    )
+    return (recording.until(at),), (replace(recording, judged_from=at),)
+
+
+def _check_copies(fit: tuple[Recording, ...], validate: tuple[Recording, ...], folder: Path) -> None:
+    """Refuse a recording that stands in both lists under two names."""
+    for a in fit:
+        for b in validate:
+            if len(a.time) > FEW and all(
+                np.array_equal(x, y)
+                for x, y in ((a.command, b.command), (a.angle, b.angle), (a.pressure, b.pressure))
+            ):
+                raise InputError(
+                    f"{folder / FILE}: {b.name!r} in validate holds the same rows as {a.name!r} in fit; the "
+                    "error must come from recordings that took no part in the fit"
+                )
 
 
 def load_recording(
@@ -108,8 +148,13 @@ def parse_declaration(content: bytes, path: Path) -> Declaration:
     if start not in ("rest", "unknown"):
         raise InputError(f'{path}: start {start!r} is unknown; it is "rest" or "unknown"')
     fit = _names(table, "fit", path, "they are what the model is fitted to")
-    validate = _names(
-        table, "validate", path, "the error is reported on recordings that took no part in the fit"
+    alone = len(fit) == 1 and not table.get("validate")
+    validate = (
+        ()
+        if alone
+        else _names(
+            table, "validate", path, "the error is reported on recordings that took no part in the fit"
+        )
     )
     _check_separate(fit, validate, path)
     return Declaration(

@@ -10,6 +10,9 @@ Array = NDArray[np.float64]
 HUBER = 3.0
 """Residuals beyond this many spreads count linearly, not squared."""
 
+JUMP = 50.0
+"""A derivative so many times larger than its fellows was taken across a jump."""
+
 LINEAR = 1e9
 """A corner that no residual reaches."""
 
@@ -70,14 +73,30 @@ def _scale(x: Array, bounds: Array) -> Array:
 
 def jacobian(problem: Problem, x: Array, bounds: Array) -> tuple[Array, Array]:
     """Residuals (rows,) and their derivatives (rows, n): perturbed copies run side by side in lanes."""
-    step = 1e-5 * _scale(x, bounds)
+    scale = _scale(x, bounds)
+    step = 1e-5 * scale
     step = np.where(x + step > bounds[2], -step, step)
     lanes = problem.residuals(np.vstack([x, x + np.diag(step)]))
-    return lanes[:, 0], (lanes[:, 1:] - lanes[:, :1]) / step
+    slopes = (lanes[:, 1:] - lanes[:, :1]) / step
+    # A wrist that only just leaves its virgin curve, or just not, jumps with a parameter; a
+    # derivative taken across such a jump is of no use, and on the other side there is none.
+    sizes = np.linalg.norm(slopes, axis=0) * scale
+    across = sizes > JUMP * np.median(sizes)
+    if across.any() and not across.all():
+        back = problem.residuals(x - np.diag(step)[across])
+        other = (lanes[:, :1] - back) / step[across]
+        smaller = np.linalg.norm(other, axis=0) * scale[across] < sizes[across]
+        slopes[:, across] = np.where(smaller, other, slopes[:, across])
+    return lanes[:, 0], slopes
 
 
 def minimise(
-    problem: Problem, x: Array, bounds: Array, corner: float = LINEAR, evaluations: int = 40, tol: float = 1e-7
+    problem: Problem,
+    x: Array,
+    bounds: Array,
+    corner: float = LINEAR,
+    evaluations: int = 40,
+    tol: float = 1e-7,
 ) -> tuple[Array, float]:
     """Local minimum from x and its mean cost; least squares where no corner is given."""
     from scipy.optimize import least_squares

@@ -17,7 +17,7 @@ from plants.errors import InputError, InputWarning
 from plants.measured.campaign import Campaign
 from plants.measured.determined import estimate_determined
 from plants.measured.estimate import Estimate
-from plants.measured.noise import noise_of
+from plants.measured.noise import noise_of_campaign
 from plants.measured.playback import Playback
 from plants.measured.problem import Begin, FitProblem, at_rest, first_begin, measured
 from plants.measured.recording import Recording
@@ -167,11 +167,7 @@ def fit_campaign(
 
 def _noise(campaign: Campaign) -> Errors:
     """Noise floor of each channel over all recordings, None where it was not logged."""
-    noise: Errors = {}
-    for channel in CHANNELS:
-        logged = [v for r in (*campaign.fit, *campaign.validate) if (v := measured(r, channel)) is not None]
-        noise[channel] = noise_of(logged)
-    return noise
+    return {c: noise_of_campaign((*campaign.fit, *campaign.validate), c) for c in CHANNELS}
 
 
 def _check_motion(campaign: Campaign) -> None:
@@ -240,7 +236,8 @@ def rmse(runs: Sequence[Run], role: str, before: bool = False) -> Errors:
     found: Errors = {}
     for channel in CHANNELS:
         name = ("pressure" if channel == "pressure_kPa" else "angle") + ("_before" if before else "")
-        pairs = [(getattr(r, name), measured(r.recording, channel)) for r in runs if r.role == role]
-        squares = [(a - b) ** 2 for a, b in pairs if a is not None and b is not None]
+        used = [r for r in runs if r.role == role]
+        pairs = [(getattr(r, name), measured(r.recording, channel), r.recording.judged) for r in used]
+        squares = [(a - b)[rows] ** 2 for a, b, rows in pairs if a is not None and b is not None]
         found[channel] = float(np.sqrt(np.mean(np.concatenate(squares)))) if squares else None
     return found

@@ -1,11 +1,13 @@
 """A recording: what was commanded and what was measured, checked, in standard units."""
 
+import math
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plants.errors import InputError, InputWarning
 from plants.measured.cells import Array, Text, first_bad, shorten
@@ -35,7 +37,8 @@ class Recording:
     name: the file; time [s], strictly increasing; command [V]; angle [deg];
     pressure [kPa]; reference [deg], there where the loop was closed;
     other_pressure [kPa] of the other motion; extra: any further numeric channel
-    by its column name, in the unit of the file.
+    by its column name, in the unit of the file.  judged_from [s]: time from which its
+    error counts, where the rows before were fitted on.
 
     A row holds the sensors at its time, before the command of that row acts.
     """
@@ -48,6 +51,18 @@ class Recording:
     reference: Array | None = None
     other_pressure: Array | None = None
     extra: Mapping[str, Array] = field(default_factory=dict)
+    judged_from: float = -math.inf
+
+    @property
+    def judged(self) -> NDArray[np.bool_]:
+        """Which rows count when the error is reported, (n,)."""
+        return self.time >= self.judged_from
+
+    def until(self, time: float) -> "Recording":
+        """The recording up to a time [s]."""
+        kept = self.time < time
+        arrays = {n: v[kept] for n, v in vars(self).items() if isinstance(v, np.ndarray)}
+        return replace(self, **arrays, extra={n: v[kept] for n, v in self.extra.items()})
 
 
 def from_table(

@@ -53,14 +53,14 @@ def test_a_file_in_place_of_a_folder(campaign):
         ('fit = ["steps.csv"]', "fit = []", "fit is empty; list at least one recording: "),
         ('fit = ["steps.csv"]', 'fit = "steps.csv"', "fit must be a list of file names such as "),
         (
-            'validate = ["sine.csv"]',
-            "validate = []",
+            'fit = ["steps.csv"]\nvalidate = ["sine.csv"]',
+            'fit = ["steps.csv", "sine.csv"]\nvalidate = []',
             "validate is empty; list at least one recording: "
             "the error is reported on recordings that took no part in the fit",
         ),
         (
-            'validate = ["sine.csv"]',
-            "",
+            'fit = ["steps.csv"]\nvalidate = ["sine.csv"]',
+            'fit = ["steps.csv", "sine.csv"]',
             "validate is missing; list at least one recording: the error is reported",
         ),
         ('["sine.csv"]', '["./steps.csv"]', "'steps.csv' is in both fit and validate; "),

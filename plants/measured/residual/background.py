@@ -27,15 +27,13 @@ FREE = 2.0
 def background(joined: Joined) -> Array:
     """Power of the noise at each of the series' frequencies, (m,): unit squared, white noise of
     variance v having v everywhere."""
-    from scipy.optimize import nnls
-
     power, shape = periodogram(joined)
     at, level, count = _bands(joined, power, shape)
     model = np.stack([first_order(at, memory, joined.dt) for memory in MEMORIES], axis=1)
     fitted = level
     for _ in range(4):  # relative errors: reweighted with what was fitted
         weight = np.sqrt(count) / fitted
-        parts, _ = nnls(model * weight[:, None], level * weight)
+        parts = positive_parts(model * weight[:, None], level * weight)
         fitted = model @ parts
     smooth = sum(
         p * first_order(joined.frequencies, memory, joined.dt)
@@ -51,6 +49,23 @@ def first_order(frequency: Array, memory: float, dt: float) -> Array:
     frequencies [Hz]; white for no memory."""
     keep = np.exp(-dt / memory) if memory > 0.0 else 0.0
     found: Array = (1.0 - keep**2) / (1.0 - 2.0 * keep * np.cos(2.0 * np.pi * frequency * dt) + keep**2)
+    return found
+
+
+def positive_parts(model: Array, target: Array) -> Array:
+    """Parts p >= 0, (k,), of the columns of a model (n, k) that make up a target (n,) in least squares.
+
+    The active set of `nnls` goes round in circles once in a thousand fits, the columns being so
+    alike; an interior-point method, slower, takes over then.
+    """
+    from scipy.optimize import lsq_linear, nnls
+
+    size = np.sqrt(np.sum(model**2, axis=0))
+    try:
+        parts = nnls(model / size, target)[0]
+    except RuntimeError:
+        parts = lsq_linear(model / size, target, bounds=(0.0, np.inf)).x
+    found: Array = parts / size
     return found
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.recording import Recording
-from plants.measured.residual.background import LONGEST_MEMORY, background, first_order
+from plants.measured.residual.background import LONGEST_MEMORY, background, first_order, positive_parts
 from plants.measured.residual.joined import Joined, join
 from plants.measured.residual.periodic import harmonic, line_in, spectrum_of
 from plants.measured.residual.remainder import Array, Remainder
@@ -95,8 +95,6 @@ def total_noise(joined: Joined) -> float:
     White and first-order noise, whose correlation time of at most LONGEST_MEMORY is that of the
     greatest likelihood (Whittle's, on the periodogram above SLOWEST cycles a stretch).
     """
-    from scipy.optimize import nnls
-
     power, at = _whitened_periodogram(joined)
     edges = _edges(joined, at)
     count = np.diff(np.append(edges, len(at))).astype(float)
@@ -108,7 +106,7 @@ def total_noise(joined: Joined) -> float:
         fitted = level
         for _ in range(5):
             weight = np.sqrt(count) / fitted
-            parts, _ = nnls(model * weight[:, None], level * weight)
+            parts = positive_parts(model * weight[:, None], level * weight)
             fitted = model @ parts
         unlikely = float(np.sum(count * (np.log(fitted) + level / fitted)))
         if unlikely < best:

@@ -95,5 +95,3 @@ def _sweep(time: Array) -> Array:
     rate = np.log(3.0 / 0.05) / time[-1]
     wave: Array = np.sin(2.0 * np.pi * 0.05 * (np.exp(rate * time) - 1.0) / rate)
     return wave
-
-

@@ -1,0 +1,253 @@
+"""Tuning again once a rig is known better: the PI of the declared plant beside that of the revised one.
+
+Both are then run on one judge: the revised plant, where only data is at hand, or a rig.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.answer import UNITS, refusal
+from design.loop import run
+from design.metrics import SETTLING_BAND
+from design.pi import PI
+from design.requirements import Limits, Problem, default_problem, evaluate, out_of_range
+from design.tasks import STEP, hindrance
+from design.tuning import Region, Tuning, tune
+from plants.quantities import ParameterSet
+from plants.wrist import Wrist
+
+Array = NDArray[np.float64]
+Tell = Callable[[str, float], None]
+LAST = 1.0
+"""The error that is left is the largest over the last so many seconds, so that a loop that rings does
+not pass for one that has arrived."""
+
+SWING, SWINGS = 0.05, 3
+"""A loop oscillates that turns so often in the second half of the run, by this share of the step or more."""
+
+ON_REVISED = "the revised plant, since only data is at hand"
+"""What both PIs are run on where no rig is given."""
+
+ROUNDING = 1.0005
+"""A tuned optimum lies on its limit; half a per mille keeps rounding from breaking it."""
+
+
+class Signals(Protocol):
+    """What a step of the reference gave: time [s], angle of the joint [deg], command [V], (n,) each."""
+
+    @property
+    def time(self) -> Array: ...
+    @property
+    def angle(self) -> Array: ...
+    @property
+    def command(self) -> Array: ...
+
+
+class Stepped(Protocol):
+    """A closed-loop step of `design.tasks.STEP` from rest: its signals."""
+
+    @property
+    def run(self) -> Signals: ...
+
+
+Judge = Callable[[float, float], Stepped]
+"""Runs a PI with gains Kp [kPa/deg] and Ki [kPa/(deg s)] on a rig."""
+
+
+@dataclass(frozen=True)
+class Response:
+    """A closed-loop step: time [s], angle of the joint [deg], command [V], (n,) each."""
+
+    time: Array
+    angle: Array
+    command: Array
+
+    @property
+    def run(self) -> "Response":
+        """The signals, so that a response is a `Stepped`."""
+        return self
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What a PI did on the judge in one step from rest, by the true angle.
+
+    iae_deg_s; overshoot_percent of the step; settling_time_s into 2 % for good, infinite if never;
+    steady_error_deg: largest error over the last second; total_variation_V: travel of the command,
+    a rig's noise included; oscillates: three swings of 5 % or more in the second half;
+    broken: limits that the step breaks, travel of the command only counted where there is no noise.
+    """
+
+    response: Response
+    iae_deg_s: float
+    overshoot_percent: float
+    settling_time_s: float
+    steady_error_deg: float
+    total_variation_V: float
+    oscillates: bool
+    broken: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Side:
+    """The PI of one plant.
+
+    plant: ``declared`` or ``revised``; tuning: None where the task is out of the plant's reach,
+    refusal saying why, or which limit no gains hold (the gains are then the nearest);
+    judged: on the judge; broken: limits that the PI breaks on the revised plant, over
+    all starting memories, corners and branches.
+    """
+
+    plant: str
+    tuning: Tuning | None
+    refusal: str | None
+    judged: Judged | None
+    broken: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Control:
+    """Both PIs on one judge, which is named in words; same: nothing was revised, so there is one PI."""
+
+    declared: Side
+    revised: Side
+    judge: str
+    same: bool
+
+
+def retune(
+    declared: ParameterSet,
+    revised: ParameterSet,
+    judge: Judge | None = None,
+    where: str = "the rig",
+    region: Region | None = None,
+    starts: int = 5,
+    seed: int = 0,
+    jobs: int | None = None,
+    progress: Tell | None = None,
+) -> Control:
+    """Tune a PI on the declared plant and one on the revised, and run both on a judge.
+
+    judge: runs a PI on a rig that `where` names; the revised plant where None.  Both
+    are tuned as ``wrist tune`` does it, for its limits, on a map of `region` from `starts` local searches.
+    """
+    tell = progress or (lambda what, share: None)
+    wrist = Wrist.of(revised)
+    problems = [default_problem(Wrist.of(p), jobs=jobs) for p in (declared, revised)]
+    same = declared.values == revised.values and declared.effects == revised.effects
+    sides = []
+    for name, problem in list(zip(("declared", "revised"), problems, strict=True))[: 1 if same else 2]:
+        found, no = _tuned(problem, region, starts, seed, lambda s, x, n=name: tell(f"tuning {n}: {s}", x))
+        sides.append(_side(name, found, no, problems[1], judge or simulated(wrist), judge is None))
+    return Control(sides[0], sides[-1], ON_REVISED if judge is None else where, same)
+
+
+def _tuned(
+    problem: Problem, region: Region | None, starts: int, seed: int, tell: Tell
+) -> tuple[Tuning | None, str | None]:
+    """The tuning, and why it is none or only the nearest."""
+    lack = out_of_range(problem)
+    if lack is not None:  # no gains help: nothing to be searched for
+        scenario, volts = lack
+        words = hindrance(scenario)
+        if words is not None:
+            return None, f"no: {words} keeps the wrist from holding {scenario.name}"
+        return None, f"no: the command range is {volts:.3g} V too small to hold {scenario.name}"
+    found = tune(problem, region, starts, seed, tell)
+    return found, refusal(found)
+
+
+def _side(
+    plant: str, found: Tuning | None, no: str | None, problem: Problem, judge: Judge, quiet: bool
+) -> Side:
+    if found is None:
+        return Side(plant, None, no, None)
+    at = evaluate(problem, found.Kp, found.Ki)
+    beyond = tuple(n for n, excess in at.excess.items() if excess[0] > ROUNDING - 1.0)
+    limits = problem.limits.named if quiet else Limits(total_variation_V=None).named
+    return Side(plant, found, no, judged(judge(found.Kp, found.Ki).run, limits), beyond)
+
+
+def simulated(wrist: Wrist) -> Judge:
+    """A judge that runs a wrist, without noise, under a PI that knows its declared parameters."""
+
+    def play(Kp: float, Ki: float) -> Response:
+        pi = PI(Kp, Ki, wrist.regulator.gain, wrist.hysteresis.rest_pressure)
+        _, _, t = run(wrist, pi, STEP, record=True)
+        assert t is not None
+        return Response(t.time, t.angle[:, 0], t.command[:, 0])
+
+    return play
+
+
+def judged(signals: Signals, limits: dict[str, float], step: float = STEP) -> Judged:
+    """Metrics of a step from 0 to `step` [deg] at the first sample, and which limits it breaks."""
+    time, angle = np.asarray(signals.time, float), np.asarray(signals.angle, float)
+    command = np.asarray(signals.command, float)
+    error, dt = step - angle, float(time[1] - time[0])
+    far = np.flatnonzero(np.abs(error) >= SETTLING_BAND * abs(step))
+    settled = int(far[-1]) + 1 if far.size else 0
+    values = {
+        "overshoot_percent": max(0.0, 100.0 * float((angle / step).max() - 1.0)),
+        "total_variation_V": float(np.abs(np.diff(command)).sum()),
+        "steady_error_percent": 100.0 * float(np.abs(error[time > time[-1] - LAST]).max()) / abs(step),
+    }
+    return Judged(
+        Response(time, angle, command),
+        float(np.abs(error).sum() * dt),
+        values["overshoot_percent"],
+        settled * dt if settled < len(time) else float("inf"),
+        0.01 * abs(step) * values["steady_error_percent"],
+        values["total_variation_V"],
+        _turns(angle[len(angle) // 2 :: 10], SWING * abs(step)) >= SWINGS,
+        tuple(n for n, value in values.items() if n in limits and value > ROUNDING * limits[n]),
+    )
+
+
+def _turns(angle: Array, least: float) -> int:
+    """How often an angle turns round after it has come by at least `least` [deg] from where it last turned.
+
+    >>> _turns(np.array([0.0, 2.0, -2.0, 0.5]), 1.0), _turns(np.array([0.0, 0.5, 0.2, 3.0]), 1.0)
+    (2, 0)
+    """
+    count, heading = 0, 0
+    low = high = float(angle[0])
+    for value in angle[1:].tolist():
+        low, high = min(low, value), max(high, value)
+        if heading <= 0 and value - low >= least:
+            count, heading, high = count + (heading < 0), 1, value
+        elif heading >= 0 and high - value >= least:
+            count, heading, low = count + (heading > 0), -1, value
+    return count
+
+
+def control_record(control: Control) -> dict[str, Any]:
+    """Both PIs as dictionaries, lists, numbers and text, for JSON; what is infinite becomes null there."""
+    return {
+        "judge": control.judge,
+        "step_deg": STEP,
+        "same": control.same,
+        "declared": _side_record(control.declared),
+        "revised": _side_record(control.revised),
+    }
+
+
+def _side_record(side: Side) -> dict[str, Any]:
+    found, j = side.tuning, side.judged
+    record: dict[str, Any] = {"refusal": side.refusal}
+    if found is None or j is None:
+        return record | {"Kp": None, "Ki": None}
+    names = ("iae_deg_s", "overshoot_percent", "settling_time_s", "steady_error_deg", "total_variation_V",
+             "oscillates")  # fmt: skip
+    return record | {
+        "Kp": found.Kp,
+        "Ki": found.Ki,
+        "units": UNITS,
+        **{n: getattr(j, n) for n in names},
+        "limits_broken_in_this_step": list(j.broken),
+        "limits_broken_on_the_revised_plant": list(side.broken),
+    }

@@ -1,0 +1,127 @@
+"""Dead time, dead band, unequal valves and a weak supply change the pressure as they are said to."""
+
+import numpy as np
+import pytest
+from effect_steps import DT, ONE_RATE, WRIST, played
+from scipy.signal import lfilter
+
+from plants.effects import (
+    CappedPressure,
+    CappedTarget,
+    DeadTime,
+    Latch,
+    OrificeExhaust,
+    Play,
+    PressureDependentRates,
+    SaturatingSag,
+    TubeDeadTime,
+    TwoRates,
+    ValveOverlap,
+)
+from plants.effects.effect import Around
+
+STEPS = np.repeat([2.5, 1.0, 3.5, 3.4], 500)
+GAIN, REST = WRIST.regulator.gain, WRIST.hysteresis.rest_pressure
+BEFORE = REST / GAIN
+"""Command [V] that a wrist at rest was held by."""
+
+
+def late(whole, share=0.0):
+    """The commands as they come out of a tube of so many samples and a share of one more."""
+    padded = np.concatenate([np.full(whole + 1, BEFORE), STEPS])
+    near, far = padded[1 : len(STEPS) + 1], padded[: len(STEPS)]
+    return (1.0 - share) * near + share * far
+
+
+@pytest.mark.parametrize(
+    ("delay", "whole", "share"), [(0.0, 0, 0.0), (0.037, 37, 0.0), (0.0365, 36, 0.5), (0.4, 400, 0.0)]
+)
+def test_a_dead_time_is_the_same_wrist_commanded_later(delay, whole, share):
+    ours = (WRIST + DeadTime(delay)).simulate(STEPS)
+    plain = WRIST.simulate(late(whole, share))
+    np.testing.assert_allclose(ours.pressure, plain.pressure, atol=1e-9)
+    np.testing.assert_allclose(ours.angle, plain.angle, atol=1e-9)
+
+
+def test_a_tube_delays_and_then_lags():
+    share = -np.expm1(-DT / 0.04)
+    lagged, _ = lfilter([share], [1.0, share - 1.0], late(25), zi=[(1.0 - share) * BEFORE])
+    ours = (WRIST + TubeDeadTime(0.025, 0.04)).simulate(STEPS)
+    np.testing.assert_allclose(ours.pressure, WRIST.simulate(lagged).pressure, atol=1e-9)
+
+
+def targets(effect, wanted):
+    """Pressures that the regulator aims at, one for each that is commanded [kPa]."""
+    c, s, out = effect.sampled(WRIST, DT), effect.rest(WRIST, 100.0, 0.0), []
+    for one in wanted:
+        s, got = c.target(s, one, Around())
+        out.append(float(got))
+    return out
+
+
+def test_a_latch_takes_up_changes_beyond_its_width_in_full():
+    wanted = [102.0, 103.5, 105.0, 101.0, 102.0, 97.9, 95.0]
+    assert targets(Latch(3.0), wanted) == [100.0, 103.5, 103.5, 103.5, 103.5, 97.9, 97.9]
+
+
+def test_a_play_follows_at_its_distance():
+    assert targets(Play(3.0), [102.0, 104.0, 110.0, 105.0, 103.0, 90.0]) == [100, 101, 107, 107, 106, 93]
+
+
+def test_shut_valves_leave_the_pressure_where_the_error_is_their_overlap():
+    pressure, _, _ = played(ONE_RATE + ValveOverlap(3.0), np.full(3000, 150.0 / GAIN))
+    assert 147.0 <= pressure[-1] <= 147.1
+    assert pressure[-1] == pressure[-500]
+
+
+@pytest.mark.parametrize("ratio", [0.5, 1.4, 3.0])
+def test_exhausting_is_as_much_faster_as_it_is_said_to_be(ratio):
+    time = np.arange(501) * DT
+    w = ONE_RATE + TwoRates(ratio)
+    up, _, _ = played(w, np.full(500, 150.0 / GAIN))
+    down, _, _ = played(w, np.full(500, 50.0 / GAIN))
+    np.testing.assert_allclose(up, 150.0 - 50.0 * np.exp(-5.0 * time), atol=1e-9)
+    np.testing.assert_allclose(down, 50.0 + 50.0 * np.exp(-5.0 * ratio * time), atol=2e-4)
+
+
+@pytest.mark.parametrize(
+    ("effect", "fills", "exhausts"),
+    [
+        (PressureDependentRates(1.4, -0.3, 0.4), 1.0 - 0.3 * 0.5, 1.4 * (1.0 + 0.4 * 0.5)),
+        (OrificeExhaust(1.4, 0.5, base=20.0), 1.0, 1.4 * (170.0 / 120.0) ** 0.5),
+    ],
+)
+def test_speeds_of_filling_and_exhausting_at_150_kPa(effect, fills, exhausts):
+    valve = effect.sampled(WRIST, DT).valve
+    speeds = [valve(effect.rest(WRIST, 150.0, 0.0), 150.0, e, Around())[1] for e in (1.0, -1.0)]
+    assert [float(s) for s in speeds] == pytest.approx([fills, exhausts])
+
+
+def test_the_pressure_ends_at_the_supply():
+    volts = np.full(3000, 190.0 / GAIN)
+    capped, _, _ = played(ONE_RATE + CappedPressure(150.0), volts)
+    free, _, _ = played(ONE_RATE, volts)
+    np.testing.assert_allclose(capped, np.minimum(free, 150.0), atol=1e-9)
+    aimed, _, _ = played(ONE_RATE + CappedTarget(150.0), volts)
+    np.testing.assert_allclose(aimed, 150.0 - 50.0 * np.exp(-5.0 * np.arange(3001) * DT), atol=1e-9)
+
+
+def test_the_supply_sags_by_what_is_filled_and_recovers():
+    effect = CappedPressure(200.0, 0.2, 3.0)
+    c, s = effect.sampled(WRIST, DT), effect.rest(WRIST, 100.0, 0.0)
+    s, _ = c.supply(s, 100.0, 140.0)
+    assert s.sag == pytest.approx(8.0)
+    for _ in range(2000):
+        s, after = c.supply(s, 140.0, 140.0)
+    assert s.sag == pytest.approx(8.0 * np.exp(-2.0 / 3.0))
+    s, after = c.supply(s, 199.0, 250.0)
+    assert float(after) == pytest.approx(199.0)  # a pressure that is there is not taken back
+
+
+def test_a_sag_saturates_at_its_deepest():
+    effect = SaturatingSag(200.0, 0.5, 100.0, 30.0)
+    c, s = effect.sampled(WRIST, DT), effect.rest(WRIST, 100.0, 0.0)
+    for _ in range(3000):  # filled by 1 kPa, and emptied again, for ever
+        s, _ = c.supply(s, 100.0, 101.0)
+        s, _ = c.supply(s, 101.0, 100.0)
+    assert 29.5 < float(s.sag) < 30.0

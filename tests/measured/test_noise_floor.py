@@ -1,0 +1,108 @@
+"""The noise floor: white noise as ever, noise with a memory where the command was still for long."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+import plants.measured
+from plants.measured.campaign import load_campaign
+from plants.measured.noise import is_coloured, noise_of, noise_of_campaign
+from plants.measured.recording import Recording
+from plants.measured.residual.stillness import bent, still_rows
+
+EXAMPLES = Path(plants.measured.__file__).parent / "examples"
+DT = 0.01
+LEVELS = [100.0, 150.0, 197.0, 150.0, 100.0, 50.0, 0.0, 50.0] * 2 + [100.0]
+
+
+def coloured(rows: int, memory: float, rng: np.random.Generator) -> np.ndarray:
+    if memory == 0.0:
+        return rng.standard_normal(rows)
+    keep = np.exp(-DT / memory)
+    start = [keep * rng.standard_normal()]
+    return lfilter([np.sqrt(1.0 - keep**2)], [1.0, -keep], rng.standard_normal(rows), zi=start)[0]
+
+
+def staircase(seed: int, memory: float, hold: float = 8.0) -> list[Recording]:
+    """A staircase whose angle settles slowly, with noise of 0.06 deg of a correlation time [s]."""
+    rng = np.random.default_rng([seed, round(memory * 1000)])
+    command = np.repeat(LEVELS, round(hold / DT)) / 49.4
+    keep = np.exp(-DT / 0.6)
+    angle = 0.25 * lfilter([1.0 - keep], [1.0, -keep], 49.4 * command - 100.0)
+    noise = 0.06 * coloured(len(command), memory, rng)
+    return [Recording("r", np.arange(len(command)) * DT, command, angle + noise)]
+
+
+def spoiled(recordings: list[Recording], added) -> list[Recording]:
+    return [replace(r, angle=r.angle + added(r.time)) for r in recordings]
+
+
+def test_white_noise_keeps_the_floor_that_it_had():
+    for axis in ("flexion", "deviation"):
+        campaign = load_campaign(EXAMPLES / axis)
+        for channel, of in (("angle_deg", lambda r: r.angle), ("pressure_kPa", lambda r: r.pressure)):
+            recordings = (*campaign.fit, *campaign.validate)
+            assert noise_of_campaign(recordings, channel) == noise_of([of(r) for r in recordings])
+    made = staircase(1, 0.0)
+    assert noise_of_campaign(made, "angle_deg") == noise_of([made[0].angle])
+
+
+@pytest.mark.parametrize(
+    ("memory", "tolerance"), [(0.02, 0.10), (0.05, 0.10), (0.1, 0.10), (0.2, 0.15), (0.5, 0.22)]
+)
+def test_noise_with_a_memory_is_found_whole(memory, tolerance):
+    ratios = [noise_of_campaign(staircase(seed, memory), "angle_deg") / 0.06 for seed in range(8)]
+    assert max(abs(r - 1.0) for r in ratios) < tolerance
+    assert np.mean(ratios) == pytest.approx(1.0, abs=0.06)
+    assert noise_of([staircase(0, memory)[0].angle]) < 0.85 * 0.06  # what differences see of it
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.1])
+@pytest.mark.parametrize(
+    "added",
+    [
+        lambda t: 0.05 * t,
+        lambda t: 0.5 * np.sin(2.0 * np.pi * 0.8 * t),
+        lambda t: 0.5 * np.sin(2.0 * np.pi * 3.0 * t) + 0.1 * np.sin(2.0 * np.pi * 6.0 * t),
+        lambda t: 1.5 * np.log1p(np.mod(t, 8.0) / 0.5),
+        lambda t: np.where(t > 69.0, 2.0, 0.0),
+    ],
+    ids=["drift", "slow hum", "hum with a harmonic", "creep", "load step"],
+)
+def test_effects_do_not_pass_for_noise(added, memory):
+    ratios = [noise_of_campaign(spoiled(staircase(s, memory), added), "angle_deg") / 0.06 for s in range(4)]
+    assert np.mean(ratios) == pytest.approx(1.0, abs=0.1 if memory else 0.03)
+
+
+def test_without_long_holds_the_white_floor_is_kept():
+    made = staircase(1, 0.1, hold=2.0)
+    assert noise_of_campaign(made, "angle_deg") == noise_of([made[0].angle])
+
+
+def test_a_channel_that_was_not_logged_has_no_floor():
+    assert noise_of_campaign(staircase(1, 0.0), "pressure_kPa") is None
+    extra = [replace(r, extra={"load_N": r.angle}) for r in staircase(1, 0.0)]
+    assert noise_of_campaign(extra, "load_N") == noise_of([extra[0].angle])
+
+
+def test_still_rows_begin_three_seconds_after_the_command_moved():
+    time = np.arange(1000) * DT
+    command = np.where(time < 5.0, 2.0, 3.0) + 0.0005 * (-1.0) ** np.arange(1000)
+    assert still_rows(Recording("r", time, command)) == [slice(300, 500), slice(800, 1000)]
+    assert still_rows(Recording("r", time, 2.0 + 0.1 * time)) == []
+
+
+def test_colour_is_told_with_certainty_only():
+    rng = np.random.default_rng(2)
+    for _ in range(50):
+        assert not is_coloured([rng.standard_normal(500)])
+    assert is_coloured([coloured(500, 0.1, rng)])
+    assert not is_coloured([np.zeros(10)])
+
+
+def test_a_slow_trend_is_taken_off():
+    x = np.linspace(0.0, 1.0, 50)
+    assert bent(3.0 - x + 2.0 * x**2) == pytest.approx(np.zeros(50), abs=1e-12)
