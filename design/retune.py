@@ -4,7 +4,7 @@ Both are then run on one judge: the revised plant, where only data is at hand, o
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -98,7 +98,7 @@ class Side:
 
     plant: ``declared`` or ``revised``; tuning: None where the task is out of the plant's reach,
     refusal saying why, or which limit no gains hold (the gains are then the nearest);
-    judged: on the judge; broken: limits that the PI breaks on the revised plant, over
+    judged: on the judge; broken: limits that the PI breaks on the revised plant as it is tuned on, over
     all starting memories, corners and branches.
     """
 
@@ -132,17 +132,22 @@ def retune(
 ) -> Control:
     """Tune a PI on the declared plant and one on the revised, and run both on a judge.
 
-    judge: runs a PI on a rig that `where` names; the revised plant where None.  Both
-    are tuned as ``wrist tune`` does it, for its limits, on a map of `region` from `starts` local searches.
+    judge: runs a PI on a rig that `where` names; the revised plant where None.  Both are tuned as
+    ``wrist tune`` does it, for its limits, on a map of `region` from `starts` local searches, and
+    without what sits in the sensor: a drift is the same under any gains.
     """
     tell = progress or (lambda what, share: None)
     wrist = Wrist.of(revised)
-    problems = [default_problem(Wrist.of(p), jobs=jobs) for p in (declared, revised)]
+    problems = [default_problem(Wrist.of(p), jobs=jobs) for p in (declared, _without_sensor(revised))]
     same = declared.values == revised.values and declared.effects == revised.effects
+    held = wrist.hysteresis.rest_pressure / wrist.regulator.gain
     sides = []
     for name, problem in list(zip(("declared", "revised"), problems, strict=True))[: 1 if same else 2]:
-        found, no = _tuned(problem, region, starts, seed, lambda s, x, n=name: tell(f"tuning {n}: {s}", x))
-        sides.append(_side(name, found, no, problems[1], judge or simulated(wrist), judge is None))
+        found, no = _tuned(problem, region, starts, seed, _under(f"tuning on the {name} plant", tell))
+        step = None if found is None else (judge or simulated(wrist))(found.Kp, found.Ki).run
+        limits = problems[1].limits if judge is None else replace(problems[1].limits, total_variation_V=None)
+        seen = None if step is None else judged(step, limits, held)
+        sides.append(Side(name, found, no, seen, _breaks(found, problems[1])))
     return Control(sides[0], sides[-1], ON_REVISED if judge is None else where, same)
 
 
@@ -161,15 +166,23 @@ def _tuned(
     return found, refusal(found)
 
 
-def _side(
-    plant: str, found: Tuning | None, no: str | None, problem: Problem, judge: Judge, quiet: bool
-) -> Side:
-    if found is None:
-        return Side(plant, None, no, None)
+def _under(what: str, tell: Tell) -> Tell:
+    return lambda stage, share: tell(f"{what}: {stage}", share)
+
+
+def _without_sensor(plant: ParameterSet) -> ParameterSet:
+    """The plant without effects that sit in its sensor."""
+    gone = tuple(e for e in plant.effects if e.STAGE == "sensor")
+    kept = {n: p for n, p in plant.parameters.items() if n.split(".")[0] not in {e.NAME for e in gone}}
+    return replace(plant, parameters=kept, effects=tuple(e for e in plant.effects if e not in gone))
+
+
+def _breaks(found: Tuning | None, problem: Problem) -> tuple[str, ...]:
+    """Limits that the gains found break on a plant, in any scenario or on any branch."""
+    if found is None or out_of_range(problem) is not None:
+        return ()
     at = evaluate(problem, found.Kp, found.Ki)
-    beyond = tuple(n for n, excess in at.excess.items() if excess[0] > ROUNDING - 1.0)
-    limits = problem.limits.named if quiet else Limits(total_variation_V=None).named
-    return Side(plant, found, no, judged(judge(found.Kp, found.Ki).run, limits), beyond)
+    return tuple(n for n, excess in at.excess.items() if excess[0] > ROUNDING - 1.0)
 
 
 def simulated(wrist: Wrist) -> Judge:
@@ -184,8 +197,9 @@ def simulated(wrist: Wrist) -> Judge:
     return play
 
 
-def judged(signals: Signals, limits: dict[str, float], step: float = STEP) -> Judged:
-    """Metrics of a step from 0 to `step` [deg] at the first sample, and which limits it breaks."""
+def judged(signals: Signals, limits: Limits, held: float, step: float = STEP) -> Judged:
+    """Metrics of a step from 0 to `step` [deg] at the first sample, and which limits it breaks; `held`
+    [V] is the command until then."""
     time, angle = np.asarray(signals.time, float), np.asarray(signals.angle, float)
     command = np.asarray(signals.command, float)
     error, dt = step - angle, float(time[1] - time[0])
@@ -193,7 +207,7 @@ def judged(signals: Signals, limits: dict[str, float], step: float = STEP) -> Ju
     settled = int(far[-1]) + 1 if far.size else 0
     values = {
         "overshoot_percent": max(0.0, 100.0 * float((angle / step).max() - 1.0)),
-        "total_variation_V": float(np.abs(np.diff(command)).sum()),
+        "total_variation_V": float(np.abs(np.diff(command, prepend=held)).sum()),
         "steady_error_percent": 100.0 * float(np.abs(error[time > time[-1] - LAST]).max()) / abs(step),
     }
     return Judged(
@@ -204,7 +218,7 @@ def judged(signals: Signals, limits: dict[str, float], step: float = STEP) -> Ju
         0.01 * abs(step) * values["steady_error_percent"],
         values["total_variation_V"],
         _turns(angle[len(angle) // 2 :: 10], SWING * abs(step)) >= SWINGS,
-        tuple(n for n, value in values.items() if n in limits and value > ROUNDING * limits[n]),
+        tuple(n for n, value in values.items() if n in limits.named and value > ROUNDING * limits.named[n]),
     )
 
 

@@ -119,8 +119,7 @@ class Logged(NamedTuple):
 
 
 def _times(steps: int, begin: float, dt: float = SAMPLE_TIME) -> Array:
-    times: Array = begin + np.arange(steps) * dt
-    return times
+    return np.asarray(begin + np.arange(steps) * dt, float)
 
 
 def _logged_step(state: Logged, inputs: tuple[Any, ...], c: Any) -> Logged:
@@ -160,9 +159,10 @@ def open_loop(
         first = Around(begin, other[0] if len(v) else QUIET.other_pressure)
         start = settled(start, c, first) if state is None else start
         seen = read(start, c, first)
+        signals = {"command": v, "other": other, "time": _times(len(v), begin)}
         logged, rows = run_lanes(
-            _logged_step, Logged(start, seen), c, len(v), {"command": v, "other": other, "time": _times(len(v), begin)},
-            ("command", "other", "time"), every, ("plant.pressure", "plant.memory.h", "reading"), jobs,
+            _logged_step, Logged(start, seen), c, len(v), signals, ("command", "other", "time"),
+            every, ("plant.pressure", "plant.memory.h", "reading"), jobs,
         )  # fmt: skip
         last = logged.plant
     else:
@@ -212,4 +212,5 @@ def driven(
         _driven_step, Logged(start, seen), (c, dt), steps, signals, ("pressure", "other", "time"),
         every, ("reading",), jobs,
     )  # fmt: skip
-    return rows[0]
+    seen_rows: Array = rows[0]
+    return seen_rows

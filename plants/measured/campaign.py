@@ -104,10 +104,8 @@ def _check_copies(fit: tuple[Recording, ...], validate: tuple[Recording, ...], f
     """Refuse a recording that stands in both lists under two names."""
     for a in fit:
         for b in validate:
-            if len(a.time) > FEW and all(
-                np.array_equal(x, y)
-                for x, y in ((a.command, b.command), (a.angle, b.angle), (a.pressure, b.pressure))
-            ):
+            pairs = ((a.command, b.command), (a.angle, b.angle), (a.pressure, b.pressure))
+            if len(a.time) > FEW and all(np.array_equal(np.asarray(x), np.asarray(y)) for x, y in pairs):
                 raise InputError(
                     f"{folder / FILE}: {b.name!r} in validate holds the same rows as {a.name!r} in fit; the "
                     "error must come from recordings that took no part in the fit"

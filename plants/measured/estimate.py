@@ -113,8 +113,7 @@ def minimise(
     def reduced(x: Array) -> Array:
         # Same cost, gradient and normal equations as all the rows, in a handful of them.
         residual, slopes = both(x)
-        triangle: Array = np.linalg.qr(np.column_stack([slopes, residual]), mode="r")
-        return triangle
+        return np.asarray(np.linalg.qr(np.column_stack([slopes, residual]), mode="r"), float)
 
     if corner >= LINEAR:
         found = least_squares(
@@ -124,7 +123,8 @@ def minimise(
         return found.x, float(found.cost / both(found.x)[0].size)
     found = least_squares(
         lambda x: both(x)[0], x, lambda x: both(x)[1], bounds=(bounds[1], bounds[2]),
-        x_scale=_scale(bounds[0], bounds), loss="huber", f_scale=corner, max_nfev=evaluations, xtol=tol, ftol=tol,
+        x_scale=_scale(bounds[0], bounds), loss="huber", f_scale=corner,
+        max_nfev=evaluations, xtol=tol, ftol=tol,
     )  # fmt: skip
     return found.x, float(found.cost / found.fun.size)
 

@@ -4,7 +4,7 @@ import math
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,7 +61,7 @@ class Recording:
     def until(self, time: float) -> "Recording":
         """The recording up to a time [s]."""
         kept = self.time < time
-        arrays = {n: v[kept] for n, v in vars(self).items() if isinstance(v, np.ndarray)}
+        arrays: dict[str, Any] = {n: v[kept] for n, v in vars(self).items() if isinstance(v, np.ndarray)}
         return replace(self, **arrays, extra={n: v[kept] for n, v in self.extra.items()})
 
 

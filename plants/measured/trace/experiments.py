@@ -40,7 +40,7 @@ def experiments(rest: float) -> tuple[Experiment, ...]:
         Experiment("nested minor loops", "reversals of falling size around one point",
                    rest + span * _loops(_time(90.0)), np.full(90_000, still)),
         Experiment("long hold", "what goes on while nothing is moved",
-                   rest + 0.5 * span * (_time(120.0) > 2.0), np.full(120_000, still)),
+                   rest + 0.5 * span * (_time(120.0) > 2.0).astype(float), np.full(120_000, still)),
         Experiment("frequency sweep", "fast motion, from 0.05 to 3 Hz",
                    rest + 0.4 * span * _sweep(_time(60.0)), np.full(60_000, still)),
         Experiment("other motion alone", "the other motion moved over its range, this one held",
@@ -73,8 +73,7 @@ def sentence(name: str, other: str, found: Separation) -> str:
 
 
 def _time(duration: float) -> Array:
-    time: Array = np.arange(round(duration / SAMPLE_TIME)) * SAMPLE_TIME
-    return time
+    return np.asarray(np.arange(round(duration / SAMPLE_TIME)) * SAMPLE_TIME, float)
 
 
 def _triangle(phase: Array) -> Array:

@@ -117,7 +117,8 @@ def _curves(names: Sequence[str], made: Array, value: Array) -> tuple[Curve, ...
     model.fit(made, value)  # type: ignore[attr-defined]
     found = []
     for i, name in enumerate(names):
-        at = np.linspace(*np.quantile(made[:, i], (0.01, 0.99)), 60)
+        low, high = map(float, np.quantile(made[:, i], (0.01, 0.99)))
+        at = np.linspace(low, high, 60)
         points = np.tile(np.median(made, axis=0), (at.size, 1))
         points[:, i] = at
         term = model.predict(points)  # type: ignore[attr-defined]

@@ -88,7 +88,7 @@ class Model:
     def without(self, name: str) -> "Model":
         """The model without the effect of a name."""
         values = {n: v for n, v in self.values.items() if not n.startswith(f"{name}.")}
-        forms = tuple(f for f in self.forms if f.NAME != name)
+        forms = tuple(f for f in self.forms if name != f.NAME)
         return Model(self.stage, self.start, values, forms, self.fixed)
 
     def fitted(

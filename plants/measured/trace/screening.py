@@ -101,9 +101,9 @@ class Screen:
         along = self.remainder @ responses
         power = np.sum(responses**2, axis=0)
         # An effect acts in its own direction: a response that would have to be turned round is none.
-        return np.where((along > 0.0) & (power > 1e-6), along, 0.0) ** 2 / np.maximum(
-            power * len(responses), 1e-12
-        )
+        kept = np.where((along > 0.0) & (power > 1e-6), along, 0.0)
+        found: Array = kept**2 / np.maximum(power * len(responses), 1e-12)
+        return found
 
     def rank(self, form: Form) -> Ranked:
         """The best point of a form's grid, refined."""
@@ -142,7 +142,7 @@ def refined(form: Form, best: Mapping[str, float], scale: float) -> list[dict[st
     kinds = form.kinds()
     rng = np.random.default_rng(7)
     points = []
-    for k in range(32):
+    for _ in range(32):
         point = {}
         for name, value in best.items():
             kind = kinds[name]

@@ -5,29 +5,31 @@ errors before and after come from the others, simulated freely from the command.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.campaign import Campaign
 from plants.measured.estimate import HUBER, standard_errors
-from plants.measured.fit import CHANNELS, Fit, fit_campaign, rmse
+from plants.measured.fit import Fit, fit_campaign
 from plants.measured.playback import Playback
-from plants.measured.problem import Begin, first_begin, measured
-from plants.measured.residual.examine import Examination, examine
-from plants.measured.residual.remainder import Remainder, variables
-from plants.measured.recording import Recording
-from plants.measured.trace.choose import Search, search
+from plants.measured.problem import first_begin, measured
+from plants.measured.residual.examine import examine
+from plants.measured.trace.choose import search
+from plants.measured.trace.errors import free_run_errors, intervals, squares
 from plants.measured.trace.experiments import sentence, separate
 from plants.measured.trace.judge import alternatives, explained, logs_other, unexcited
-from plants.measured.trace.learnt import Learnt, learn
+from plants.measured.trace.learnt import learn
 from plants.measured.trace.model import Model
+from plants.measured.trace.remainders import begun, remainders
+from plants.measured.trace.result import Named, Played, StageTrace, Trace
 from plants.measured.trace.stage import Stage
 from plants.measured.trace.suspect import check
+from plants.measured.trace.two_rigs import rigs_differ
 from plants.quantities import ParameterSet
 from plants.simulate import open_loop
-from plants.wrist import State, Wrist
+from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 NEARLY = 1.05
@@ -35,106 +37,6 @@ NEARLY = 1.05
 
 REMAINS = 0.25
 """Share of its excess that an effect may leave and still be adopted where not all is explained."""
-
-BOOTSTRAP = 400
-BLOCK = 2.0
-"""Blocks of time [s] that are drawn for intervals of errors."""
-
-
-@dataclass(frozen=True)
-class Named:
-    """An effect that was found.
-
-    name, form, stage: which; parameters: value, unit and standard error by name;
-    alternatives: other effects that this data cannot tell from it; separations:
-    which recording would, in words.
-    """
-
-    name: str
-    form: str
-    stage: str
-    parameters: Mapping[str, tuple[float, str, float | None]]
-    alternatives: tuple[str, ...]
-    separations: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class StageTrace:
-    """One stage: the search for effects, the remainder before and after it, and what to make of it.
-
-    explained: whether the remainder reaches the noise.  cannot_judge: effects
-    that the data never excites, with the reason.  learnt: a description of what
-    is left, where no effect explains it.
-    """
-
-    stage: Stage
-    search: Search
-    before: Examination
-    after: Examination
-    explained: bool
-    cannot_judge: Mapping[str, str]
-    learnt: Learnt | None
-
-    @property
-    def model(self) -> Model:
-        """The model that was chosen."""
-        return self.search.chosen.model
-
-    @property
-    def name(self) -> str:
-        """``regulator``, ``wrist`` or ``whole``."""
-        return self.stage.name
-
-
-@dataclass(frozen=True)
-class Played:
-    """A recording beside free runs of the declared and of the revised wrist, (n,) each; an angle is
-    None for a campaign of the regulator alone."""
-
-    recording: Recording
-    role: str
-    pressure_before: Array
-    angle_before: Array | None
-    pressure: Array
-    angle: Array | None
-
-
-@dataclass(frozen=True)
-class Trace:
-    """The trace of a campaign.
-
-    verdict: ``nothing-missing``, ``explained`` or ``unexplained``; before, after:
-    errors by channel on the recordings that took no part, with intervals at 95 %
-    by bootstrap over blocks; revised: the declared parameters refitted, and effects.
-    """
-
-    campaign: Campaign
-    fit: Fit
-    verdict: str
-    stages: tuple[StageTrace, ...]
-    effects: tuple[Named, ...]
-    revised: ParameterSet
-    runs: tuple[Played, ...]
-    before: Mapping[str, float | None]
-    after: Mapping[str, float | None]
-    before_interval: Mapping[str, tuple[float, float] | None]
-    after_interval: Mapping[str, tuple[float, float] | None]
-    remarks: tuple[str, ...] = ()
-
-    @property
-    def noise(self) -> Mapping[str, float | None]:
-        """Noise floor of each channel, from the data alone."""
-        return self.fit.noise
-
-    @property
-    def cannot_judge(self) -> dict[str, str]:
-        """Effects that the data never excites, with the reason."""
-        return {n: why for s in self.stages for n, why in s.cannot_judge.items()}
-
-    @property
-    def unexplained(self) -> list[StageTrace]:
-        """Stages in which a structured remainder is left."""
-        return [s for s in self.stages if not s.explained]
 
 
 def trace_campaign(
@@ -169,11 +71,15 @@ def _trace(campaign: Campaign, start: ParameterSet, seed: int, tell: Callable[[s
             declared = replace(declared, stage=stage)
         if declared.chi2 > NEARLY:  # by least squares, and for the pressure that drives the wrist now
             declared = declared.fitted()
-        found = _trace_stage(declared, fit, lambda what, s=share: tell(what, s), seed)
+        found = _trace_stage(declared, fit, _part(tell, share), seed)
         values |= {n: found.model.values[n] for n in found.model.names}
         traced.append(found)
     tell("judging", 0.95)
     return _result(campaign, fit, tuple(traced), remarks)
+
+
+def _part(tell: Callable[[str, float], None], share: float) -> Callable[[str], None]:
+    return lambda what: tell(what, share)
 
 
 def _stages(campaign: Campaign, fit: Fit) -> list[Stage]:
@@ -221,14 +127,6 @@ def _smooth(left: Array) -> Array:
     return smooth
 
 
-def begun(wrist: Wrist, begin: Begin | None) -> State | None:
-    """The state of a wrist, effects included, in which a recording starts; None at rest."""
-    if begin is None:
-        return None
-    at = begin.state()
-    return wrist.rest()._replace(pressure=at.pressure, memory=at.memory, angle=at.angle)
-
-
 def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: int) -> StageTrace:
     stage = declared.stage
     logged = [n for n in stage.effects if n != "cross-coupling" or logs_other(declared)]
@@ -245,31 +143,6 @@ def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: i
 def _numeric(depends_on: Sequence[str]) -> list[str]:
     """The variables to describe a remainder by: what it was found to depend on, time where it wanders."""
     return list(dict.fromkeys("time_s" if d == "time" else d for d in depends_on))
-
-
-def remainders(model: Model) -> list[Remainder]:
-    """What a model leaves of its channel in each recording, measured minus simulated."""
-    stage, found = model.stage, []
-    simulated = model.residual * stage.noise + stage.target
-    whole = Wrist.from_values(model.values, model.forms)
-    for i, (playback, a, b) in enumerate(
-        zip(stage.playbacks, stage.edges[:-1], stage.edges[1:], strict=True)
-    ):
-        if stage.name == "regulator":
-            pressure, angle = simulated[a:b], None
-        elif stage.drives is not None:
-            pressure, angle = stage.drives[i][playback.rows], simulated[a:b]
-        else:
-            begin = None if stage.begins is None else stage.begins[i]
-            pressure, angle = playback.play(whole, begun(whole, begin))
-        found.append(
-            Remainder(
-                playback.recording.name, "regulator" if stage.name == "regulator" else "wrist",
-                playback.recording.time, stage.target[a:b] - simulated[a:b], stage.noise,
-                variables(playback.recording, pressure, angle),
-            )
-        )  # fmt: skip
-    return found
 
 
 def _result(campaign: Campaign, fit: Fit, stages: tuple[StageTrace, ...], remarks: tuple[str, ...]) -> Trace:
@@ -295,11 +168,12 @@ def _result(campaign: Campaign, fit: Fit, stages: tuple[StageTrace, ...], remark
         revised, effects = fit.fitted, ()
         runs = tuple(_played(fit, Wrist.of(revised)))
     before = fit.validate_rmse
-    after = _rmse(runs) if effects else before
+    after = free_run_errors(runs) if effects else before
     verdict = ("explained" if effects else "nothing-missing") if whole else "unexplained"
     return Trace(
-        campaign, fit, verdict, stages, effects, revised, runs, before, after, _intervals(runs, "_before"), _intervals(runs, ""),
-        (*remarks, *_rigs_differ(stages)),
+        campaign, fit, verdict, stages, effects, revised, runs, before, after,
+        intervals(runs, "_before"), intervals(runs, ""),
+        (*remarks, *rigs_differ(stages)),
     )  # fmt: skip
 
 
@@ -347,43 +221,9 @@ def _helps(stages: Sequence[StageTrace], runs: Sequence[Played], stage: str) -> 
         if s.model.forms and s.model.chi2 - 1.0 > REMAINS * excess:
             return False
     channel = "pressure_kPa" if stage == "regulator" else "angle_deg"
-    before, after = (_squares(runs, channel, side, "fit") for side in ("_before", ""))
+    before, after = (squares(runs, channel, side, "fit") for side in ("_before", ""))
     each = all(a.mean() <= 1.02 * b.mean() for a, b in zip(after, before, strict=True))
     return each and sum(a.sum() for a in after) < 0.9 * sum(b.sum() for b in before)
-
-
-def _squares(runs: Sequence[Played], channel: str, side: str, role: str = "validate") -> list[Array]:
-    """Squared errors of the recordings of a role, one array for each."""
-    name = ("pressure" if channel == "pressure_kPa" else "angle") + side
-    used = [r for r in runs if r.role == role]
-    pairs = [(getattr(r, name), measured(r.recording, channel), r.recording.judged) for r in used]
-    return [(a - b)[rows] ** 2 for a, b, rows in pairs if a is not None and b is not None]
-
-
-def _rmse(runs: Sequence[Played]) -> dict[str, float | None]:
-    found = {c: _squares(runs, c, "") for c in CHANNELS}
-    return {c: float(np.sqrt(np.mean(np.concatenate(s)))) if s else None for c, s in found.items()}
-
-
-def _intervals(runs: Sequence[Played], side: str) -> dict[str, tuple[float, float] | None]:
-    """Intervals at 95 % of the errors, by bootstrap over blocks of two seconds."""
-    found: dict[str, tuple[float, float] | None] = {}
-    for channel in CHANNELS:
-        pieces = []
-        for run, squares in zip(
-            [r for r in runs if r.role == "validate" and measured(r.recording, channel) is not None],
-            _squares(runs, channel, side), strict=False,
-        ):  # fmt: skip
-            rows = max(1, round(BLOCK / float(np.median(np.diff(run.recording.time)))))
-            pieces += np.array_split(squares, max(1, len(squares) // rows))
-        if not pieces:
-            found[channel] = None
-            continue
-        sums, sizes = np.array([p.sum() for p in pieces]), np.array([p.size for p in pieces])
-        draws = np.random.default_rng(0).integers(len(pieces), size=(BOOTSTRAP, len(pieces)))
-        low, high = np.quantile(np.sqrt(sums[draws].sum(axis=1) / sizes[draws].sum(axis=1)), (0.025, 0.975))
-        found[channel] = (float(low), float(high))
-    return found
 
 
 def _named(s: StageTrace, errors: Mapping[str, float | None], revised: ParameterSet) -> list[Named]:
@@ -411,32 +251,4 @@ def _other(one: Model, other: Model) -> str:
     return next(iter(set(other.effects) - set(one.effects)))
 
 
-def _rigs_differ(stages: Sequence[StageTrace]) -> tuple[str, ...]:
-    """A remark where each recording alone is explained, but not all together: two rigs, or one that
-    was changed in between."""
-    for s in stages:
-        if s.explained or len(s.stage.playbacks) < 2:
-            continue
-        alone = []
-        for i in range(len(s.stage.playbacks)):
-            rows = np.zeros(s.stage.edges[-1], bool)
-            rows[s.stage.edges[i] : s.stage.edges[i + 1]] = True
-            m = s.model.fitted(15, 1e-4, rows)
-            alone.append((float(np.mean(m.residual[rows] ** 2)), m))
-        if max(c for c, _ in alone) < 1.2:
-            name = max(
-                s.model.names,
-                key=lambda n: np.ptp([m.values[n] for _, m in alone]) / (abs(s.model.values[n]) or 1.0),
-            )
-            each = ", ".join(
-                f"{p.recording.name} {m.values[name]:.3g}"
-                for p, (_, m) in zip(s.stage.playbacks, alone, strict=True)
-            )
-            return (
-                f"Each recording alone is explained, but not all with one set of parameters ({name}: {each}): "
-                "they may come from two rigs, or the rig was changed between them.",
-            )
-    return ()
-
-
-__all__ = ["Named", "Played", "StageTrace", "Trace", "remainders", "rmse", "trace_campaign"]
+__all__ = ["Named", "Played", "StageTrace", "Trace", "remainders", "trace_campaign"]
