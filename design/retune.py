@@ -111,12 +111,17 @@ class Side:
 
 @dataclass(frozen=True)
 class Control:
-    """Both PIs on one judge, which is named in words; same: nothing was revised, so there is one PI."""
+    """Both PIs on one judge, which is named in words.
+
+    same: nothing was revised, so there is one PI; left_out: effects of the revised plant that sit in
+    its sensor, and that it was tuned without.
+    """
 
     declared: Side
     revised: Side
     judge: str
     same: bool
+    left_out: tuple[str, ...] = ()
 
 
 def retune(
@@ -148,7 +153,7 @@ def retune(
         limits = problems[1].limits if judge is None else replace(problems[1].limits, total_variation_V=None)
         seen = None if step is None else judged(step, limits, held)
         sides.append(Side(name, found, no, seen, _breaks(found, problems[1])))
-    return Control(sides[0], sides[-1], ON_REVISED if judge is None else where, same)
+    return Control(sides[0], sides[-1], ON_REVISED if judge is None else where, same, _in_sensor(revised))
 
 
 def _tuned(
@@ -172,9 +177,13 @@ def _under(what: str, tell: Tell) -> Tell:
 
 def _without_sensor(plant: ParameterSet) -> ParameterSet:
     """The plant without effects that sit in its sensor."""
-    gone = tuple(e for e in plant.effects if e.STAGE == "sensor")
-    kept = {n: p for n, p in plant.parameters.items() if n.split(".")[0] not in {e.NAME for e in gone}}
-    return replace(plant, parameters=kept, effects=tuple(e for e in plant.effects if e not in gone))
+    gone = _in_sensor(plant)
+    kept = {n: p for n, p in plant.parameters.items() if n.split(".")[0] not in gone}
+    return replace(plant, parameters=kept, effects=tuple(e for e in plant.effects if e.NAME not in gone))
+
+
+def _in_sensor(plant: ParameterSet) -> tuple[str, ...]:
+    return tuple(e.NAME for e in plant.effects if e.STAGE == "sensor")
 
 
 def _breaks(found: Tuning | None, problem: Problem) -> tuple[str, ...]:
@@ -245,6 +254,7 @@ def control_record(control: Control) -> dict[str, Any]:
         "judge": control.judge,
         "step_deg": STEP,
         "same": control.same,
+        "tuned_without": list(control.left_out),
         "declared": _side_record(control.declared),
         "revised": _side_record(control.revised),
     }

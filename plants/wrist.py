@@ -112,7 +112,7 @@ def bend(
         s[i], before, after = effect(s[i], before, after, around)
     joints = c.at("joint")
     for i, effect in joints:
-        s[i], angle = effect(s[i], state.angle, before, after)
+        s[i], angle = effect(s[i], state.angle, before, after, pressure)
     if not joints:
         angle = lag.step(state.angle, before, after, c.lag)
     for i, effect in c.at("stop"):

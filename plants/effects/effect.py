@@ -11,7 +11,7 @@ its laws; the method's name is the port of the wrist that it acts on.  The wrist
     bend(s, before, after, loop, around) -> s, low, high, slope  shifts of line 1 and 2 [deg],
                                                                factor of the transit's slope
     static(s, before, after, around)     -> s, before, after   static angle [deg]
-    joint(s, angle, before, after)       -> s, angle           in place of the lag [deg]
+    joint(s, angle, before, after, pressure) -> s, angle       in place of the lag [deg]
     stop(s, angle)                       -> angle              where the joint may go [deg]
     sensor(s, angle, around)             -> angle              what is measured [deg]
 

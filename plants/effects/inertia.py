@@ -25,7 +25,7 @@ class Velocity(NamedTuple):
 
 class SampledInertia(NamedTuple):
     """First-order hold of the second-order transient: what angle, velocity and the static angle at
-    both ends of the sample give to angle and velocity; the drag per sample [1/deg]."""
+    both ends of the sample give to angle and velocity; the drag per sample [1/deg]; the sample [s]."""
 
     yy: Number
     yv: Number
@@ -36,8 +36,11 @@ class SampledInertia(NamedTuple):
     vb: Number
     va: Number
     drag: Number
+    dt: Number
 
-    def joint(self, s: Velocity, angle: Number, before: Number, after: Number) -> tuple[Velocity, Number]:
+    def joint(
+        self, s: Velocity, angle: Number, before: Number, after: Number, pressure: Number
+    ) -> tuple[Velocity, Number]:
         new = self.yy * angle + self.yv * s.velocity + self.yb * before + self.ya * after
         velocity = self.vy * angle + self.vv * s.velocity + self.vb * before + self.va * after
         velocity = velocity / (1.0 + self.drag * np.abs(velocity))
@@ -69,7 +72,7 @@ def second_order_hold(inertia: Number, lag: Number, dt: float) -> tuple[Number, 
 
 
 def _transient(inertia: Number, wrist: Any, dt: float, drag: Number = 0.0) -> SampledInertia:
-    return SampledInertia._make((*second_order_hold(inertia, wrist.Tw, dt), drag))
+    return SampledInertia._make((*second_order_hold(inertia, wrist.Tw, dt), drag, dt))
 
 
 @dataclass(frozen=True)
@@ -102,29 +105,35 @@ class Inertia(_Inert):
 
 
 class SampledStiffening(NamedTuple):
-    """The linear transient, and the change of stiffness per degree of static angle [1/deg]."""
+    """The linear transient, rest pressure [kPa], and the change of stiffness per kPa from it."""
 
     linear: SampledInertia
+    rest_pressure: Number
     stiffening: Number
 
-    def joint(self, s: Velocity, angle: Number, before: Number, after: Number) -> tuple[Velocity, Number]:
-        # A stiffness 1 + k h pulls like a stiffness of 1 towards h + k h (h - y).
-        pull = self.stiffening * (before - angle)
-        return self.linear.joint(s, angle, before + before * pull, after + after * pull)
+    def joint(
+        self, s: Velocity, angle: Number, before: Number, after: Number, pressure: Number
+    ) -> tuple[Velocity, Number]:
+        # A stiffness 1 + k pulls like a stiffness of 1 towards h + k (h - y).
+        pull = self.stiffening * (pressure - self.rest_pressure)
+        moved = 0.5 * s.velocity * self.linear.dt  # to the middle of the sample
+        extra = pull * (0.5 * (before + after) - angle - moved)
+        return self.linear.joint(s, angle, before + extra, after + extra, pressure)
 
 
 @dataclass(frozen=True)
 class StiffeningInertia(_Inert):
-    """As `Inertia`, the joint's stiffness changing with its static angle, as it does where the muscles
-    are under more pressure."""
+    """As `Inertia`, the joint being stiffer the more pressure its muscles are under."""
 
     NAME = "inertia"
-    FORM = "stiffness that changes with the angle"
+    FORM = "stiffness that changes with the pressure"
     STAGE = "wrist"
-    stiffening: Number = parameter("1/deg", "change of stiffness per deg", -0.03, 0.03, 0.0, (-0.01, 0.01))
+    stiffening: Number = parameter("1", "change of stiffness per 100 kPa", -0.9, 2.0, 0.0, (-0.3, 0.3))
 
     def sampled(self, wrist: Any, dt: float) -> SampledStiffening:
-        return SampledStiffening(_transient(self.inertia, wrist, dt), self.stiffening)
+        return SampledStiffening(
+            _transient(self.inertia, wrist, dt), wrist.hysteresis.rest_pressure, self.stiffening / 100.0
+        )
 
 
 @dataclass(frozen=True)

@@ -247,3 +247,16 @@ def test_a_remainder_of_nothing_is_not_structured():
 def test_the_same_seed_gives_the_same_answer():
     a, b = examine(noise(1), seed=3), examine(noise(1), seed=3)
     assert a.findings == b.findings
+
+
+@pytest.mark.parametrize("rows", [(200,), (200, 2), (1000, 3, 17), (250, 250)])
+def test_short_recordings_are_examined_and_raise_no_alarm(rows):
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        made = [
+            Remainder(
+                str(n), "wrist", np.arange(n) * DT, coloured(n, 0.1, rng), 1.0, {"x": np.arange(n) * 1.0}
+            )
+            for n in rows
+        ]
+        assert not examine(made).structured

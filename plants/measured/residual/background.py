@@ -86,7 +86,7 @@ def periodogram(joined: Joined) -> tuple[Array, float]:
         total += np.abs(rfft(detrend(joined.value[span]) * taper, joined.length)) ** 2
         weights.append(np.sum(taper**2))
     shares = np.array(weights) / sum(weights)
-    return np.maximum(total / sum(weights), 1e-300), float(1.0 / np.sum(shares**2))
+    return np.maximum(total / sum(weights), 1e-30), float(1.0 / np.sum(shares**2))
 
 
 def _bands(joined: Joined, power: Array, shape: float) -> tuple[Array, Array, Array]:

@@ -12,16 +12,19 @@ from plants.measured.trace.screening import Ranked
 from plants.measured.trace.stage import BLOCK
 
 Array = NDArray[np.float64]
-UNEXPLAINED = 1.5
-"""A stage whose chi-square per row is above this is not explained (an error 1.22 times the noise)."""
+NOTHING = 1.1
+"""Nothing is made of a chi-square per row below this: an error of 1.05 times the noise."""
 
-LEFT = 0.05
-"""Share of what chi-square had above 1 that may be left: a cause in a form that is not quite the rig's
-leaves less, a wrong one more.  Nothing is made of what is left below 1.1."""
+REACHED = ((1.5, 0.05), (2.0, 0.005))
+"""A stage is explained up to a chi-square per row, an error of 1.22 and 1.41 times the noise, if no more
+than a share is left of what it had above 1: a cause in a form that is not quite the rig's leaves a
+small share of a large effect, a wrong cause a large one."""
 
 WANDER, WANDERING = 5.0, 3.0
 """A drifting gyro also wanders, which no model foresees: where drift was found, chi-square may be up to
 the second figure if it is explained once a moving mean over the first [s] is taken out."""
+CALM = 1.25
+"""What chi-square must come down to without the wander."""
 
 SEEN = 0.02
 """An effect whose response, at any strength tried, adds less than this to the mean square of the
@@ -32,11 +35,11 @@ def explained(search: Search) -> bool:
     """Whether the model that was chosen reaches the noise."""
     model, declared = search.chosen.model, search.declared.model
     left = (model.chi2 - 1.0) / max(declared.chi2 - 1.0, 1e-9)
-    if model.chi2 <= UNEXPLAINED and (model.chi2 <= 1.1 or left <= LEFT):
+    if model.chi2 <= NOTHING or any(model.chi2 <= most and left <= share for most, share in REACHED):
         return True
     if "gyro-drift" not in model.effects or model.chi2 > WANDERING:
         return False
-    return _without_wander(model) <= 1.0 + 0.5 * (UNEXPLAINED - 1.0)
+    return _without_wander(model) <= CALM
 
 
 def _without_wander(model: Model) -> float:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from plants.measured.noise import noise_floor
 from plants.measured.trace.model import Model
 from plants.measured.trace.result import StageTrace
 
@@ -22,7 +23,8 @@ def rigs_differ(stages: Sequence[StageTrace]) -> tuple[str, ...]:
             rows = np.zeros(s.stage.edges[-1], bool)
             rows[s.stage.edges[i] : s.stage.edges[i + 1]] = True
             m = s.model.fitted(15, 1e-4, rows)
-            alone.append((float(np.mean(m.residual[rows] ** 2)), m))
+            own = noise_floor(s.stage.target[rows]) / s.stage.noise  # of this recording alone
+            alone.append((float(np.mean(m.residual[rows] ** 2)) / own**2, m))
         if max(c for c, _ in alone) < ALONE:
             name = max(s.model.names, key=lambda n: _spread(n, s.model, [m for _, m in alone]))
             each = ", ".join(

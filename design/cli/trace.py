@@ -1,0 +1,194 @@
+"""``wrist trace``: from a measured campaign to what the declared wrist lacks, and the revised plant."""
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from design.cli.common import (
+    JobsOption,
+    JsonOption,
+    SeedOption,
+    console,
+    is_stdout,
+    progress,
+    write_json,
+)
+
+if TYPE_CHECKING:
+    from design.retune import Control
+    from plants.measured.trace.trace import Trace
+
+NAME = "trace"
+HELP = "Find what the declared wrist lacks of a measured rig: the effect, its size, and the revised plant."
+EXAMPLE = "Example: wrist trace plants/measured/examples/flexion --out build/trace --save build/revised.toml"
+
+
+def command(
+    campaign: Annotated[Path, typer.Argument(help="Folder with campaign.toml and the recordings.")],
+    plant: Annotated[
+        Path | None,
+        typer.Option(help="Parameter set to start from; the built-in one of the axis if not given."),
+    ] = None,
+    save: Annotated[
+        Path | None, typer.Option(help="Write the revised plant as TOML, for the other commands' --plant.")
+    ] = None,
+    retune: Annotated[
+        bool,
+        typer.Option(
+            "--retune", help="Tune the PI on the declared and on the revised plant, and compare the two."
+        ),
+    ] = False,
+    seed: SeedOption = 0,
+    json: JsonOption = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Folder for the page, its pictures, JSON and TOML.")
+    ] = None,
+    jobs: JobsOption = None,
+) -> None:
+    from design.cli.fit import starting_set
+    from plants.measured.campaign import load_campaign
+    from plants.measured.trace.trace import trace_campaign
+    from plants.quantities import dump
+    from reports.trace_record import trace_record
+
+    check_places(save, json, out)
+    data = load_campaign(campaign)
+    start = starting_set(data, plant)
+    with progress(f"trace {data.name}") as tell:
+        trace = trace_campaign(data, start, seed, tell)
+    control, refusal = _retuned(trace, seed, jobs) if retune else (None, None)
+    said = console(json)
+    for part in lines(trace):
+        said.print(part)
+    if retune:
+        said.print(f"\n{_control_words(control, refusal)}", markup=False)
+    if save is not None:
+        dump(trace.revised, save)
+        said.print(f"revised plant in {save}", markup=False)
+    if out is not None:
+        said.print(f"page in {_write_page(out, trace, control, seed)}", markup=False)
+    write_json(json, trace_record(trace, _control_record(control, refusal) if retune else None))
+
+
+def check_places(save: Path | None, json: Path | None, out: Path | None) -> None:
+    """Find a place that cannot be written to before the work is done rather than after.
+
+    Raises InputError, naming the option.
+    """
+    for option, path in (("--save", save), ("--json", json)):
+        if path is not None and not (option == "--json" and is_stdout(path)):
+            _check_place(option, path, folder=False)
+    if out is not None:
+        _check_place("--out", out, folder=True)
+
+
+def _check_place(option: str, path: Path, folder: bool) -> None:
+    import tempfile
+
+    from plants.errors import InputError
+
+    if path.is_dir() and not folder:
+        raise InputError(f"{option}: {path} is a folder; give the name of a file")
+    if path.exists() and not path.is_dir() and folder:
+        raise InputError(f"{option}: {path} is a file; give a folder")
+    there = path if folder else path.parent
+    while not there.exists() and there != there.parent:
+        there = there.parent
+    try:
+        handle, name = tempfile.mkstemp(dir=there, prefix=".wrist-")
+    except OSError as error:
+        raise InputError(
+            f"{option}: {path}: cannot be written ({error.strerror}); choose another place"
+        ) from None
+    os.close(handle)
+    Path(name).unlink()
+
+
+def _retuned(trace: "Trace", seed: int, jobs: int | None) -> "tuple[Control | None, str | None]":
+    """Both PIs, or why there are none."""
+    from design.retune import retune
+
+    if trace.campaign.stage != "wrist":
+        return None, "no: the campaign has no angle, so there is no loop to tune"
+    with progress("retune") as tell:
+        return retune(trace.fit.fitted, trace.revised, seed=seed, jobs=jobs, progress=tell), None
+
+
+def _control_words(control: "Control | None", refusal: str | None) -> str:
+    from reports.trace_words import control_sentence
+
+    return control_sentence(control) if control is not None else f"Tuned again: {refusal}."
+
+
+def _control_record(control: "Control | None", refusal: str | None) -> dict[str, Any]:
+    from design.retune import control_record
+
+    return control_record(control) if control is not None else {"refusal": refusal}
+
+
+def _write_page(out: Path, trace: "Trace", control: "Control | None", seed: int) -> Path:
+    import sys
+
+    from reports.html import Made
+    from reports.trace_page import write_trace
+
+    with progress("page"):
+        made = Made.now(
+            command="wrist " + " ".join(sys.argv[1:]),
+            seed=seed,
+            sets={trace.campaign.axis: trace.revised},
+            data={trace.campaign.name: trace.campaign.checksum},
+        )
+        return write_trace(out, trace, made, control)
+
+
+def lines(trace: "Trace") -> list[Any]:
+    """What people read of a trace: the verdict first, then errors, effects, and what is open."""
+    from rich.text import Text
+
+    from reports.trace_words import verdict_sentence
+
+    said: list[Any] = [Text(verdict_sentence(trace)), ""]
+    said += ["rms error of free runs from the command, on the recordings that took no part", _errors(trace)]
+    if trace.effects:
+        said += ["", _effects(trace)]
+    words = [w for e in trace.effects for w in e.separations]
+    words += [str(s.learnt) for s in trace.unexplained if s.learnt is not None]
+    if trace.cannot_judge:
+        words.append("These recordings cannot tell:")
+        words += [f"  {name}: {why}" for name, why in trace.cannot_judge.items()]
+    words += trace.remarks
+    return said + ([""] + [Text(w) for w in words] if words else [])
+
+
+def _errors(trace: "Trace") -> Any:
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False)
+    for heading in ("channel", "before", "after", "noise", "after / noise"):
+        table.add_column(heading, justify="left" if heading == "channel" else "right")
+    for channel, unit in (("angle_deg", "deg"), ("pressure_kPa", "kPa")):
+        before, after, noise = (x.get(channel) for x in (trace.before, trace.after, trace.noise))
+        if before is None or after is None:
+            continue
+        texts = ["-" if v is None else f"{v:.4g} {unit}" for v in (before, after, noise)]
+        table.add_row(channel.split("_")[0], *texts, f"{after / noise:.2f}" if noise else "-")
+    return table
+
+
+def _effects(trace: "Trace") -> Any:
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False)
+    for heading in ("effect", "parameter", "value", "s.e.", "unit", "or else"):
+        table.add_column(heading, justify="right" if heading in ("value", "s.e.") else "left")
+    for effect in trace.effects:
+        first = (f"{effect.name}, {effect.form}", ", ".join(effect.alternatives) or "-")
+        for i, (name, (value, unit, error)) in enumerate(effect.parameters.items()):
+            shown = first if i == 0 else ("", "")
+            table.add_row(
+                shown[0], name, f"{value:.4g}", "-" if error is None else f"{error:.2g}", unit, shown[1]
+            )
+    return table

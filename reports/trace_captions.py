@@ -1,0 +1,116 @@
+"""What a trace's page says around its figures and tables."""
+
+from design.metrics import SETTLING_BAND
+from design.retune import Control
+from design.tasks import STEP
+from plants.measured.trace.trace import StageTrace, Trace
+from reports.comparison_tables import CHANNELS
+from reports.tables import number
+from reports.trace_fit_figures import shown_run
+from reports.trace_words import added, describe
+
+TITLES = {
+    "nothing-missing": "Nothing is missing",
+    "explained": "What the declared wrist lacks",
+    "unexplained": "Something is left unexplained",
+}
+"""The title of a page, by verdict."""
+
+ERRORS = (
+    "Errors of free runs on the recordings that took no part, their intervals at 95 % as bars, and the "
+    "noise of the sensors as a line."
+)
+RANKING = (
+    "Each effect in the best of its forms: by how much it would lower chi-square, beyond what a refit of "
+    "the parameters that are there could do. The tick is what the largest of so many comparisons "
+    "would reach on noise alone, in 95 % of draws. Coloured: refitted fully, with the chi-square that it "
+    "came to. Green: taken."
+)
+DESCRIPTION = (
+    "What is left against what it depends on: rows of the recordings, their mean, and, where one earned "
+    "its place, the curve learnt from them. It is a description, not a cause."
+)
+CAUTION = (
+    "The revised plant does not explain its recordings, so a rig may well answer otherwise than this says."
+)
+
+
+def after_words(trace: Trace) -> str:
+    """What the second of two models is."""
+    if trace.effects:
+        return f"the revised plant, with {added(trace.effects)} added and all parameters fitted anew."
+    return "the same wrist, since nothing was added."
+
+
+def series(trace: Trace, channel: str) -> str:
+    """What a figure over time shows."""
+    run, word = shown_run(trace, channel), CHANNELS[channel][0].lower()
+    part = "took no part in fitting or choosing" if run.role == "validate" else "took part in the fit"
+    return (
+        f"The {word} of {run.recording.name}, which {part}: measured, and simulated from the command alone; "
+        "beneath, what each model leaves, measured minus simulated. The grey band holds 95 % of the noise."
+    )
+
+
+def loop(trace: Trace) -> str:
+    """What the loop shows."""
+    models = "the declared and the revised wrist" if trace.effects else "the declared wrist"
+    return f"The loop: angle over pressure in the first seconds, measured and simulated with {models}."
+
+
+def left(stage: StageTrace) -> str:
+    """What is left of a stage before the effects and after, in sentences."""
+    before, after, channel = stage.before, stage.after, stage.stage.channel
+    if not before.structured:
+        return f"nothing but noise, {number(before.rmse)} {CHANNELS[channel][1]}."
+    said = f"Before: {describe(before, channel)}"
+    if after is before:
+        return said
+    if after.structured:
+        return f"{said} After: {describe(after, channel)}"
+    return f"{said} After: {number(after.rmse)} {CHANNELS[channel][1]}, nothing but noise."
+
+
+def remainder(stage: StageTrace) -> str:
+    """What the figure of a remainder shows."""
+    both = stage.after is not stage.before
+    which = " by the declared and by the revised wrist" if both else " by the declared wrist"
+    of = " of the revised wrist" if both else ""
+    return (
+        f"What is left{which}: its mean over the variables that tell most, its autocorrelation and its spectrum. "
+        f"In the grey band noise alone stays{', for what is left' + of if both else ''}; for the "
+        "autocorrelation, white noise."
+    )
+
+
+def plant_words(trace: Trace) -> str:
+    """What the table of parameters shows."""
+    if not trace.effects:
+        return "Nothing was added: these are the declared parameters, fitted to the recordings."
+    return (
+        "Everything was fitted together, so the declared parameters moved too. revised.toml beside this page "
+        "holds the plant; wrist tune, compare, simulate and show take it with --plant."
+    )
+
+
+def no_alternatives(trace: Trace) -> str:
+    """That no effect could be another."""
+    if trace.effects:
+        return "None: no other effect does as well in its place."
+    return "None, since nothing was added."
+
+
+def learnt(stage: StageTrace) -> str:
+    """The description of what is left, or that there is none."""
+    if stage.learnt is not None:
+        return str(stage.learnt)
+    return "No smooth curve of a variable describes it on blocks of time that were left out."
+
+
+def control(control: Control) -> str:
+    """What the figure of the steps shows."""
+    which = "the PI that was tuned" if control.same else "the PIs of the declared and of the revised plant"
+    return (
+        f"A step of {STEP:g} deg from rest on {control.judge}, under {which}: angle of the joint with the "
+        f"band of ±{100 * SETTLING_BAND:g} %, and command."
+    )

@@ -1,0 +1,74 @@
+"""A trace for machines: what ``wrist trace --json`` writes, in the keys that others read."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from plants.measured.trace.trace import Named, StageTrace, Trace
+from reports.trace_words import UNITS, describe
+
+
+def trace_record(trace: Trace, control: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """The answer of a trace as dictionaries, lists, numbers and text, for `plants.files.json_text`.
+
+    Errors and the noise floor of a channel that was not logged are None.  `control`:
+    what `design.retune.control_record` gives, under the key ``control`` where there is one.
+    """
+    record: dict[str, Any] = {
+        "axis": trace.campaign.axis,
+        "verdict": trace.verdict,
+        "before": _errors(trace.before),
+        "after": _errors(trace.after),
+        "noise_floor": {c: trace.noise.get(c) for c in UNITS},
+        "effects": [_effect(e) for e in trace.effects],
+        "unexplained": _unexplained(trace.unexplained),
+        "cannot_judge": list(trace.cannot_judge),
+    }
+    return record if control is None else record | {"control": control}
+
+
+def _errors(errors: Mapping[str, float | None]) -> dict[str, float | None]:
+    return {
+        "angle_rmse_deg": errors.get("angle_deg"),
+        "pressure_rmse_kPa": errors.get("pressure_kPa"),
+    }
+
+
+def _effect(effect: Named) -> dict[str, Any]:
+    return {
+        "name": effect.name,
+        "stage": effect.stage,
+        "alternatives": list(effect.alternatives),
+        "parameters": {
+            n: {"value": value, "unit": unit, "std_error": error}
+            for n, (value, unit, error) in effect.parameters.items()
+        },
+        "form": effect.form,
+    }
+
+
+def _unexplained(left: list[StageTrace]) -> dict[str, Any] | None:
+    """The first stage in which something is left; all their names where there are several."""
+    if not left:
+        return None
+    record = _left(left[0])
+    return record | {"stages": [s.name for s in left]} if len(left) > 1 else record
+
+
+def _left(stage: StageTrace) -> dict[str, Any]:
+    after, learnt = stage.after, stage.learnt
+    return {
+        "stage": stage.name,
+        "depends_on": list(after.depends_on),
+        "description": describe(after, stage.stage.channel),
+        "learnt": None
+        if learnt is None
+        else {
+            "note": "a description, not a cause",
+            "variables": list(learnt.variables),
+            "described": learnt.described,
+            "curves": [
+                {"variable": c.variable, "at": list(map(float, c.at)), "term": list(map(float, c.term))}
+                for c in learnt.curves
+            ],
+        },
+    }

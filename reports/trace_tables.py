@@ -1,0 +1,181 @@
+"""The tables of a trace."""
+
+from collections.abc import Mapping
+from math import isfinite
+
+from design.retune import Control, Side
+from plants.measured.problem import measured
+from plants.measured.residual.examine import Examination, Finding
+from plants.measured.trace.choose import Round
+from plants.measured.trace.trace import Played, Trace
+from plants.quantities import Assumed, Fitted, kind_of
+from reports.comparison_tables import CHANNELS, provenance
+from reports.tables import Cell, Column, Group, Table, fixed, number, row, with_error
+from reports.trace_words import VARIABLES, limits_words
+
+SHOWN = 10
+"""Tests of a remainder that a page lists; those that found most."""
+
+
+def error_table(trace: Trace) -> Table:
+    """Errors on the recordings that took no part, before and after, with their intervals, and the noise."""
+    rows = []
+    for channel, (words, unit) in CHANNELS.items():
+        before, after, noise = (x.get(channel) for x in (trace.before, trace.after, trace.noise))
+        if before is None or after is None:
+            continue
+        intervals = (trace.before_interval.get(channel), trace.after_interval.get(channel))
+        ratio = number(after / noise) if noise else "–"
+        rows.append(row(
+            f"{words} [{unit}]", _ranged(before, intervals[0]), _ranged(after, intervals[1]), number(noise),
+            ratio,
+        ))  # fmt: skip
+    columns = (
+        Column("Channel", number=False), Column("Before"), Column("After"), Column("Noise"),
+        Column("After / noise"),
+    )  # fmt: skip
+    return Table(columns, (Group("", tuple(rows)),))
+
+
+def _ranged(value: float, interval: tuple[float, float] | None) -> Cell:
+    return Cell(number(value), "" if interval is None else f"{number(interval[0])} to {number(interval[1])}")
+
+
+def recording_table(trace: Trace) -> Table:
+    """Errors of every recording, by its role."""
+    channels = [c for c in CHANNELS if any(_rms(r, c, "") is not None for r in trace.runs)]
+    groups = []
+    for role, words in (("validate", "Took no part"), ("fit", "Fitted and chosen on")):
+        rows = [
+            row(r.recording.name, *(number(_rms(r, c, side)) for c in channels for side in ("_before", "")))
+            for r in trace.runs
+            if r.role == role
+        ]
+        groups.append(Group(words, tuple(rows)))
+    columns = [Column("Recording", number=False)]
+    for channel in channels:
+        words, unit = CHANNELS[channel]
+        columns += [Column(f"{words}, before", unit), Column(f"{words}, after", unit)]
+    return Table(tuple(columns), tuple(groups))
+
+
+def _rms(run: Played, channel: str, side: str) -> float | None:
+    truth = measured(run.recording, channel)
+    simulated = getattr(run, ("pressure" if channel == "pressure_kPa" else "angle") + side)
+    if truth is None or simulated is None:
+        return None
+    squares = (simulated - truth) ** 2
+    return float(squares[run.recording.judged if run.role == "validate" else slice(None)].mean() ** 0.5)
+
+
+def parameter_table(trace: Trace) -> Table:
+    """Every parameter of the revised plant beside that of the declared one, with its evidence."""
+    revised, declared = trace.revised, trace.fit.fitted.parameters
+    rows, effects = [], []
+    for name, p in revised.parameters.items():
+        origin = p.provenance
+        value = with_error(p.value, origin.std_error) if isinstance(origin, Fitted) else number(p.value, 4)
+        cells = row(
+            name, kind_of(name, revised.effects).meaning, p.unit,
+            number(declared[name].value, 4) if name in declared else "–", value,
+            Cell(provenance(origin), marked=isinstance(origin, Assumed)),
+        )  # fmt: skip
+        (rows if name in declared else effects).append(cells)
+    columns = (
+        Column("Name", number=False), Column("Meaning", number=False), Column("Unit", number=False),
+        Column("Declared wrist"), Column("Revised plant"), Column("Where from", number=False),
+    )  # fmt: skip
+    groups = [Group("Effects", tuple(effects), tuple(range(len(effects))))] if effects else []
+    return Table(columns, (*groups, Group("Declared parameters, fitted together", tuple(rows))))
+
+
+def finding_table(before: Examination, after: Examination) -> Table:
+    """The tests that found most, with their bounds, before the effects and after."""
+    kept = {(f.test, f.variable.split(" at ")[0]): f for f in after.findings}
+    rows = []
+    for f in sorted(before.findings, key=strength, reverse=True)[:SHOWN]:
+        now = kept.get((f.test, f.variable.split(" at ")[0]))
+        rows.append(row(
+            f.test, seen_words(f.variable), number(f.bound),
+            _found(f), "–" if now is None else _found(now),
+            _share(f), "–" if now is None else _share(now),
+        ))  # fmt: skip
+    columns = (
+        Column("Test", number=False), Column("Looks at", number=False), Column("Bound"), Column("Before"),
+        Column("After"), Column("Share before", "%"), Column("Share after", "%"),
+    )  # fmt: skip
+    return Table(columns, (Group("", tuple(rows)),))
+
+
+def strength(finding: Finding) -> float:
+    """How far a test exceeds its bound."""
+    return finding.statistic / finding.bound if finding.bound > 0.0 else 0.0
+
+
+def _found(f: Finding) -> Cell:
+    return Cell(number(f.statistic), "", strength(f) > 1.0)
+
+
+def _share(f: Finding) -> str:
+    return fixed(100.0 * max(0.0, f.share), 1)
+
+
+def seen_words(variable: str) -> str:
+    """What a test looks at, for people."""
+    return VARIABLES.get(variable, variable)
+
+
+def decision_table(rounds: tuple[Round, ...]) -> Table:
+    """Each round's models that were refitted fully, on all data and on blocks that did not fit them."""
+    groups = []
+    for count, r in enumerate(rounds, start=1):
+        models = [r.before, *r.candidates]
+        if r.taken is not None and all(r.taken.model.forms != c.model.forms for c in r.candidates):
+            models.insert(1, r.taken)  # the best of them, in another form
+        rows = []
+        for c in models:
+            name = " + ".join(f"{f.NAME} ({f.FORM})" for f in c.model.forms) or "the declared wrist alone"
+            said = "as it was" if c is r.before else ""
+            rows.append(row(name, number(c.model.chi2), number(c.held_out), said))
+        taken = None if r.taken is None else " + ".join(r.taken.model.effects)
+        words = f"Round {count}: {f'{taken} taken' if taken else 'nothing more taken'}"
+        groups.append(Group(words, tuple(rows)))
+    columns = (
+        Column("Model", number=False), Column("Chi-square"), Column("On blocks left out"),
+        Column("", number=False),
+    )  # fmt: skip
+    return Table(columns, tuple(groups))
+
+
+def judge_table(reasons: Mapping[str, str]) -> Table:
+    """Effects that the recordings cannot tell, and why."""
+    columns = (Column("Effect", number=False), Column("Why these recordings cannot tell", number=False))
+    return Table(columns, (Group("", tuple(row(n, why) for n, why in reasons.items())),))
+
+
+def control_table(control: Control) -> Table:
+    """Both PIs on the judge."""
+    sides = (control.declared,) if control.same else (control.declared, control.revised)
+    columns = (
+        Column("Tuned on", number=False), Column("Kp", "kPa/deg"), Column("Ki", "kPa/(deg s)"),
+        Column("IAE", "deg s"), Column("Overshoot", "%"), Column("Settling", "s"),
+        Column("Error left", "deg"), Column("Oscillates", number=False),
+        Column("Limits broken here", number=False), Column("Limits broken anywhere", number=False),
+    )  # fmt: skip
+    return Table(columns, (Group("", tuple(_side(s) for s in sides)),))
+
+
+def _side(side: Side) -> tuple[Cell, ...]:
+    name = f"the {side.plant} plant"
+    if side.tuning is None or side.judged is None:
+        return row(name, *["–"] * 6, side.refusal or "–", "–", "–")
+    j = side.judged
+    return row(
+        name, fixed(side.tuning.Kp, 2), fixed(side.tuning.Ki, 2), fixed(j.iae_deg_s, 2),
+        Cell(fixed(j.overshoot_percent, 1), "", "overshoot_percent" in j.broken),
+        fixed(j.settling_time_s, 2) if isfinite(j.settling_time_s) else f"> {j.response.time[-1]:.0f}",
+        Cell(fixed(j.steady_error_deg, 2), "", "steady_error_percent" in j.broken),
+        Cell("yes" if j.oscillates else "no", "", j.oscillates),
+        Cell(limits_words(j.broken), "", bool(j.broken)),
+        Cell(limits_words(side.broken), "", bool(side.broken)),
+    )  # fmt: skip

@@ -1,0 +1,61 @@
+"""Campaigns of the independent rig, traced: shared by the tests of this folder."""
+
+import json
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+
+from plants.measured.campaign import load_campaign
+from plants.measured.trace.trace import Trace, trace_campaign
+from plants.quantities import built_in
+
+OUTSIDE, NOTHING, KNOWN = "unexplained", "nothing-missing", "explained"
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A trace beside what the rig really has."""
+
+    key: str
+    axis: str
+    truth: dict
+    trace: Trace
+
+    @property
+    def effects(self) -> list[str]:
+        return sorted(e.name for e in self.trace.effects)
+
+    @property
+    def wanted(self) -> str:
+        if self.truth["open"]:
+            return OUTSIDE
+        return KNOWN if self.truth["effects"] else NOTHING
+
+    @property
+    def right(self) -> bool:
+        """The verdict, and where the vocabulary has the effects, exactly those."""
+        named = self.wanted == OUTSIDE or self.effects == sorted(self.truth["effects"])
+        return named and self.trace.verdict == self.wanted
+
+    @property
+    def ratio(self) -> float:
+        """Error of the angle after over the noise floor, on recordings that took no part."""
+        return self.trace.after["angle_deg"] / self.trace.noise["angle_deg"]
+
+    def __str__(self) -> str:
+        said = f"{self.trace.verdict} {self.effects}"
+        return f"{self.key} {self.axis} {self.truth['effects'] or self.truth['open'] or 'nothing'}: {said}"
+
+
+def trace_folder(folder: Path) -> Trace:
+    """The trace of a campaign's folder, from the built-in parameters of its axis."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        campaign = load_campaign(folder)
+        return trace_campaign(campaign, built_in(campaign.axis))
+
+
+def judge_suite(root: Path) -> list[Judged]:
+    """All campaigns of a suite, traced and held against its answers."""
+    answers = json.loads((root / "answers.json").read_text())
+    return [Judged(key, a["axis"], a, trace_folder(root / key)) for key, a in answers.items()]
