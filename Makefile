@@ -3,13 +3,16 @@ PYTHON ?= python3
 BIN := .venv/bin
 ENV := .venv/.installed
 
-.PHONY: compare test bench lint env clean
+.PHONY: compare test suite bench lint env clean
 
 compare: $(ENV)
 	$(BIN)/wrist compare --example --out build/compare
 
 test: $(ENV)
 	$(BIN)/python -m pytest -n 2
+
+suite: $(ENV)
+	$(BIN)/python -m pytest -m suite -s tests/trace
 
 bench: $(ENV) .venv/.bench
 	$(BIN)/python -m benchmarks

@@ -35,6 +35,7 @@ MEANING = {
     "cli.help_s": "s, `wrist --help`, a process",
     "cli.second_start_s": "s, `wrist simulate`, a second process",
     "tune.warm_s": "s, `wrist tune`, a second process",
+    "trace.warm_s": "s, `wrist trace` of a campaign of 364 s, a second process",
 }
 """What each figure says; also the order of the table."""
 

@@ -39,6 +39,7 @@ COMMANDS = {
     "cli.help_s": (("--help",), REPEATS),
     "cli.second_start_s": (("simulate", "--axis", "flexion", "--json", "-"), REPEATS),
     "tune.warm_s": (("tune", "--axis", "flexion", "--json", "-"), 1),
+    "trace.warm_s": (("trace", "plants/measured/examples/deviation", "--json", "-"), 1),
 }
 """Arguments and number of measurements by figure."""
 

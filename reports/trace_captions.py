@@ -3,6 +3,7 @@
 from design.metrics import SETTLING_BAND
 from design.retune import Control
 from design.tasks import STEP
+from plants.measured.trace.choose import WORTH
 from plants.measured.trace.trace import StageTrace, Trace
 from reports.comparison_tables import CHANNELS
 from reports.tables import number
@@ -23,8 +24,8 @@ ERRORS = (
 RANKING = (
     "Each effect in the best of its forms: by how much it would lower chi-square, beyond what a refit of "
     "the parameters that are there could do. The tick is what the largest of so many comparisons "
-    "would reach on noise alone, in 95 % of draws. Coloured: refitted fully, with the chi-square that it "
-    "came to. Green: taken."
+    "would reach on noise alone, in 95 % of draws; the dashed line is the least that an effect must bring. "
+    "Coloured: refitted fully, with the chi-square that it came to. Green: taken."
 )
 DESCRIPTION = (
     "What is left against what it depends on: rows of the recordings, their mean, and, where one earned "
@@ -77,7 +78,7 @@ def remainder(stage: StageTrace) -> str:
     which = " by the declared and by the revised wrist" if both else " by the declared wrist"
     of = " of the revised wrist" if both else ""
     return (
-        f"What is left{which}: its mean over the variables that tell most, its autocorrelation and its spectrum. "
+        f"What is left{which}: mean over the variables that tell most, autocorrelation and spectrum. "
         f"In the grey band noise alone stays{', for what is left' + of if both else ''}; for the "
         "autocorrelation, white noise."
     )
@@ -98,6 +99,14 @@ def no_alternatives(trace: Trace) -> str:
     if trace.effects:
         return "None: no other effect does as well in its place."
     return "None, since nothing was added."
+
+
+def nothing_refitted(stage: StageTrace) -> str:
+    """Why nothing was refitted."""
+    chi2 = stage.search.declared.model.chi2
+    if chi2 <= 1.0 + WORTH:
+        return f"The declared model is at the noise: chi-square {number(chi2)}. Nothing was to be added."
+    return f"Chi-square is {number(chi2)}, and no effect would lower it by more than chance would."
 
 
 def learnt(stage: StageTrace) -> str:

@@ -42,19 +42,22 @@ def _errors(axes: "Axes", trace: Trace, channel: str) -> None:
         ("before", trace.before[channel], trace.before_interval.get(channel), VERMILLION, "s"),
         ("after", trace.after[channel], trace.after_interval.get(channel), BLUE, "o"),
     )
-    noise, top = trace.noise.get(channel), 0.0
+    noise = trace.noise.get(channel)
+    ends = [x for _, value, interval, _, _ in sides for x in (value, *(interval or ())) if x is not None]
+    top = max([*ends, 1.35 * (noise or 0.0)])
     for y, (_, value, interval, colour, marker) in enumerate(sides):
         assert value is not None
         if interval is not None:
             axes.plot(interval, (y, y), color=colour, linewidth=6, alpha=0.3, solid_capstyle="butt")
-            top = max(top, interval[1])
         axes.plot(value, y, marker, color=colour, markersize=7)
-        axes.annotate(number(value), (value, y), (0, 8), textcoords="offset points", ha="center", fontsize=9)
-        top = max(top, value)
+        axes.annotate(
+            number(value), (value, y), (0 if value > 0.1 * top else -4, 8), textcoords="offset points",
+            ha="center" if value > 0.1 * top else "left", fontsize=9,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.3},
+        )  # fmt: skip
     if noise is not None:
         axes.axvline(noise, color=GREY, linestyle=DASHED, linewidth=1.2)
         axes.text(noise, 1.55, f" noise {number(noise)}", color=GREY, fontsize=8.5, va="center")
-        top = max(top, 1.35 * noise)
     axes.set_yticks(range(2), [s[0] for s in sides])
     axes.set(title=words, xlabel=f"Error, rms [{unit}]", xlim=(0.0, 1.18 * top), ylim=(1.85, -0.75))
     axes.grid(axis="y", visible=False)
@@ -128,7 +131,8 @@ def draw_loop(trace: Trace) -> "Figure | None":
             assert angle is not None
             assert truth.pressure is not None
             assert truth.angle is not None
-            panel.plot(truth.pressure[first], truth.angle[first], **MEASURED)
+            beneath = {**MEASURED, "linewidth": 3.0, "alpha": 0.3}
+            panel.plot(truth.pressure[first], truth.angle[first], **beneath)
             panel.plot(pressure[first], angle[first], **look)
             panel.set(title=f"Measured and {look['label']}", xlabel="Pressure [kPa]")
             panel.legend(loc="upper left")

@@ -13,7 +13,6 @@ from reports import trace_tables as tables
 from reports import trace_words as words
 from reports.html import Made, markup, render
 from reports.style import save, svg
-from reports.tables import number
 from reports.trace_fit_figures import draw_control, draw_errors, draw_loop, draw_series
 from reports.trace_record import trace_record
 from reports.trace_residual_figures import draw_description, draw_remainder
@@ -116,14 +115,14 @@ def _stage(s: StageTrace, shown: Any) -> dict[str, Any]:
         "remainder": shown(f"left-{s.name}", captions.remainder(s)),
         "findings": tables.finding_table(s.before, s.after),
         "decisions": tables.decision_table(s.search.rounds) if refitted else None,
-        "chi2": number(s.search.declared.model.chi2),
+        "nothing": captions.nothing_refitted(s),
         "ranking": shown(f"ranking-{s.name}", captions.RANKING),
     }
 
 
 def _unexplained(s: StageTrace, shown: Any) -> dict[str, Any]:
     return {
-        "title": words.stage_title(s),
+        "title": f"of the {s.stage.channel.split('_')[0]}",
         "words": words.describe(s.after, s.stage.channel),
         "learnt": captions.learnt(s),
         "figure": shown(f"unexplained-{s.name}", captions.DESCRIPTION),

@@ -25,6 +25,9 @@ PANELS = 4
 DOTS = 1200
 """Rows of a remainder that are drawn as dots."""
 
+STILL = 10.0
+"""Rates of the pressure [kPa/s] below which the axis is linear, logarithmic above: most rows stand still."""
+
 BINS = 60
 """Bins of the mean in a description, fine enough to show a ripple."""
 
@@ -83,6 +86,8 @@ def _means(axes: "Axes", stage: StageTrace, variable: str, unit: str, revised: b
         _band(axes, before, label="noise alone stays within")
         axes.plot(before.centre, before.mean, label="left by declared", **BEFORE)
     axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
+    if variable == "pressure_rate_kPa_s":
+        axes.set_xscale("symlog", linthresh=STILL)
     axes.set(xlabel=LABELS.get(variable, variable), ylabel=f"Mean left [{unit}]")
     axes.margins(y=0.15)
 

@@ -1,9 +1,8 @@
 """The tables of a trace."""
 
 from collections.abc import Mapping
-from math import isfinite
 
-from design.retune import Control, Side
+from design.retune import Control, Judged, Side
 from plants.measured.problem import measured
 from plants.measured.residual.examine import Examination, Finding
 from plants.measured.trace.choose import Round
@@ -15,6 +14,17 @@ from reports.trace_words import VARIABLES, limits_words
 
 SHOWN = 10
 """Tests of a remainder that a page lists; those that found most."""
+
+
+SEEN = {
+    "time": "slow wander",
+    "time_s": "the time since the start",
+    "lags": "its own past",
+    "bursts": "bursts",
+    "events": "single events",
+    "offset": "all rows",
+}
+"""What tests look at that is no variable, for people."""
 
 
 def error_table(trace: Trace) -> Table:
@@ -71,7 +81,8 @@ def _rms(run: Played, channel: str, side: str) -> float | None:
 def parameter_table(trace: Trace) -> Table:
     """Every parameter of the revised plant beside that of the declared one, with its evidence."""
     revised, declared = trace.revised, trace.fit.fitted.parameters
-    rows, effects = [], []
+    rows: list[tuple[Cell, ...]] = []
+    effects: list[tuple[Cell, ...]] = []
     for name, p in revised.parameters.items():
         origin = p.provenance
         value = with_error(p.value, origin.std_error) if isinstance(origin, Fitted) else number(p.value, 4)
@@ -93,7 +104,8 @@ def finding_table(before: Examination, after: Examination) -> Table:
     """The tests that found most, with their bounds, before the effects and after."""
     kept = {(f.test, f.variable.split(" at ")[0]): f for f in after.findings}
     rows = []
-    for f in sorted(before.findings, key=strength, reverse=True)[:SHOWN]:
+    order = sorted(before.findings, key=lambda f: (f.test == "whiteness", -strength(f)))
+    for f in order[:SHOWN] + [f for f in order[SHOWN:] if f.test == "whiteness"]:
         now = kept.get((f.test, f.variable.split(" at ")[0]))
         rows.append(row(
             f.test, seen_words(f.variable), number(f.bound),
@@ -122,7 +134,7 @@ def _share(f: Finding) -> str:
 
 def seen_words(variable: str) -> str:
     """What a test looks at, for people."""
-    return VARIABLES.get(variable, variable)
+    return SEEN.get(variable, VARIABLES.get(variable, variable))
 
 
 def decision_table(rounds: tuple[Round, ...]) -> Table:
@@ -159,23 +171,29 @@ def control_table(control: Control) -> Table:
     columns = (
         Column("Tuned on", number=False), Column("Kp", "kPa/deg"), Column("Ki", "kPa/(deg s)"),
         Column("IAE", "deg s"), Column("Overshoot", "%"), Column("Settling", "s"),
-        Column("Error left", "deg"), Column("Oscillates", number=False),
-        Column("Limits broken here", number=False), Column("Limits broken anywhere", number=False),
+        Column("Error left", "deg"), Column("Breaks here", number=False),
+        Column("Breaks anywhere", number=False),
     )  # fmt: skip
     return Table(columns, (Group("", tuple(_side(s) for s in sides)),))
 
 
 def _side(side: Side) -> tuple[Cell, ...]:
-    name = f"the {side.plant} plant"
+    name = side.plant
     if side.tuning is None or side.judged is None:
-        return row(name, *["–"] * 6, side.refusal or "–", "–", "–")
+        return row(name, *["–"] * 6, side.refusal or "–", "–")
     j = side.judged
     return row(
         name, fixed(side.tuning.Kp, 2), fixed(side.tuning.Ki, 2), fixed(j.iae_deg_s, 2),
         Cell(fixed(j.overshoot_percent, 1), "", "overshoot_percent" in j.broken),
-        fixed(j.settling_time_s, 2) if isfinite(j.settling_time_s) else f"> {j.response.time[-1]:.0f}",
+        Cell(_settling(j), "", j.oscillates),
         Cell(fixed(j.steady_error_deg, 2), "", "steady_error_percent" in j.broken),
-        Cell("yes" if j.oscillates else "no", "", j.oscillates),
         Cell(limits_words(j.broken), "", bool(j.broken)),
         Cell(limits_words(side.broken), "", bool(side.broken)),
     )  # fmt: skip
+
+
+def _settling(j: Judged) -> str:
+    if j.oscillates:
+        return "oscillates"
+    beyond = f"> {j.response.time[-1]:.0f}"
+    return fixed(j.settling_time_s, 2, beyond)
