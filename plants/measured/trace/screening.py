@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from plants.measured.trace.model import Model
 from plants.measured.trace.proposals import trials
-from plants.measured.trace.stage import Form
+from plants.measured.trace.stage import WILD, Form
 
 Array = NDArray[np.float64]
 DRAWS = 200
@@ -94,6 +94,8 @@ class Screen:
         more = {f"{form.NAME}.{n}": np.array([g[n] for g in grid]) for n in grid[0]}
         simulated = self.model.stage.simulate({**self.model.values, **more}, (form,))[::THIN]
         found: Array = (simulated - self.plain[:, None]) / self.model.stage.noise
+        wild = ~np.isfinite(found).all(axis=0) | (np.abs(found).max(axis=0) > WILD)
+        found[:, wild] = 0.0
         return found
 
     def drops(self, responses: Array) -> Array:

@@ -27,6 +27,9 @@ from plants.wrist import SAMPLE_TIME, State, Wrist
 Array = NDArray[np.float64]
 Name = Literal["regulator", "wrist", "whole"]
 Form = type[Effect]
+WILD = 1e6
+"""Residual, over the noise, beyond which nothing more is learnt."""
+
 BLOCK = 10.0
 """Length [s] of the blocks that are left out in turn, long against every memory but the slowest."""
 
@@ -153,7 +156,8 @@ class StageProblem:
         simulated = self.stage.simulate(values, self.forms)
         simulated -= self.stage.target[:, None]
         simulated /= self.stage.noise
-        return simulated
+        # A wrist that runs away is a bad fit, not the end of the search.
+        return np.clip(np.nan_to_num(simulated, nan=WILD), -WILD, WILD)
 
     def on(self, rows: NDArray[np.bool_] | None) -> "StageProblem":
         """The same problem on some rows."""
