@@ -67,7 +67,7 @@ def main() -> None:
     """Run, print and keep the figure."""
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--campaigns", type=int, default=CAMPAIGNS)
-    options.add_argument("--first", type=int, default=1, help="first seed")
+    options.add_argument("--first", type=int, default=1001, help="first seed")
     chosen = options.parse_args()
     false: list[dict[str, Any]] = []
     for seed in range(chosen.first, chosen.first + chosen.campaigns):

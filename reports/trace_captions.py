@@ -25,7 +25,8 @@ RANKING = (
     "Each effect in the best of its forms: by how much it would lower chi-square, beyond what a refit of "
     "the parameters that are there could do. The tick is what the largest of so many comparisons "
     "would reach on noise alone, in 95 % of draws; the dashed line is the least that an effect must bring. "
-    "Coloured: refitted fully, with the chi-square that it came to. Green: taken."
+    "Coloured: refitted fully, with the chi-square that it came to. Green: taken. "
+    "Of rounds after the first only the strongest are drawn."
 )
 DESCRIPTION = (
     "What is left against what it depends on: rows of the recordings, their mean, and, where one earned "

@@ -12,6 +12,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+BOX = {"facecolor": "white", "edgecolor": "none", "pad": 0.2}
+LATER = 6
+"""Effects that are drawn of rounds after the first, those that would lower chi-square most."""
+
 FLOOR = 1e-4
 """What falls by less is drawn as this; the axis is logarithmic."""
 
@@ -20,20 +24,16 @@ def draw_ranking(stage: StageTrace) -> "Figure":
     """By how much each effect would lower chi-square, in its best form, one panel a round; the tick on
     a bar is what noise alone would bring, the line what an effect must bring at least."""
     rounds = stage.search.rounds
-    columns = 1 if len(rounds) == 1 else 2
-    rows = -(-len(rounds) // columns)
-    most = max(len(best_forms(r.ranking)) for r in rounds)
+    shown = [best_forms(r.ranking)[: None if i == 0 else LATER] for i, r in enumerate(rounds)]
     top = max([q.drop for r in rounds for q in r.ranking] + [WORTH])
+    sizes = [0.75 + 0.21 * len(s) for s in shown]
     with styled():
-        figure, axes = new_figure(rows, columns, height=rows * (1.05 + 0.235 * most), sharex=True)
-        for count, (panel, round_) in enumerate(zip(axes, rounds, strict=False), start=1):
-            _round(panel, round_, count)
-            panel.set_xlim(FLOOR, top * (8.0 if columns == 1 else 700.0))
-        for panel in axes[len(rounds) :]:
-            figure.delaxes(panel)
-        for panel in axes[max(0, len(rounds) - columns) : len(rounds)]:
-            panel.set_xlabel("Fall of chi-square per row [-]")
-            panel.tick_params(labelbottom=True)
+        figure, axes = new_figure(len(rounds), 1, height=0.3 + sum(sizes), height_ratios=sizes, sharex=True)
+        for count, (panel, round_, best) in enumerate(zip(axes, rounds, shown, strict=True), start=1):
+            _round(panel, round_, best)
+            known = " + ".join(round_.before.model.effects) or "the declared wrist"
+            panel.set_title(f"Round {count}: beyond {known}")
+        axes[-1].set(xlabel="Fall of chi-square per row [-]", xlim=(FLOOR, 30.0 * top))
     return figure
 
 
@@ -45,8 +45,7 @@ def best_forms(ranking: tuple[Ranked, ...]) -> list[Ranked]:
     return list(found.values())
 
 
-def _round(axes: "Axes", round_: Round, count: int) -> None:
-    best = best_forms(round_.ranking)
+def _round(axes: "Axes", round_: Round, best: list[Ranked]) -> None:
     had = set(round_.before.model.effects)
     refitted = {n: c.model.chi2 for c in round_.candidates for n in set(c.model.effects) - had}
     taken = set() if round_.taken is None else set(round_.taken.model.effects) - had
@@ -59,11 +58,10 @@ def _round(axes: "Axes", round_: Round, count: int) -> None:
         words = f" refitted: {number(refitted[r.name])}" if r.name in refitted else ""
         if r.name in taken:
             words += ", taken"
-        axes.text(max(r.drop, 2.0 * r.chance), y, words, fontsize=8, va="center")
+        place = (max(r.drop, 2.0 * r.chance), y)
+        axes.text(*place, words, fontsize=8.5, va="center", bbox=BOX if words else None)
     axes.axvline(WORTH, color=VERMILLION, linestyle=DASHED, linewidth=1.1, zorder=0)
     axes.set_xscale("log")
     axes.set_yticks(range(len(best)), [r.name for r in best])
     axes.set_ylim(len(best) - 0.4, -0.6)
     axes.grid(axis="y", visible=False)
-    known = " + ".join(round_.before.model.effects) or "the declared wrist"
-    axes.set_title(f"Round {count}: beyond\n{known}", fontsize=9)

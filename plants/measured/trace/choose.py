@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.effects import EFFECTS
+from plants.measured.residual.examine import Examination, examine
 from plants.measured.trace.model import Model
+from plants.measured.trace.remainders import remainders
 from plants.measured.trace.screening import Ranked, Screen, screen
 from plants.measured.trace.stage import BLOCK
 
@@ -50,6 +52,17 @@ class Candidate:
     def held_out(self) -> float:
         """Its chi-square per row on blocks that did not fit it."""
         return held_out(self.model)
+
+    @cached_property
+    def examined(self) -> Examination:
+        """What its remainder shows."""
+        return examine(remainders(self.model))
+
+    @property
+    def lacks_something(self) -> bool:
+        """Whether its remainder is large enough to look further, and more than stationary noise, which
+        flexible effects could follow for a while."""
+        return self.model.chi2 > 1.0 + WORTH and self.examined.structured
 
 
 @dataclass(frozen=True)
@@ -97,7 +110,7 @@ def search(
     tell = tell or (lambda what: None)
     first = now = Candidate(declared)
     beam, rounds = [first], list[Round]()
-    while len(now.model.forms) < MOST and (not rounds or now.model.chi2 > 1.0 + WORTH):
+    while len(now.model.forms) < MOST and (not rounds or now.lacks_something):
         candidates: list[Candidate] = []
         ranking: list[Ranked] = []
         for start in beam:
@@ -105,7 +118,7 @@ def search(
             left = [n for n in names or declared.stage.effects if n not in start.model.effects]
             found = screen(start.model, left, seed)
             ranking = ranking or found
-            if now.model.chi2 > 1.0 + WORTH:
+            if now.lacks_something:
                 candidates += refit(start.model, shortlist(found))
         candidates = distinct(sorted(candidates, key=lambda c: c.model.chi2))
         best = candidates[0] if candidates else None

@@ -15,7 +15,6 @@ from plants.measured.estimate import HUBER, standard_errors
 from plants.measured.fit import Fit, fit_campaign
 from plants.measured.playback import Playback
 from plants.measured.problem import first_begin, measured
-from plants.measured.residual.examine import examine
 from plants.measured.trace.choose import search
 from plants.measured.trace.errors import free_run_errors, intervals, squares
 from plants.measured.trace.experiments import sentence, separate
@@ -132,8 +131,7 @@ def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: i
     logged = [n for n in stage.effects if n != "cross-coupling" or logs_other(declared)]
     found = search(declared, logged, lambda what: tell(f"{stage.name}: {what}"), seed)
     model, blind = found.chosen.model, unexcited(declared, found.rounds[0].ranking)
-    before = examine(remainders(declared), seed)
-    after = examine(remainders(model), seed) if model.forms else before
+    before, after = found.declared.examined, found.chosen.examined
     # Stationary sensor noise, however coloured, is not a missing effect.
     good = explained(found) or not after.structured
     learnt = None if good else learn(remainders(model), _numeric(after.depends_on))
