@@ -96,7 +96,8 @@ def starting_set(rig: Rig) -> ParameterSet:
     changed = {}
     for name, p in base.parameters.items():
         low, high = rig.bounds.get(name, (p.low, p.high))
-        value = min(max(guesses.get(name, p.value), low), high)
+        guess = guesses.get(name, p.value)
+        value = guess if low <= guess <= high else 0.5 * (low + high)
         changed[name] = replace(p, value=value, low=low, high=high, provenance=_GUESSED)
     return replace(base, axis=rig.name, title=f"{rig.title}, before any fit", parameters=changed)
 

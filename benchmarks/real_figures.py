@@ -103,8 +103,8 @@ def _remainder(ax: "Axes", fit: Fit, trace: Trace | None) -> None:
     ax.axhline(0.0, color=GREY, linewidth=0.7)
     unit = "kPa" if left[0].stage == "regulator" else "deg"
     what = "pressure" if unit == "kPa" else "angle"
-    ax.set(xlabel=VARIABLES.get(variable, variable), ylabel=f"Left of the {what} [{unit}]")
-    ax.set_title(f"What the model leaves on the recordings fitted (noise {number(left[0].noise, 2)} {unit})")
+    ax.set(xlabel=VARIABLES.get(variable, variable), ylabel=f"Error of the {what} [{unit}]")
+    ax.set_title(f"Measured minus simulated, recordings fitted (noise {number(left[0].noise, 2)} {unit})")
     bottom, top = ax.get_ylim()
     ax.set_ylim(bottom, top + 0.22 * (top - bottom))
     ax.legend(loc="upper right", ncols=2)
