@@ -194,7 +194,8 @@ def _joint(
 ) -> Rig:
     held_out = tuple(episodes[THIRD - 1 :: THIRD])
     bounded = (
-        "slopes and offsets bounded so that the loop cannot run backwards, which else the fit makes it do",
+        "slopes and offsets bounded so that the loop cannot run backwards, which else the fit makes it do "
+        "and is refused; the bounds are those of nine tried with the least error on the recordings fitted",
     )
     return Rig(
         f"pam-joint-{joint}",

@@ -72,7 +72,7 @@ def _signals(ax: "Axes", fit: Fit, trace: Trace | None, channel: str, label: str
     first = "angle_deg" if fit.campaign.stage == "wrist" else "pressure_kPa"
     i = _shown(fit, first)
     run = [r for r in fit.runs if r.role == "validate"][i]
-    truth = measured(run.recording, channel)
+    truth: Any = measured(run.recording, channel)
     time = run.recording.time - run.recording.time[0]
     declared: Any = run.pressure if channel == "pressure_kPa" else run.angle
     ax.plot(time, truth, color=BLACK, linewidth=1.0, label="measured")

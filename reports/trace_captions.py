@@ -8,7 +8,7 @@ from plants.measured.trace.trace import StageTrace, Trace
 from reports.comparison_tables import CHANNELS
 from reports.tables import number
 from reports.trace_fit_figures import shown_run
-from reports.trace_words import added, describe
+from reports.trace_words import added, describe, description
 
 TITLES = {
     "nothing-missing": "Nothing is missing",
@@ -16,6 +16,8 @@ TITLES = {
     "unexplained": "Something is left unexplained",
 }
 """The title of a page, by verdict."""
+
+REVISED = "the revised wrist"
 
 ERRORS = (
     "Errors of free runs on the recordings that took no part, their intervals at 95 % as bars, and the "
@@ -60,7 +62,7 @@ def loop(trace: Trace) -> str:
     return f"The loop: angle over pressure in the first seconds, measured and simulated with {models}."
 
 
-def left(stage: StageTrace) -> str:
+def left(stage: StageTrace, after_name: str) -> str:
     """What is left of a stage before the effects and after, in sentences."""
     before, after, channel = stage.before, stage.after, stage.stage.channel
     if not before.structured:
@@ -68,21 +70,26 @@ def left(stage: StageTrace) -> str:
     said = f"Before: {describe(before, channel)}"
     if after is before:
         return said
+    then = "After" if after_name == REVISED else f"With what was tried ({', '.join(stage.model.effects)})"
     if after.structured:
-        return f"{said} After: {describe(after, channel)}"
-    return f"{said} After: {number(after.rmse)} {CHANNELS[channel][1]}, nothing but noise."
+        return f"{said} {then}: {describe(after, channel)}"
+    return f"{said} {then}: {number(after.rmse)} {CHANNELS[channel][1]}, nothing but noise."
 
 
-def remainder(stage: StageTrace) -> str:
+def remainder(stage: StageTrace, after_name: str) -> str:
     """What the figure of a remainder shows."""
     both = stage.after is not stage.before
-    which = " by the declared and by the revised wrist" if both else " by the declared wrist"
-    of = " of the revised wrist" if both else ""
+    which = "the declared wrist" + (f" and by {after_name}" if both else "")
     return (
-        f"What is left{which}: mean over the variables that tell most, autocorrelation and spectrum. "
-        f"In the grey band noise alone stays{', for what is left' + of if both else ''}; for the "
-        "autocorrelation, white noise."
+        f"What is left by {which}: mean over the variables that tell most, autocorrelation and spectrum. "
+        f"Noise alone stays in the grey band{', for the latter' if both else ''}; for the autocorrelation, "
+        "white noise."
     )
+
+
+def after_name(trace: Trace) -> str:
+    """What a stage's model after the search is called: it was not adopted where it does not help."""
+    return REVISED if trace.effects else "what was tried"
 
 
 def plant_words(trace: Trace) -> str:
@@ -110,10 +117,18 @@ def nothing_refitted(stage: StageTrace) -> str:
     return f"Chi-square is {number(chi2)}, and no effect would lower it by more than chance would."
 
 
+def what_is_left(stage: StageTrace, adopted: bool) -> str:
+    """What no effect explains of a stage; `adopted`: what was tried became part of the plant."""
+    said = describe(stage.after, stage.stage.channel)
+    if stage.model.forms and not adopted:
+        return f"Even with what was tried ({', '.join(stage.model.effects)}) {said}"
+    return said
+
+
 def learnt(stage: StageTrace) -> str:
     """The description of what is left, or that there is none."""
     if stage.learnt is not None:
-        return str(stage.learnt)
+        return description(stage.learnt)
     return "No smooth curve of a variable describes it on blocks of time that were left out."
 
 

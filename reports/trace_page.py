@@ -61,7 +61,7 @@ def draw_all(trace: Trace, control: Control | None = None) -> dict[str, "Figure"
     found |= {f"fit-{c.split('_')[0]}": draw_series(trace, c) for c in shown_channels(trace)}
     found["loop"] = draw_loop(trace)
     for s in trace.stages:
-        found[f"left-{s.name}"] = draw_remainder(s)
+        found[f"left-{s.name}"] = draw_remainder(s, captions.after_name(trace).removeprefix("the "))
         found[f"ranking-{s.name}"] = draw_ranking(s)
     found |= {f"unexplained-{s.name}": draw_description(s) for s in trace.unexplained}
     if control is not None:
@@ -95,24 +95,24 @@ def _page(trace: Trace, made: Made, control: Control | None, drawn: Mapping[str,
         after_words=captions.after_words(trace), revised=bool(trace.effects),
         errors=tables.error_table(trace), errors_figure=shown("errors", captions.ERRORS),
         recordings=tables.recording_table(trace), fit_figures=fits,
-        stages=[_stage(s, shown) for s in trace.stages],
+        stages=[_stage(s, captions.after_name(trace), shown) for s in trace.stages],
         plant_words=captions.plant_words(trace), parameters=tables.parameter_table(trace),
         separations=[s for e in trace.effects for s in e.separations],
         no_alternatives=captions.no_alternatives(trace),
         judge=tables.judge_table(trace.cannot_judge) if trace.cannot_judge else None, count=len(EFFECTS),
-        unexplained=[_unexplained(s, shown) for s in trace.unexplained],
+        unexplained=[_unexplained(s, bool(trace.effects), shown) for s in trace.unexplained],
         control=None if control is None else _control(trace, control, drawn, shown),
         made=made,
     )  # fmt: skip
 
 
-def _stage(s: StageTrace, shown: Any) -> dict[str, Any]:
+def _stage(s: StageTrace, after: str, shown: Any) -> dict[str, Any]:
     refitted = any(r.candidates for r in s.search.rounds)
     return {
         "title": words.stage_title(s),
         "quiet": not _busy(s),
-        "left": captions.left(s),
-        "remainder": shown(f"left-{s.name}", captions.remainder(s)),
+        "left": captions.left(s, after),
+        "remainder": shown(f"left-{s.name}", captions.remainder(s, after)),
         "findings": tables.finding_table(s.before, s.after),
         "decisions": tables.decision_table(s.search.rounds) if refitted else None,
         "nothing": captions.nothing_refitted(s),
@@ -120,10 +120,10 @@ def _stage(s: StageTrace, shown: Any) -> dict[str, Any]:
     }
 
 
-def _unexplained(s: StageTrace, shown: Any) -> dict[str, Any]:
+def _unexplained(s: StageTrace, adopted: bool, shown: Any) -> dict[str, Any]:
     return {
         "title": f"of the {s.stage.channel.split('_')[0]}",
-        "words": words.describe(s.after, s.stage.channel),
+        "words": captions.what_is_left(s, adopted),
         "learnt": captions.learnt(s),
         "figure": shown(f"unexplained-{s.name}", captions.DESCRIPTION),
     }

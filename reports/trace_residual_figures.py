@@ -52,15 +52,18 @@ BEFORE: dict[str, Any] = {"color": VERMILLION, "linestyle": DASHED, "marker": "s
 AFTER: dict[str, Any] = {"color": BLUE, "linestyle": "-", "marker": "o", "markersize": 3.5}
 
 
-def draw_remainder(stage: StageTrace) -> "Figure":
+def draw_remainder(stage: StageTrace, after_name: str = "revised") -> "Figure":
     """Conditional means of the remainder on the variables that tell most, with the bounds that noise
-    alone stays within, its autocorrelation and its spectrum, before the effects and after."""
+    alone stays within, its autocorrelation and its spectrum, before the effects and after.
+
+    after_name: what the model with the effects is called.
+    """
     revised = stage.after is not stage.before
     with styled():
         figure, axes = new_figure(3, 2, height=7.4)
         unit = CHANNELS[stage.stage.channel][1]
         for panel, variable in zip(axes, telling(stage), strict=False):
-            _means(panel, stage, variable, unit, revised)
+            _means(panel, stage, variable, unit, after_name if revised else None)
         _autocorrelation(axes[4], stage, revised)
         _spectrum(axes[5], stage, unit, revised)
         figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
@@ -76,12 +79,12 @@ def telling(stage: StageTrace) -> list[str]:
     return sorted(worth, key=lambda v: -worth[v])[:PANELS]
 
 
-def _means(axes: "Axes", stage: StageTrace, variable: str, unit: str, revised: bool) -> None:
+def _means(axes: "Axes", stage: StageTrace, variable: str, unit: str, after_name: str | None) -> None:
     before, after = stage.before.curves[variable], stage.after.curves.get(variable)
-    if revised and after is not None:
+    if after_name is not None and after is not None:
         _band(axes, after, label="noise alone stays within")
         axes.plot(before.centre, before.mean, label="left by declared", **BEFORE)
-        axes.plot(after.centre, after.mean, label="left by revised", **AFTER)
+        axes.plot(after.centre, after.mean, label=f"left by {after_name}", **AFTER)
     else:
         _band(axes, before, label="noise alone stays within")
         axes.plot(before.centre, before.mean, label="left by declared", **BEFORE)

@@ -7,6 +7,7 @@ from design.answer import UNITS as GAIN_UNITS
 from design.retune import Control, Side
 from plants.effects import EFFECTS
 from plants.measured.residual.examine import Examination
+from plants.measured.trace.learnt import Learnt
 from plants.measured.trace.trace import Named, StageTrace, Trace
 from reports.comparison_tables import limit_name
 from reports.tables import number
@@ -68,20 +69,25 @@ def verdict_sentence(trace: Trace) -> str:
 
 
 def _unexplained(trace: Trace) -> str:
-    stage = trace.unexplained[0]
-    channel = stage.stage.channel
-    after, noise = trace.after[channel], trace.noise[channel]
+    stages = trace.unexplained
+    off = [w for i, s in enumerate(stages) if (w := _still(trace, s.stage.channel, i == 0))]
     tried = f"with {added(trace.effects)} added, " if trace.effects else ""
-    off = "nothing was left apart to judge on"
-    if after is not None:
-        times = f", {number(after / noise, 2)} times the noise" if noise else ""
-        still = "is still" if trace.effects else "is"
-        off = f"{tried}the {_channel(channel)} error on the recordings that took no part {still} "
-        off += f"{_amount(after, channel)}{times}"
-    return (
-        f"Something is left that none of the {len(EFFECTS)} effects explains: {off}; "
-        f"{depends(stage.after.depends_on)}."
-    )
+    on = depends(stages[0].after.depends_on)
+    if len(stages) > 1:
+        on = on.replace("what is left", f"what is left of the {_channel(stages[0].stage.channel)}")
+    head = f"Something is left that none of the {len(EFFECTS)} effects explains"
+    return f"{head}: {tried}{_and(off)}; {on}." if off else f"{head}; {on}."
+
+
+def _still(trace: Trace, channel: str, first: bool) -> str:
+    """How far off the plant is in a channel that is not explained; empty where it was not judged."""
+    after, noise = trace.after[channel], trace.noise[channel]
+    if after is None:
+        return ""
+    times = f" ({number(after / noise, 2)} times the noise)" if noise else ""
+    where = "on the recordings that took no part " if first else ""
+    still = "is still" if trace.effects else "is"
+    return f"the {_channel(channel)} error {where}{still} {_amount(after, channel)}{times}"
 
 
 def _falls(trace: Trace) -> str:
@@ -152,6 +158,17 @@ def describe(after: Examination, channel: str) -> str:
     times = f", {number(after.ratio)} times the noise" if after.noise > 0.0 else ""
     size = f"{number(after.rmse)} {UNITS[channel]} of the {_channel(channel)} are left{times}"
     return f"{size}; {depends(after.depends_on)}."
+
+
+def description(learnt: Learnt) -> str:
+    """What a description of a remainder is worth, in a sentence."""
+    curves = "smooth curves of " if len(learnt.variables) > 1 else "a smooth curve of "
+    made = curves + listed([VARIABLES.get(v, v) for v in learnt.variables])
+    takes = "take" if len(learnt.variables) > 1 else "takes"
+    return (
+        f"A description, not a cause: {made} {takes} away {100 * learnt.described:.0f} % of what is left "
+        "beyond noise, on blocks of time left out."
+    )
 
 
 def stage_title(stage: StageTrace) -> str:

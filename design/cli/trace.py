@@ -148,14 +148,14 @@ def lines(trace: "Trace") -> list[Any]:
     """What people read of a trace: the verdict first, then errors, effects, and what is open."""
     from rich.text import Text
 
-    from reports.trace_words import verdict_sentence
+    from reports.trace_words import description, verdict_sentence
 
     said: list[Any] = [Text(verdict_sentence(trace)), ""]
     said += ["rms error of free runs from the command, on the recordings that took no part", _errors(trace)]
     if trace.effects:
         said += ["", _effects(trace)]
     words = [w for e in trace.effects for w in e.separations]
-    words += [str(s.learnt) for s in trace.unexplained if s.learnt is not None]
+    words += [description(s.learnt) for s in trace.unexplained if s.learnt is not None]
     if trace.cannot_judge:
         words.append("These recordings cannot tell:")
         words += [f"  {name}: {why}" for name, why in trace.cannot_judge.items()]

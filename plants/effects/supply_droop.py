@@ -61,7 +61,7 @@ class SampledFlow(NamedTuple):
         return self.source.used(s, before, after), after
 
 
-_SUPPLY = parameter("kPa", "pressure of the rested supply", 120.0, 400.0, 400.0, (180.0, 190.0, 200.0, 210.0))
+_SUPPLY = parameter("kPa", "pressure of the rested supply", 10.0, 400.0, 400.0, (180.0, 190.0, 200.0, 210.0))
 _USE = parameter("1", "sag of the supply per kPa filled", 0.0, 2.0, 0.0, (0.05, 0.2))
 _RECOVERY = parameter("s", "time constant of the supply's recovery", 0.3, 100.0, 8.0, (3.0, 12.0))
 

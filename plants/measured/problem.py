@@ -1,6 +1,6 @@
 """What a fit minimises: simulated minus measured, over recordings, in units of the noise."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -17,6 +17,12 @@ from plants.wrist import State, Wrist
 Array = NDArray[np.float64]
 BLOCK = 2.0
 """Residuals within so many seconds may be correlated in any way, as far as standard errors go."""
+
+
+def block_length(playbacks: Sequence[Playback]) -> float:
+    """Length of the blocks [s]: `BLOCK`, less where recordings are short, so that there are blocks enough."""
+    spans = [float(p.recording.time[-1] - p.recording.time[0]) for p in playbacks]
+    return min(BLOCK, 0.25 * float(np.median(spans)))
 
 
 @dataclass(frozen=True)
@@ -80,7 +86,7 @@ class FitProblem:
     def blocks(self) -> NDArray[np.intp]:
         """Number of the block of time that each residual falls in, (rows,)."""
         numbers = [
-            1e6 * i + np.floor((p.recording.time - p.recording.time[0]) / BLOCK)
+            1e6 * i + np.floor((p.recording.time - p.recording.time[0]) / block_length(self.playbacks))
             for i, p in enumerate(self.playbacks)
         ]
         return np.unique(np.concatenate(numbers), return_inverse=True)[1]

@@ -65,7 +65,7 @@ def test_inertia_is_the_second_order_response_to_a_broken_line(inertia):
     c, y, v = Inertia(inertia).sampled(WRIST, DT), 0.0, Inertia(inertia).rest(WRIST, 100.0, 0.0)
     ours = [0.0]
     for before, after in pairwise(h):
-        v, y = c.joint(v, y, before, after)
+        v, y = c.joint(v, y, before, after, 100.0)
         ours.append(y)
     _, theirs, _ = lsim(([1.0], [inertia**2, WRIST.Tw, 1.0]), h, np.arange(3001) * DT)
     np.testing.assert_allclose(ours, theirs, atol=1e-6)
@@ -76,7 +76,7 @@ def test_drag_takes_from_the_speed_what_its_square_does():
     c = DraggedInertia(0.14, 0.03).sampled(WRIST, DT)
     free, dragged = c._replace(drag=0.0), c
     s = DraggedInertia().rest(WRIST, 100.0, 0.0)._replace(velocity=100.0)
-    (one, _), (other, _) = free.joint(s, 0.0, 0.0, 0.0), dragged.joint(s, 0.0, 0.0, 0.0)
+    (one, _), (other, _) = free.joint(s, 0.0, 0.0, 0.0, 100.0), dragged.joint(s, 0.0, 0.0, 0.0, 100.0)
     assert other.velocity == pytest.approx(one.velocity / (1.0 + 0.03 * DT * one.velocity), rel=1e-12)
 
 

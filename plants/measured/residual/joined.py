@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from plants.measured.residual.remainder import Array, Remainder
 
-FEWEST, MOST = 200, 80_000
+FEWEST, MOST = 90, 80_000
 """Rows of the longest recording, and of all, that an examination is made for."""
 
 SILENCE = 4.0

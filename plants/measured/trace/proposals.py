@@ -33,6 +33,8 @@ def trials(form: Form, model: Model) -> list[dict[str, float]]:
             for moment, sign in steps(stage, model.linear[1], residual)
             for rest in _first(form)
         ]
+    if form.NAME == "supply-droop" and stage.name == "regulator":
+        return list(form.trials()) + list(_supplies(form, stage))
     if form.NAME == "end-stop":
         return list(_stops(form, stage))
     return list(form.trials())
@@ -89,6 +91,15 @@ def steps(stage: Stage, sensitivity: Array, residual: Array, count: int = 3) -> 
         found.append((float(moments[k]), float(np.sign(along[k]))))
         gain[np.abs(moments - moments[k]) < 2.0] = 0.0
     return found
+
+
+def _supplies(form: Form, stage: Stage) -> Iterator[dict[str, float]]:
+    """Supplies at shares of the pressure that was reached, on rigs of another size too."""
+    reached = float(np.quantile(stage.target, 0.998))
+    for given in form.trials():
+        if given["supply"] == next(form.trials())["supply"]:
+            for share in (1.0, 0.97, 0.9):
+                yield {**given, "supply": share * reached}
 
 
 def _stops(form: Form, stage: Stage) -> Iterator[dict[str, float]]:

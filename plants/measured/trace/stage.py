@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from plants.effects import EFFECTS
 from plants.effects.effect import Effect
 from plants.measured.playback import Playback
-from plants.measured.problem import Begin, measured
+from plants.measured.problem import Begin, block_length, measured
 from plants.measured.recording import Recording
 from plants.quantities import REGULATOR_NAMES, WRIST_NAMES, ParameterSet
 from plants.simulate import default_jobs, driven
@@ -143,8 +143,8 @@ class StageProblem:
 
     @property
     def blocks(self) -> NDArray[np.intp]:
-        """Blocks of two seconds, within which residuals may be correlated in any way."""
-        return self.stage.blocks(2.0)
+        """Blocks within which residuals may be correlated in any way."""
+        return self.stage.blocks(block_length(self.stage.playbacks))
 
     def residuals(self, x: Array) -> Array:
         """Simulated minus measured over noise, (rows, lanes), for vectors (lanes, n)."""

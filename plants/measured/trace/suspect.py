@@ -8,6 +8,7 @@ from plants.measured.campaign import Campaign
 from plants.measured.noise import noise_floor, resolution
 from plants.measured.problem import measured
 from plants.measured.recording import Recording
+from plants.measured.residual.joined import FEWEST
 
 Array = NDArray[np.float64]
 FLAT = 30
@@ -28,6 +29,13 @@ def check(campaign: Campaign) -> tuple[str, ...]:
             values = measured(recording, channel)
             if values is not None:
                 _check_clipped(campaign, recording, channel, values)
+    for channel in ("angle_deg", "pressure_kPa"):
+        rows = max((len(v) for r in campaign.fit if (v := measured(r, channel)) is not None), default=FEWEST)
+        if rows < FEWEST:
+            raise InputError(
+                f"{campaign.name}: no recording to fit on has {FEWEST} rows of {channel} (the longest has "
+                f"{rows}): too short to tell noise from anything else; record for longer"
+            )
     seconds = sum(float(r.time[-1] - r.time[0]) for r in campaign.fit)
     said = []
     if seconds < SHORT:

@@ -34,6 +34,9 @@ Array = NDArray[np.float64]
 NEARLY = 1.05
 """A regulator whose chi-square per row is above this is not simulated well enough to drive the wrist."""
 
+COLOURED = 100.0
+"""Chi-square up to which a remainder without structure may be noise whose floor was taken too low."""
+
 REMAINS = 0.25
 """Share of its excess that an effect may leave and still be adopted where not all is explained."""
 
@@ -133,7 +136,7 @@ def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: i
     model, blind = found.chosen.model, unexcited(declared, found.rounds[0].ranking)
     before, after = found.declared.examined, found.chosen.examined
     # Stationary sensor noise, however coloured, is not a missing effect.
-    good = explained(found) or not after.structured
+    good = explained(found) or (not after.structured and model.chi2 < COLOURED)
     learnt = None if good else learn(remainders(model), _numeric(after.depends_on))
     return StageTrace(stage, found, before, after, good, blind, learnt)
 

@@ -1,0 +1,116 @@
+"""Tuning again on the revised plant helps on the very rig, and says no in one line where it cannot."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from design.loop import run
+from design.pi import PI
+from design.requirements import Limits
+from design.retune import Response, control_record, judged, retune, simulated
+from design.tuning import Region
+from plants import Wrist, built_in
+from plants.effects import DeadTime, Drift, HardStop
+from plants.files import json_text
+from plants.measured.campaign import load_campaign
+from plants.measured.trace.trace import trace_campaign
+from reports.trace_words import control_sentence
+from tests.rig.campaign import make_rig, record
+
+COARSE = Region(points=8)
+
+
+def with_effect(form, **values):
+    """Flexion with one effect."""
+    named = {f"{form.NAME}.{n}": v for n, v in values.items()}
+    return built_in("flexion").revised([form], named, {}, "a rig")
+
+
+@pytest.fixture(scope="module")
+def late(tmp_path_factory):
+    """A rig with 0.1 s of dead time, and the trace of its short campaign."""
+    rig = make_rig("flexion", ["dead-time"], 11, {"dead-time": 1})
+    dead = rig.hidden.dead_time._replace(transport_s=0.1)
+    rig = replace(rig, hidden=rig.hidden._replace(dead_time=dead))
+    folder = tmp_path_factory.mktemp("rigs") / "late"
+    record(rig, folder, short=True)
+    return rig, trace_campaign(load_campaign(folder), built_in("flexion"))
+
+
+def test_on_a_rig_with_dead_time_the_retuned_pi_settles_where_the_declared_one_does_not_hold(late):
+    rig, trace = late
+    control = retune(
+        trace.fit.fitted, trace.revised, rig.closed_loop, "the rig that was measured", COARSE, starts=1
+    )
+    old, new = control.declared.judged, control.revised.judged
+    assert old.oscillates or "overshoot_percent" in old.broken
+    assert new.settling_time_s < 4.0
+    assert not new.broken
+    assert not new.oscillates
+    assert new.iae_deg_s < old.iae_deg_s
+    assert "delay_margin_s" in control.declared.broken
+    assert not control.revised.broken
+    words = control_sentence(control)
+    assert words.startswith("On the rig that was measured, the PI tuned on the declared wrist (Kp ")
+    assert "holds every limit" in words
+
+
+def test_a_plant_that_cannot_reach_the_step_is_said_in_one_line():
+    control = retune(
+        built_in("flexion"), with_effect(HardStop, low=-90.0, high=11.0), region=Region(points=5), starts=1
+    )
+    assert control.revised.tuning is None
+    assert control.revised.judged is None
+    words = control_sentence(control)
+    assert "\n" not in words
+    assert "the end stop at +11 deg keeps the wrist from holding" in words
+    assert control_record(control)["revised"]["Kp"] is None
+
+
+def test_what_was_not_revised_is_tuned_once_and_stands():
+    plant = built_in("flexion")
+    control = retune(plant, plant, region=Region(points=6), starts=1)
+    assert control.same
+    assert control.declared is control.revised
+    assert "stands" in control_sentence(control)
+
+
+def test_a_drift_of_the_sensor_is_left_out_of_the_tuning_but_not_of_the_judgement():
+    plant = with_effect(Drift, rate=0.1)
+    control = retune(built_in("flexion"), plant, region=Region(points=6), starts=1)
+    assert control.left_out == ("gyro-drift",)
+    assert control.revised.refusal is None
+    assert control.revised.tuning.Kp == pytest.approx(control.declared.tuning.Kp)
+    assert "steady_error_percent" in control.revised.judged.broken
+    assert "gyro-drift" in control_sentence(control)
+
+
+@pytest.mark.parametrize("gains", [(3.0, 10.0), (12.0, 60.0)])
+def test_a_step_is_judged_as_the_tuner_judges_it(gains):
+    plant = with_effect(DeadTime, delay=0.05)
+    wrist = Wrist.of(plant)
+    pi = PI(*gains, wrist.regulator.gain, wrist.hysteresis.rest_pressure)
+    metrics, _, _ = run(wrist, pi, 15.0)
+    held = wrist.hysteresis.rest_pressure / wrist.regulator.gain
+    found = judged(simulated(wrist)(*gains).run, Limits(), held)
+    assert found.iae_deg_s == pytest.approx(float(metrics.iae_deg_s[0]))
+    assert found.overshoot_percent == pytest.approx(float(metrics.overshoot_percent[0]))
+    assert found.settling_time_s == pytest.approx(float(metrics.settling_time_s[0]))
+    assert found.total_variation_V == pytest.approx(float(metrics.total_variation_V[0]))
+    assert found.steady_error_deg >= float(metrics.steady_state_error_deg[0])
+
+
+def test_a_loop_that_goes_on_swinging_oscillates_and_one_that_rings_down_does_not():
+    time = np.arange(10_000) * 1e-3
+    swing = np.sin(2.0 * np.pi * time)
+    for angle, oscillates in ((15.0 + swing, True), (15.0 + 5.0 * swing * np.exp(-time), False)):
+        found = judged(Response(time, angle, np.full(10_000, 2.0)), Limits(), 2.0)
+        assert found.oscillates is oscillates
+        assert np.isinf(found.settling_time_s) == oscillates
+
+
+def test_a_step_that_never_settles_is_null_in_json():
+    plant = with_effect(Drift, rate=0.1)
+    control = retune(plant, plant, region=Region(points=5), starts=1)
+    assert '"settling_time_s": null' in json_text(control_record(control))

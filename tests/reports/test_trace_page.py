@@ -1,0 +1,208 @@
+"""The page of a trace is one file that says what was found, on what evidence, and what is open."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_comparison_page import Page
+
+from plants import built_in
+from plants.measured.campaign import load_campaign
+from plants.measured.trace.learnt import Curve, Learnt
+from plants.measured.trace.trace import trace_campaign
+from reports.html import Made
+from reports.trace_page import draw_all, shown_channels, trace_page
+from reports.trace_record import trace_record
+from reports.trace_residual_figures import means, telling, thinned
+from reports.trace_words import depends, verdict_sentence
+from tests.rig.campaign import make_campaign
+
+
+@pytest.fixture(scope="module")
+def creeping(tmp_path_factory):
+    """The trace of a short campaign of a rig that creeps."""
+    folder = tmp_path_factory.mktemp("rigs") / "creeping"
+    make_campaign(folder, "flexion", ["creep"], seed=3, short=True, variants={"creep": 1})
+    return trace_campaign(load_campaign(folder), built_in("flexion"))
+
+
+def stripped(trace, **changes):
+    """The same trace with nothing added: effects were tried and did not help."""
+    declared = {"effects": (), "revised": trace.fit.fitted, "after": trace.before}
+    return replace(trace, after_interval=trace.before_interval, **{**declared, **changes})
+
+
+@pytest.fixture(scope="module")
+def unexplained(creeping):
+    """The same with creep tried and not adopted, and something left."""
+    regulator, wrist = creeping.stages
+    at = np.linspace(-20.0, 20.0, 60)
+    learnt = Learnt(("angle_deg",), 0.4, (Curve("angle_deg", at, 0.1 * np.sin(at)),))
+    after = replace(wrist.before, depends_on=("angle_deg", "events"))
+    left = replace(wrist, explained=False, learnt=learnt, after=after)
+    return stripped(creeping, verdict="unexplained", stages=(regulator, left), remarks=("Tried & dropped.",))
+
+
+@pytest.fixture(scope="module")
+def made(creeping):
+    c = creeping.campaign
+    return Made.now("wrist trace <c>", 7, {c.axis: creeping.revised}, {c.name: c.checksum})
+
+
+@pytest.fixture(scope="module")
+def page(creeping, made):
+    return Page(trace_page(creeping, made))
+
+
+def test_the_page_loads_nothing_from_elsewhere_and_its_links_lead_somewhere(page):
+    tags = [t for t, _ in page.tags]
+    assert not {"script", "link", "iframe", "img", "object", "embed"} & set(tags)
+    ids = [a["id"] for _, a in page.tags if "id" in a]
+    assert len(ids) == len(set(ids))
+    for _, attributes in page.tags:
+        for key in ("src", "href", "xlink:href", "data"):
+            target = attributes.get(key) or "#"
+            assert target.startswith("#")
+            assert target == "#" or target[1:] in ids
+
+
+def test_it_opens_with_the_verdict_in_one_sentence(page, creeping):
+    said = verdict_sentence(creeping)
+    assert said.startswith("The wrist creeps: with creep (one time constant) added, the angle error on ")
+    assert said in page.text[page.text.index("}") :].split("Errors before and after")[0]
+
+
+def test_it_shows_errors_evidence_parameters_and_provenance(page, creeping):
+    for name, p in creeping.revised.parameters.items():
+        assert name in page.text
+        assert p.unit in page.text
+    for words in (
+        "On blocks left out",
+        "Round 1: creep taken",
+        "Took no part",
+        "sine.csv",
+        "conditional mean",
+    ):
+        assert words in page.text
+    for name in creeping.cannot_judge:
+        assert name in page.text
+    assert creeping.campaign.checksum in page.text
+    assert "Seed 7" in page.text
+    assert "Synthetic" not in page.text
+    assert "nan" not in re.findall(r"[a-z]+", page.text.lower())
+
+
+def test_every_figure_has_data_labels_with_units_and_a_description(creeping, page):
+    drawn = draw_all(creeping)
+    assert {"errors", "fit-angle", "loop", "left-wrist", "left-regulator", "ranking-wrist"} <= set(drawn)
+    assert sum(t == "svg" for t, _ in page.tags) == len(drawn)
+    for name, figure in drawn.items():
+        for axes in figure.axes:
+            assert axes.lines or axes.patches or axes.collections, name
+        labels = [x for a in figure.axes for x in (a.get_xlabel(), a.get_ylabel()) if x]
+        assert labels, name
+        assert all(re.search(r"\[.+\]", x) for x in labels), (name, labels)
+
+
+def test_the_noise_is_drawn_where_the_errors_are_judged(creeping):
+    figure = draw_all(creeping)["errors"]
+    angle = next(a for a in figure.axes if a.get_title(loc="left") == "Angle")
+    verticals = [line.get_xdata()[0] for line in angle.lines if line.get_linestyle() == "--"]
+    assert verticals == [pytest.approx(creeping.noise["angle_deg"])]
+
+
+def test_the_pressure_is_drawn_over_time_only_where_something_was_found_in_it(creeping):
+    assert shown_channels(creeping) == ["angle_deg"]
+    regulator = replace(creeping.stages[0], explained=False)
+    assert shown_channels(replace(creeping, stages=(regulator, creeping.stages[1]))) == [
+        "angle_deg",
+        "pressure_kPa",
+    ]
+
+
+def test_what_no_effect_explains_is_described_and_not_called_a_cause(unexplained, made):
+    text = Page(trace_page(unexplained, made)).text
+    assert "What no effect explains of the angle" in text
+    assert "a description, not a cause" in text.lower()
+    assert "depends on the angle, and jumps now and then" in text
+    assert "Tried & dropped." in text
+    assert "With what was tried (creep)" in text
+
+
+def test_the_record_says_what_is_left_and_on_what_it_depends(unexplained):
+    record = trace_record(unexplained)
+    left = record["unexplained"]
+    assert (left["stage"], left["depends_on"]) == ("wrist", ["angle_deg", "events"])
+    assert left["learnt"]["variables"] == ["angle_deg"]
+    assert left["learnt"]["note"] == "a description, not a cause"
+    assert "stages" not in left
+    assert record["effects"] == []
+    both = replace(unexplained, stages=tuple(replace(s, explained=False) for s in unexplained.stages))
+    assert trace_record(both)["unexplained"]["stages"] == ["regulator", "wrist"]
+    assert trace_record(both)["unexplained"]["stage"] == "regulator"
+
+
+def test_the_verdicts_read_well(creeping, unexplained):
+    nothing = stripped(creeping, verdict="nothing-missing")
+    assert verdict_sentence(nothing).startswith("Nothing is missing: on the recordings that took no part")
+    left = verdict_sentence(unexplained)
+    assert left.startswith("Something is left that none of the 14 effects explains: the angle error on ")
+    assert left.endswith("; what is left depends on the angle, and jumps now and then.")
+    tied = replace(creeping.effects[0], alternatives=("load-step", "softening"))
+    said = verdict_sentence(replace(creeping, effects=(tied,)))
+    assert said.endswith("; these recordings do not tell creep from load-step or softening.")
+
+
+def test_a_channel_that_was_not_logged_is_null(creeping):
+    def without(errors):
+        return {**errors, "pressure_kPa": None}
+
+    blind = replace(
+        creeping,
+        before=without(creeping.before),
+        after=without(creeping.after),
+        fit=replace(creeping.fit, noise=without(creeping.noise)),
+    )
+    record = trace_record(blind)
+    assert record["before"]["pressure_rmse_kPa"] is None
+    assert record["noise_floor"] == {"angle_deg": creeping.noise["angle_deg"], "pressure_kPa": None}
+    assert len(draw_all(blind)["errors"].axes) == 1
+
+
+def test_the_same_trace_makes_the_same_page(creeping, made):
+    assert trace_page(creeping, made) == trace_page(creeping, made)
+
+
+def test_a_remainder_of_a_hum_or_nothing_reads_well():
+    assert depends(["periodic at 2.31 Hz"]) == "what is left is periodic at 2.31 Hz"
+    assert (
+        depends(["direction", "flow_l_min"])
+        == "what is left depends on the direction of motion and flow_l_min"
+    )
+
+
+def test_the_most_telling_variables_come_first(creeping):
+    stage = creeping.stages[1]
+    found = telling(stage)
+    assert 1 <= len(found) <= 4
+    worst = max(
+        (
+            f
+            for f in stage.before.findings
+            if f.test == "conditional mean" and f.variable in stage.before.curves
+        ),
+        key=lambda f: f.statistic / f.bound,
+    )
+    assert found[0] == worst.variable
+
+
+def test_means_in_bins_and_a_thinned_spectrum_keep_the_mean(creeping):
+    x = np.repeat(np.arange(10.0), 30)
+    at, mean = means(x, 2.0 * x)
+    np.testing.assert_allclose(mean, 2.0 * at)
+    assert at.size == 10
+    curve = creeping.stages[1].before.curves["spectrum"]
+    f, power = thinned(replace(curve, mean=np.ones_like(curve.mean)))
+    np.testing.assert_allclose(power, 1.0)
+    assert np.all(np.diff(f) > 0.0)
