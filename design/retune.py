@@ -76,7 +76,7 @@ class Response:
 class Judged:
     """What a PI did on the judge in one step from rest, by the true angle.
 
-    iae_deg_s; overshoot_percent of the step; settling_time_s into 2 % for good, infinite if never;
+    iae_deg_s; overshoot_percent of the step; settling_time_s into 2 % for good, infinite if never or if it oscillates;
     steady_error_deg: largest error over the last second; total_variation_V: travel of the command,
     a rig's noise included; oscillates: three swings of 5 % or more in the second half;
     broken: limits that the step breaks, travel of the command only counted where there is no noise.
@@ -201,7 +201,9 @@ def simulated(wrist: Wrist) -> Judge:
         pi = PI(Kp, Ki, wrist.regulator.gain, wrist.hysteresis.rest_pressure)
         _, _, t = run(wrist, pi, STEP, record=True)
         assert t is not None
-        return Response(t.time, t.angle[:, 0], t.command[:, 0])
+        return Response(
+            t.time[:-1], t.angle[:-1, 0], t.command[:-1, 0]
+        )  # the last row is after the last sample
 
     return play
 
@@ -219,14 +221,15 @@ def judged(signals: Signals, limits: Limits, held: float, step: float = STEP) ->
         "total_variation_V": float(np.abs(np.diff(command, prepend=held)).sum()),
         "steady_error_percent": 100.0 * float(np.abs(error[time > time[-1] - LAST]).max()) / abs(step),
     }
+    oscillates = _turns(angle[len(angle) // 2 :: 10], SWING * abs(step)) >= SWINGS
     return Judged(
         Response(time, angle, command),
         float(np.abs(error).sum() * dt),
         values["overshoot_percent"],
-        settled * dt if settled < len(time) else float("inf"),
+        settled * dt if settled < len(time) and not oscillates else float("inf"),
         0.01 * abs(step) * values["steady_error_percent"],
         values["total_variation_V"],
-        _turns(angle[len(angle) // 2 :: 10], SWING * abs(step)) >= SWINGS,
+        oscillates,
         tuple(n for n, value in values.items() if n in limits.named and value > ROUNDING * limits.named[n]),
     )
 

@@ -171,6 +171,7 @@ def _dots(axes: "Axes", left: Sequence[Remainder], variable: str) -> None:
 def means(x: Array, y: Array) -> tuple[Array, Array]:
     """Means of x and y in bins of equally many rows along x; of fewer where values of x repeat."""
     order = np.argsort(x, kind="stable")
-    edges = np.unique(np.searchsorted(x[order], np.quantile(x, np.linspace(0.0, 1.0, BINS + 1))))
+    starts = np.searchsorted(x[order], np.quantile(x, np.arange(BINS) / BINS))
+    edges = np.unique([*starts, x.size])
     pieces = [order[a:b] for a, b in pairwise(edges)]
     return np.array([x[p].mean() for p in pieces]), np.array([y[p].mean() for p in pieces])

@@ -44,13 +44,13 @@ def test_a_clipped_sensor_is_refused(spoiled):
 
 def test_a_gap_inside_a_recording_is_refused(spoiled):
     folder = spoiled("steps.csv", lambda t: t.drop(index=range(300, 360)))
-    with pytest.raises(InputError, match="gap of .* split the recording there"):
+    with pytest.raises(InputError, match=r"gap of .* split the recording there"):
         trace_folder(folder)
 
 
 def test_the_same_rows_in_fit_and_validate_are_refused(spoiled, plain):
     folder = spoiled("sine.csv", lambda t: pd.read_csv(plain / "steps.csv"))
-    with pytest.raises(InputError, match="holds the same rows as 'steps.csv'"):
+    with pytest.raises(InputError, match=r"holds the same rows as"):
         load_campaign(folder)
 
 
