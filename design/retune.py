@@ -76,7 +76,8 @@ class Response:
 class Judged:
     """What a PI did on the judge in one step from rest, by the true angle.
 
-    iae_deg_s; overshoot_percent of the step; settling_time_s into 2 % for good, infinite if never or if it oscillates;
+    iae_deg_s; overshoot_percent of the step; settling_time_s into 2 % for good, infinite if never or
+    if it oscillates;
     steady_error_deg: largest error over the last second; total_variation_V: travel of the command,
     a rig's noise included; oscillates: three swings of 5 % or more in the second half;
     broken: limits that the step breaks, travel of the command only counted where there is no noise.

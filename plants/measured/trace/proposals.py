@@ -13,6 +13,9 @@ Array = NDArray[np.float64]
 FREQUENCIES = (0.15, 0.45)
 """Lowest frequency looked for [Hz], and the highest as a share of the rate of the log."""
 
+FROM_REMAINDER = ("periodic-disturbance", "load-step")
+"""Effects whose trial values come from the remainder, and are as small as it is."""
+
 MOMENTS = 0.5
 """Spacing [s] of the moments at which a step is looked for."""
 

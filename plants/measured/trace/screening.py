@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.trace.model import Model
-from plants.measured.trace.proposals import trials
+from plants.measured.trace.proposals import FROM_REMAINDER, trials
 from plants.measured.trace.stage import WILD, Form
 
 Array = NDArray[np.float64]
@@ -112,7 +112,8 @@ class Screen:
         grid = trials(form, self.model)
         best, drop, seen = grid[0], -1.0, []
         # How much it could show does not depend on what the remainder suggests.
-        plain = self.cleared(self.responses(form, list(form.trials())))
+        sized = grid if form.NAME not in FROM_REMAINDER else []
+        plain = self.cleared(self.responses(form, [*form.trials(), *sized]))
         power = float(np.mean(plain**2, axis=0).max())
         for round_ in range(ROUNDS + 1):
             responses = self.cleared(self.responses(form, grid))
