@@ -32,6 +32,9 @@ SWING, SWINGS = 0.05, 3
 ON_REVISED = "the revised plant, since only data is at hand"
 """What both PIs are run on where no rig is given."""
 
+ON_FITTED = "the fitted plant, since only data is at hand"
+"""The same where nothing was revised."""
+
 ROUNDING = 1.0005
 """A tuned optimum lies on its limit; half a per mille keeps rounding from breaking it."""
 
@@ -154,7 +157,9 @@ def retune(
         limits = problems[1].limits if judge is None else replace(problems[1].limits, total_variation_V=None)
         seen = None if step is None else judged(step, limits, held)
         sides.append(Side(name, found, no, seen, _breaks(found, problems[1])))
-    return Control(sides[0], sides[-1], ON_REVISED if judge is None else where, same, _in_sensor(revised))
+    if judge is None:
+        where = ON_FITTED if same else ON_REVISED
+    return Control(sides[0], sides[-1], where, same, _in_sensor(revised))
 
 
 def _tuned(

@@ -139,3 +139,12 @@ def control(control: Control) -> str:
         f"A step of {STEP:g} deg from rest on {control.judge}, under {which}: angle of the joint with the "
         f"band of ±{100 * SETTLING_BAND:g} %, and command."
     )
+
+
+def versions() -> str:
+    """Python and the packages that computed a trace, with their versions."""
+    from importlib.metadata import version
+    from platform import python_version
+
+    packages = ("numpy", "scipy", "numba", "casadi", "scikit-learn")
+    return ", ".join([f"Python {python_version()}", *(f"{p} {version(p)}" for p in packages)])

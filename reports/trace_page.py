@@ -102,7 +102,7 @@ def _page(trace: Trace, made: Made, control: Control | None, drawn: Mapping[str,
         judge=tables.judge_table(trace.cannot_judge) if trace.cannot_judge else None, count=len(EFFECTS),
         unexplained=[_unexplained(s, bool(trace.effects), shown) for s in trace.unexplained],
         control=None if control is None else _control(trace, control, drawn, shown),
-        made=made,
+        versions=captions.versions(), made=made,
     )  # fmt: skip
 
 

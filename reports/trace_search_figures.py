@@ -60,7 +60,7 @@ def _round(axes: "Axes", round_: Round, best: list[Ranked]) -> None:
             words += ", taken"
         place = (max(r.drop, 2.0 * r.chance), y)
         axes.text(*place, words, fontsize=8.5, va="center", bbox=BOX if words else None)
-    axes.axvline(WORTH, color=VERMILLION, linestyle=DASHED, linewidth=1.1, zorder=0)
+    axes.axvline(WORTH, color=VERMILLION, linestyle=DASHED, linewidth=1.1, zorder=2.5)
     axes.set_xscale("log")
     axes.set_yticks(range(len(best)), [r.name for r in best])
     axes.set_ylim(len(best) - 0.4, -0.6)

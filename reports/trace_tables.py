@@ -7,7 +7,7 @@ from plants.measured.problem import measured
 from plants.measured.residual.examine import Examination, Finding
 from plants.measured.trace.choose import Round
 from plants.measured.trace.trace import Played, Trace
-from plants.quantities import Assumed, Fitted, kind_of
+from plants.quantities import Assumed, Fitted, Provenance, kind_of
 from reports.comparison_tables import CHANNELS, provenance
 from reports.tables import Cell, Column, Group, Table, fixed, number, row, with_error
 from reports.trace_words import VARIABLES, limits_words
@@ -86,37 +86,49 @@ def parameter_table(trace: Trace) -> Table:
     for name, p in revised.parameters.items():
         origin = p.provenance
         value = with_error(p.value, origin.std_error) if isinstance(origin, Fitted) else number(p.value, 4)
+        before = [number(declared[name].value, 4) if name in declared else "–"] if revised.effects else []
         cells = row(
-            name, kind_of(name, revised.effects).meaning, p.unit,
-            number(declared[name].value, 4) if name in declared else "–", value,
-            Cell(provenance(origin), marked=isinstance(origin, Assumed)),
+            name, kind_of(name, revised.effects).meaning, p.unit, *before, value,
+            Cell(_where_from(origin), marked=isinstance(origin, Assumed)),
         )  # fmt: skip
         (rows if name in declared else effects).append(cells)
-    columns = (
-        Column("Name", number=False), Column("Meaning", number=False), Column("Unit", number=False),
-        Column("Declared wrist"), Column("Revised plant"), Column("Where from", number=False),
-    )  # fmt: skip
-    groups = [Group("Effects", tuple(effects), tuple(range(len(effects))))] if effects else []
-    return Table(columns, (*groups, Group("Declared parameters, fitted together", tuple(rows))))
+    columns = [Column("Name", number=False), Column("Meaning", number=False), Column("Unit", number=False)]
+    columns += [Column("Declared wrist"), Column("Revised plant")] if revised.effects else [Column("Value")]
+    columns.append(Column("Where from", number=False))
+    if not effects:
+        return Table(tuple(columns), (Group("", tuple(rows)),))
+    first = Group("Effects", tuple(effects), tuple(range(len(effects))))
+    return Table(tuple(columns), (first, Group("Declared parameters, fitted together", tuple(rows))))
+
+
+def _where_from(origin: Provenance) -> str:
+    if isinstance(origin, Fitted) and origin.std_error is None:
+        return "fitted, at a bound or not determined"
+    return provenance(origin)
 
 
 def finding_table(before: Examination, after: Examination) -> Table:
     """The tests that found most, with their bounds, before the effects and after."""
-    kept = {(f.test, f.variable.split(" at ")[0]): f for f in after.findings}
-    rows = []
+    both = after is not before
+    kept = {_key(f): f for f in after.findings}
     order = sorted(before.findings, key=lambda f: (f.test == "whiteness", -strength(f)))
+    rows = []
     for f in order[:SHOWN] + [f for f in order[SHOWN:] if f.test == "whiteness"]:
-        now = kept.get((f.test, f.variable.split(" at ")[0]))
-        rows.append(row(
-            f.test, seen_words(f.variable), number(f.bound),
-            _found(f), "–" if now is None else _found(now),
-            _share(f), "–" if now is None else _share(now),
-        ))  # fmt: skip
+        sides = [f, *([kept.get(_key(f))] if both else [])]
+        found = ["–" if s is None else _found(s) for s in sides]
+        shares = ["–" if s is None else _share(s) for s in sides]
+        rows.append(row(f.test, seen_words(f.variable), number(f.bound), *found, *shares))
+    words = (("Before", "After"), ("Share before", "Share after")) if both else (("Found",), ("Share",))
     columns = (
-        Column("Test", number=False), Column("Looks at", number=False), Column("Bound"), Column("Before"),
-        Column("After"), Column("Share before", "%"), Column("Share after", "%"),
+        Column("Test", number=False), Column("Looks at", number=False), Column("Bound"),
+        *(Column(w) for w in words[0]), *(Column(w, "%") for w in words[1]),
     )  # fmt: skip
     return Table(columns, (Group("", tuple(rows)),))
+
+
+def _key(f: Finding) -> tuple[str, str]:
+    """What tests of two remainders have in common; the frequency of a line may differ."""
+    return f.test, f.variable.split(" at ")[0]
 
 
 def strength(finding: Finding) -> float:

@@ -48,6 +48,9 @@ VARIABLES = {
 }
 """Variables that a remainder may depend on, for people; a channel of the user's own keeps its name."""
 
+SLOW = 1.25
+"""Noise that is this many times as large as its floor, which is taken from row to row, is slow."""
+
 BEHAVES = {"events": "jumps now and then", "changing size": "changes in size", "offset": "has an offset"}
 """What else a remainder may do."""
 
@@ -55,17 +58,27 @@ BEHAVES = {"events": "jumps now and then", "changing size": "changes in size", "
 def verdict_sentence(trace: Trace) -> str:
     """The verdict in one sentence, with the errors that it rests on."""
     if trace.verdict == "nothing-missing":
-        left = _and(f"{_amount(trace.before[c], c)} of the {_channel(c)}" for c in _logged(trace))
-        noise = _and(_amount(trace.noise[c], c) for c in _logged(trace))
-        return (
-            f"Nothing is missing: on the recordings that took no part the declared wrist is off by {left}, "
-            f"and the noise is {noise}."
-        )
+        return _nothing(trace)
     if trace.verdict == "explained":
         said = f"{_happens(trace.effects)}: with {added(trace.effects)} added, {_falls(trace)}"
         either = [f"{e.name} from {' or '.join(e.alternatives)}" for e in trace.effects if e.alternatives]
         return f"{said}{f'; these recordings do not tell {_and(either)}' if either else ''}."
     return _unexplained(trace)
+
+
+def _nothing(trace: Trace) -> str:
+    logged = _logged(trace)
+    left = _and(f"{_amount(trace.before[c], c)} of the {_channel(c)}" for c in logged)
+    noise = _and(_amount(trace.noise[c], c) for c in logged)
+    slow = [_channel(c) for c in logged if (trace.before[c] or 0.0) > SLOW * (trace.noise[c] or 0.0)]
+    said = (
+        f"Nothing is missing: on the recordings that took no part the declared wrist is off by {left}, "
+        f"and the noise is {noise}"
+    )
+    if slow:
+        said = said.replace(", and the noise is", ", successive rows scatter by")
+        said += f"; what is left of the {_and(slow)} has no more structure than slow noise"
+    return f"{said}."
 
 
 def _unexplained(trace: Trace) -> str:

@@ -66,7 +66,7 @@ def command(
         said.print(f"\n{_control_words(control, refusal)}", markup=False)
     if save is not None:
         dump(trace.revised, save)
-        said.print(f"revised plant in {save}", markup=False)
+        said.print(f"plant in {save}", markup=False)
     if out is not None:
         said.print(f"page in {_write_page(out, trace, control, seed)}", markup=False)
     write_json(json, trace_record(trace, _control_record(control, refusal) if retune else None))

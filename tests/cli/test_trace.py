@@ -9,6 +9,7 @@ import pytest
 
 import design.retune
 from design.cli import main, trace
+from design.requirements import default_problem
 from design.tuning import Region, tune
 from plants import InputError
 from plants.quantities import load
@@ -19,9 +20,14 @@ from tests.rig.campaign import make_campaign
 KEYS = {"axis", "verdict", "before", "after", "noise_floor", "effects", "unexplained", "cannot_judge"}
 
 
+def quick_problem(wrist, jobs=None):
+    """Tuning on the nominal step alone."""
+    return default_problem(wrist, nominal=True, jobs=jobs)
+
+
 def quick_tune(problem, region=None, starts=5, seed=0, progress=None):
     """Tuning on a coarse map."""
-    return tune(problem, Region(points=6), 1, seed, progress)
+    return tune(problem, Region(points=8), 1, seed, progress)
 
 
 def run(*arguments):
@@ -49,6 +55,7 @@ def answered(late, tmp_path_factory):
     place = tmp_path_factory.mktemp("out")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(design.retune, "tune", quick_tune)
+        patch.setattr(design.retune, "default_problem", quick_problem)
         code, out, err = run(
             "trace", late, "--json", "-", "--save", place / "deep" / "plant.toml", "--out", place / "page",
             "--retune",

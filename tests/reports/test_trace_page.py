@@ -18,12 +18,14 @@ from reports.trace_residual_figures import means, telling, thinned
 from reports.trace_words import depends, verdict_sentence
 from tests.rig.campaign import make_campaign
 
+BENT = "branch-curvature"
+
 
 @pytest.fixture(scope="module")
-def creeping(tmp_path_factory):
-    """The trace of a short campaign of a rig that creeps."""
-    folder = tmp_path_factory.mktemp("rigs") / "creeping"
-    make_campaign(folder, "flexion", ["creep"], seed=3, short=True, variants={"creep": 1})
+def bent(tmp_path_factory):
+    """The trace of a short campaign of a rig whose branches are curved."""
+    folder = tmp_path_factory.mktemp("rigs") / "bent"
+    make_campaign(folder, "flexion", [BENT], seed=21, short=True, variants={BENT: 1})
     return trace_campaign(load_campaign(folder), built_in("flexion"))
 
 
@@ -34,25 +36,30 @@ def stripped(trace, **changes):
 
 
 @pytest.fixture(scope="module")
-def unexplained(creeping):
-    """The same with creep tried and not adopted, and something left."""
-    regulator, wrist = creeping.stages
+def unexplained(bent):
+    """The same with the effect tried and not adopted, and something left."""
+    regulator, wrist = bent.stages
     at = np.linspace(-20.0, 20.0, 60)
     learnt = Learnt(("angle_deg",), 0.4, (Curve("angle_deg", at, 0.1 * np.sin(at)),))
     after = replace(wrist.before, depends_on=("angle_deg", "events"))
     left = replace(wrist, explained=False, learnt=learnt, after=after)
-    return stripped(creeping, verdict="unexplained", stages=(regulator, left), remarks=("Tried & dropped.",))
+    return stripped(bent, verdict="unexplained", stages=(regulator, left), remarks=("Tried & dropped.",))
 
 
 @pytest.fixture(scope="module")
-def made(creeping):
-    c = creeping.campaign
-    return Made.now("wrist trace <c>", 7, {c.axis: creeping.revised}, {c.name: c.checksum})
+def made(bent):
+    c = bent.campaign
+    return Made.now("wrist trace <c>", 7, {c.axis: bent.revised}, {c.name: c.checksum})
 
 
 @pytest.fixture(scope="module")
-def page(creeping, made):
-    return Page(trace_page(creeping, made))
+def text(bent, made):
+    return trace_page(bent, made)
+
+
+@pytest.fixture(scope="module")
+def page(text):
+    return Page(text)
 
 
 def test_the_page_loads_nothing_from_elsewhere_and_its_links_lead_somewhere(page):
@@ -67,34 +74,35 @@ def test_the_page_loads_nothing_from_elsewhere_and_its_links_lead_somewhere(page
             assert target == "#" or target[1:] in ids
 
 
-def test_it_opens_with_the_verdict_in_one_sentence(page, creeping):
-    said = verdict_sentence(creeping)
-    assert said.startswith("The wrist creeps: with creep (one time constant) added, the angle error on ")
+def test_it_opens_with_the_verdict_in_one_sentence(page, bent):
+    said = verdict_sentence(bent)
+    assert said.startswith("The branches of the loop are curved: with branch-curvature (")
+    assert ") added, the angle error on the recordings that took no part falls from " in said
     assert said in page.text[page.text.index("}") :].split("Errors before and after")[0]
 
 
-def test_it_shows_errors_evidence_parameters_and_provenance(page, creeping):
-    for name, p in creeping.revised.parameters.items():
+def test_it_shows_errors_evidence_parameters_and_provenance(page, bent):
+    for name, p in bent.revised.parameters.items():
         assert name in page.text
         assert p.unit in page.text
     for words in (
         "On blocks left out",
-        "Round 1: creep taken",
+        f"Round 1: {BENT} taken",
         "Took no part",
         "sine.csv",
         "conditional mean",
     ):
         assert words in page.text
-    for name in creeping.cannot_judge:
+    for name in bent.cannot_judge:
         assert name in page.text
-    assert creeping.campaign.checksum in page.text
+    assert bent.campaign.checksum in page.text
     assert "Seed 7" in page.text
     assert "Synthetic" not in page.text
     assert "nan" not in re.findall(r"[a-z]+", page.text.lower())
 
 
-def test_every_figure_has_data_labels_with_units_and_a_description(creeping, page):
-    drawn = draw_all(creeping)
+def test_every_figure_has_data_labels_with_units_and_a_description(bent, page):
+    drawn = draw_all(bent)
     assert {"errors", "fit-angle", "loop", "left-wrist", "left-regulator", "ranking-wrist"} <= set(drawn)
     assert sum(t == "svg" for t, _ in page.tags) == len(drawn)
     for name, figure in drawn.items():
@@ -105,17 +113,17 @@ def test_every_figure_has_data_labels_with_units_and_a_description(creeping, pag
         assert all(re.search(r"\[.+\]", x) for x in labels), (name, labels)
 
 
-def test_the_noise_is_drawn_where_the_errors_are_judged(creeping):
-    figure = draw_all(creeping)["errors"]
+def test_the_noise_is_drawn_where_the_errors_are_judged(bent):
+    figure = draw_all(bent)["errors"]
     angle = next(a for a in figure.axes if a.get_title(loc="left") == "Angle")
     verticals = [line.get_xdata()[0] for line in angle.lines if line.get_linestyle() == "--"]
-    assert verticals == [pytest.approx(creeping.noise["angle_deg"])]
+    assert verticals == [pytest.approx(bent.noise["angle_deg"])]
 
 
-def test_the_pressure_is_drawn_over_time_only_where_something_was_found_in_it(creeping):
-    assert shown_channels(creeping) == ["angle_deg"]
-    regulator = replace(creeping.stages[0], explained=False)
-    assert shown_channels(replace(creeping, stages=(regulator, creeping.stages[1]))) == [
+def test_the_pressure_is_drawn_over_time_only_where_something_was_found_in_it(bent):
+    assert shown_channels(bent) == ["angle_deg"]
+    regulator = replace(bent.stages[0], explained=False)
+    assert shown_channels(replace(bent, stages=(regulator, bent.stages[1]))) == [
         "angle_deg",
         "pressure_kPa",
     ]
@@ -127,7 +135,7 @@ def test_what_no_effect_explains_is_described_and_not_called_a_cause(unexplained
     assert "a description, not a cause" in text.lower()
     assert "depends on the angle, and jumps now and then" in text
     assert "Tried & dropped." in text
-    assert "With what was tried (creep)" in text
+    assert f"With what was tried ({BENT})" in text
 
 
 def test_the_record_says_what_is_left_and_on_what_it_depends(unexplained):
@@ -143,35 +151,41 @@ def test_the_record_says_what_is_left_and_on_what_it_depends(unexplained):
     assert trace_record(both)["unexplained"]["stage"] == "regulator"
 
 
-def test_the_verdicts_read_well(creeping, unexplained):
-    nothing = stripped(creeping, verdict="nothing-missing")
-    assert verdict_sentence(nothing).startswith("Nothing is missing: on the recordings that took no part")
+def test_the_verdicts_read_well(bent, unexplained):
+    nothing = stripped(bent, verdict="nothing-missing", before=bent.noise)
+    said = verdict_sentence(nothing)
+    assert said.startswith(
+        "Nothing is missing: on the recordings that took no part the declared wrist is off"
+    )
+    assert "slow" not in said
+    loud = verdict_sentence(replace(nothing, before=bent.before))
+    assert loud.endswith("; what is left of the angle has no more structure than slow noise.")
     left = verdict_sentence(unexplained)
     assert left.startswith("Something is left that none of the 14 effects explains: the angle error on ")
     assert left.endswith("; what is left depends on the angle, and jumps now and then.")
-    tied = replace(creeping.effects[0], alternatives=("load-step", "softening"))
-    said = verdict_sentence(replace(creeping, effects=(tied,)))
-    assert said.endswith("; these recordings do not tell creep from load-step or softening.")
+    tied = replace(bent.effects[0], alternatives=("end-stop", "softening"))
+    said = verdict_sentence(replace(bent, effects=(tied,)))
+    assert said.endswith("; these recordings do not tell branch-curvature from end-stop or softening.")
 
 
-def test_a_channel_that_was_not_logged_is_null(creeping):
+def test_a_channel_that_was_not_logged_is_null(bent):
     def without(errors):
         return {**errors, "pressure_kPa": None}
 
     blind = replace(
-        creeping,
-        before=without(creeping.before),
-        after=without(creeping.after),
-        fit=replace(creeping.fit, noise=without(creeping.noise)),
+        bent,
+        before=without(bent.before),
+        after=without(bent.after),
+        fit=replace(bent.fit, noise=without(bent.noise)),
     )
     record = trace_record(blind)
     assert record["before"]["pressure_rmse_kPa"] is None
-    assert record["noise_floor"] == {"angle_deg": creeping.noise["angle_deg"], "pressure_kPa": None}
+    assert record["noise_floor"] == {"angle_deg": bent.noise["angle_deg"], "pressure_kPa": None}
     assert len(draw_all(blind)["errors"].axes) == 1
 
 
-def test_the_same_trace_makes_the_same_page(creeping, made):
-    assert trace_page(creeping, made) == trace_page(creeping, made)
+def test_the_same_trace_makes_the_same_page(bent, made, text):
+    assert trace_page(bent, made) == text
 
 
 def test_a_remainder_of_a_hum_or_nothing_reads_well():
@@ -182,8 +196,8 @@ def test_a_remainder_of_a_hum_or_nothing_reads_well():
     )
 
 
-def test_the_most_telling_variables_come_first(creeping):
-    stage = creeping.stages[1]
+def test_the_most_telling_variables_come_first(bent):
+    stage = bent.stages[1]
     found = telling(stage)
     assert 1 <= len(found) <= 4
     worst = max(
@@ -197,12 +211,12 @@ def test_the_most_telling_variables_come_first(creeping):
     assert found[0] == worst.variable
 
 
-def test_means_in_bins_and_a_thinned_spectrum_keep_the_mean(creeping):
+def test_means_in_bins_and_a_thinned_spectrum_keep_the_mean(bent):
     x = np.repeat(np.arange(10.0), 30)
     at, mean = means(x, 2.0 * x)
     np.testing.assert_allclose(mean, 2.0 * at)
     assert at.size == 10
-    curve = creeping.stages[1].before.curves["spectrum"]
+    curve = bent.stages[1].before.curves["spectrum"]
     f, power = thinned(replace(curve, mean=np.ones_like(curve.mean)))
     np.testing.assert_allclose(power, 1.0)
     assert np.all(np.diff(f) > 0.0)

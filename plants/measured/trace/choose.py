@@ -19,6 +19,10 @@ WORTH = 0.05
 """Least fall of chi-square per row that an effect must bring.  With tens of thousands of rows far
 smaller ones are beyond doubt, but they are imperfections of a form as often as effects."""
 
+COLOURED = 25.0
+"""Chi-square up to which a remainder without structure may be slow noise whose floor was taken too low:
+noise with a memory of 0.2 s looks five times smaller than it is where the recordings have no stillness."""
+
 SHARE = 0.25
 """Least share of what chi-square has above 1 that an effect must take away."""
 
@@ -62,7 +66,8 @@ class Candidate:
     def lacks_something(self) -> bool:
         """Whether its remainder is large enough to look further, and more than stationary noise, which
         flexible effects could follow for a while."""
-        return self.model.chi2 > 1.0 + WORTH and self.examined.structured
+        large = self.model.chi2 > COLOURED
+        return self.model.chi2 > 1.0 + WORTH and (large or self.examined.structured)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from plants.measured.estimate import HUBER, standard_errors
 from plants.measured.fit import Fit, fit_campaign
 from plants.measured.playback import Playback
 from plants.measured.problem import first_begin, measured
-from plants.measured.trace.choose import search
+from plants.measured.trace.choose import COLOURED, search
 from plants.measured.trace.errors import free_run_errors, intervals, squares
 from plants.measured.trace.experiments import sentence, separate
 from plants.measured.trace.judge import alternatives, explained, logs_other, unexcited
@@ -33,9 +33,6 @@ from plants.wrist import Wrist
 Array = NDArray[np.float64]
 NEARLY = 1.05
 """A regulator whose chi-square per row is above this is not simulated well enough to drive the wrist."""
-
-COLOURED = 100.0
-"""Chi-square up to which a remainder without structure may be noise whose floor was taken too low."""
 
 REMAINS = 0.25
 """Share of its excess that an effect may leave and still be adopted where not all is explained."""
