@@ -20,8 +20,8 @@ WORTH = 0.05
 smaller ones are beyond doubt, but they are imperfections of a form as often as effects."""
 
 COLOURED = 25.0
-"""Chi-square up to which a remainder without structure may be slow noise whose floor was taken too low:
-noise with a memory of 0.2 s looks five times smaller than it is where the recordings have no stillness."""
+"""Chi-square above which even a remainder without structure is looked into: it may be slow noise whose
+floor was taken too low, or an effect in recordings too short for the tests to see it."""
 
 SHARE = 0.25
 """Least share of what chi-square has above 1 that an effect must take away."""

@@ -15,7 +15,7 @@ from plants.measured.estimate import HUBER, standard_errors
 from plants.measured.fit import Fit, fit_campaign
 from plants.measured.playback import Playback
 from plants.measured.problem import first_begin, measured
-from plants.measured.trace.choose import COLOURED, search
+from plants.measured.trace.choose import search
 from plants.measured.trace.errors import free_run_errors, intervals, squares
 from plants.measured.trace.experiments import sentence, separate
 from plants.measured.trace.judge import alternatives, explained, logs_other, unexcited
@@ -33,6 +33,10 @@ from plants.wrist import Wrist
 Array = NDArray[np.float64]
 NEARLY = 1.05
 """A regulator whose chi-square per row is above this is not simulated well enough to drive the wrist."""
+
+SLOW_NOISE = 100.0
+"""Chi-square up to which a remainder without structure, of which no effect takes a good part away, is
+slow noise whose floor was taken too low."""
 
 REMAINS = 0.25
 """Share of its excess that an effect may leave and still be adopted where not all is explained."""
@@ -133,7 +137,7 @@ def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: i
     model, blind = found.chosen.model, unexcited(declared, found.rounds[0].ranking)
     before, after = found.declared.examined, found.chosen.examined
     # Stationary sensor noise, however coloured, is not a missing effect.
-    good = explained(found) or (not after.structured and model.chi2 < COLOURED)
+    good = explained(found) or (not after.structured and model.chi2 < SLOW_NOISE)
     learnt = None if good else learn(remainders(model), _numeric(after.depends_on))
     return StageTrace(stage, found, before, after, good, blind, learnt)
 
