@@ -18,6 +18,7 @@ its laws; the method's name is the port of the wrist that it acts on.  The wrist
 ``s`` is the effect's state, ``before`` and ``after`` are the ends of the sample.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from itertools import product
@@ -67,7 +68,7 @@ def parameter(
 
 
 @dataclass(frozen=True)
-class Effect:
+class Effect(ABC):
     """Base of all effects.
 
     NAME: of the phenomenon, fixed; FORM: which of the functional forms that go
@@ -100,9 +101,9 @@ class Effect:
         """The effect with the parameters that `values` has of it, by their names in a wrist."""
         return cls(**{f.name: values[f"{cls.NAME}.{f.name}"] for f in fields(cls)})
 
+    @abstractmethod
     def sampled(self, wrist: Any, dt: float) -> Any:
         """Coefficients for a sample time `dt` [s] in a wrist; a NamedTuple with laws at ports."""
-        raise NotImplementedError
 
     def rest(self, wrist: Any, pressure: Number, angle: Number) -> Any:
         """State of the effect in a wrist at rest for long at a pressure [kPa] and a static angle [deg]."""

@@ -1,5 +1,6 @@
 """A rig: declared parameters, hidden effects and noise, and what it does in open or closed loop."""
 
+from abc import ABC, abstractmethod
 from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
@@ -57,7 +58,7 @@ class LoopResult(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Bench:
+class Bench(ABC):
     """What all rigs have: the motion, names of what they hide, noise, and the seed of all that is random."""
 
     axis: str
@@ -116,11 +117,11 @@ class Bench:
         """At the joint and at the sensor [deg], and what the noise is multiplied with; at 1 kHz."""
         return np.zeros(count), np.zeros(count), np.ones(count)
 
+    @abstractmethod
     def _columns(
         self, closed: bool, noisy: bool, controller: Controller, outside: Outside, substeps: int
     ) -> Signal:
         """Command, pressure, true angle, measured angle at every tick."""
-        raise NotImplementedError
 
     @property
     def common(self) -> dict[str, Any]:

@@ -42,7 +42,7 @@ def test_shares_no_code_with_the_project() -> None:
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             names += [node.module or "."] if isinstance(node, ast.ImportFrom) else []
             assert {name.split(".")[0] for name in names} <= {
-                "argparse", "collections", "dataclasses", "json", "math", "pathlib", "typing", "zlib",
+                "abc", "argparse", "collections", "dataclasses", "json", "math", "pathlib", "typing", "zlib",
                 "numba", "numpy", "pandas", "scipy", "tests",
             }  # fmt: skip
 
