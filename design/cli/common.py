@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
+    from plants.measured.campaign import Campaign
     from plants.quantities import ParameterSet
 
 
@@ -28,6 +29,11 @@ PlantOption = Annotated[
         help="Parameter set (TOML) in place of the built-in one, such as `wrist fit --save` writes."
     ),
 ]
+CampaignArgument = Annotated[Path, typer.Argument(help="Folder with campaign.toml and the recordings.")]
+StartOption = Annotated[
+    Path | None,
+    typer.Option("--plant", help="Parameter set to start from; the built-in one of the axis if not given."),
+]
 JsonOption = Annotated[
     Path | None, typer.Option("--json", help="Write the result as JSON to this file; - for stdout.")
 ]
@@ -41,6 +47,22 @@ def parameter_set(axis: Axis, plant: Path | None) -> "ParameterSet":
     from plants.quantities import built_in, load
 
     return load(plant) if plant else built_in(axis.value)
+
+
+def starting_set(data: "Campaign", plant: Path | None) -> "ParameterSet":
+    """The set that a fit starts from: the user's, or the built-in one of the campaign's axis."""
+    from plants.errors import InputError
+    from plants.quantities import built_in, load
+
+    if plant is not None:
+        return load(plant)
+    if data.axis in ("flexion", "deviation"):
+        return built_in(data.axis)
+    if data.stage == "regulator":  # any regulator: the built-in one, within what is possible at all
+        return built_in("flexion").unbounded()
+    raise InputError(
+        f"{data.name}: axis {data.axis!r} has no built-in parameters; give a set to start from with --plant"
+    )
 
 
 def console(json_path: Path | None) -> Any:

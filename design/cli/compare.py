@@ -107,7 +107,8 @@ def _plants(
     folders: list[Path], files: list[Path], seed: int, said: Any
 ) -> tuple[dict[str, "Fit"], dict[str, "ParameterSet"]]:
     """Fits of the campaigns, and the parameter set of each motion: fitted, given, or built in."""
-    from design.cli.fit import starting_set, tables
+    from design.cli.common import starting_set
+    from design.cli.fit import tables
     from plants.errors import InputError
     from plants.measured.campaign import load_campaign
     from plants.measured.fit import fit_campaign

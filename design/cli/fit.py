@@ -5,12 +5,20 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from design.cli.common import JsonOption, OutOption, SeedOption, console, progress, write_json
+from design.cli.common import (
+    CampaignArgument,
+    JsonOption,
+    OutOption,
+    SeedOption,
+    StartOption,
+    console,
+    progress,
+    starting_set,
+    write_json,
+)
 
 if TYPE_CHECKING:
-    from plants.measured.campaign import Campaign
     from plants.measured.fit import Fit
-    from plants.quantities import ParameterSet
 
 NAME = "fit"
 HELP = "Fit the wrist to a measured campaign, and report the error on recordings that took no part."
@@ -18,11 +26,8 @@ EXAMPLE = "Example: wrist fit plants/measured/examples/flexion --save build/fitt
 
 
 def command(
-    campaign: Annotated[Path, typer.Argument(help="Folder with campaign.toml and the recordings.")],
-    plant: Annotated[
-        Path | None,
-        typer.Option(help="Parameter set to start from; the built-in one of the axis if not given."),
-    ] = None,
+    campaign: CampaignArgument,
+    plant: StartOption = None,
     save: Annotated[
         Path | None, typer.Option(help="Write the fitted set as TOML, for the other commands.")
     ] = None,
@@ -53,22 +58,6 @@ def command(
         save_figure(draw_fit(fitted), path)
         said.print(f"picture in {path}")
     write_json(json, fit_record(fitted))
-
-
-def starting_set(data: "Campaign", plant: Path | None) -> "ParameterSet":
-    """The set that a fit starts from: the user's, or the built-in one of the campaign's axis."""
-    from plants.errors import InputError
-    from plants.quantities import built_in, load
-
-    if plant is not None:
-        return load(plant)
-    if data.axis in ("flexion", "deviation"):
-        return built_in(data.axis)
-    if data.stage == "regulator":  # any regulator: the built-in one, within what is possible at all
-        return built_in("flexion").unbounded()
-    raise InputError(
-        f"{data.name}: axis {data.axis!r} has no built-in parameters; give a set to start from with --plant"
-    )
 
 
 def tables(fit: "Fit") -> list[Any]:

@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from design.cli.common import (
+    CampaignArgument,
     JobsOption,
     JsonOption,
     SeedOption,
+    StartOption,
     console,
     is_stdout,
     progress,
+    starting_set,
     write_json,
 )
 
@@ -26,11 +29,8 @@ EXAMPLE = "Example: wrist trace plants/measured/examples/flexion --out build/tra
 
 
 def command(
-    campaign: Annotated[Path, typer.Argument(help="Folder with campaign.toml and the recordings.")],
-    plant: Annotated[
-        Path | None,
-        typer.Option(help="Parameter set to start from; the built-in one of the axis if not given."),
-    ] = None,
+    campaign: CampaignArgument,
+    plant: StartOption = None,
     save: Annotated[
         Path | None, typer.Option(help="Write the revised plant as TOML, for the other commands' --plant.")
     ] = None,
@@ -47,7 +47,6 @@ def command(
     ] = None,
     jobs: JobsOption = None,
 ) -> None:
-    from design.cli.fit import starting_set
     from plants.measured.campaign import load_campaign
     from plants.measured.trace.trace import trace_campaign
     from plants.quantities import dump

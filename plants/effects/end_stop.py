@@ -81,11 +81,15 @@ _HIGH = parameter("deg", "upper stop", 0.0, 90.0, 90.0, (90.0, 26.0, 21.0, 16.0,
 _GIVE = parameter("1", "give: slope beyond the stop over the slope before", 0.0, 0.6, 0.0, (0.1,))
 
 
+@dataclass(frozen=True)
 class _Stop(Effect):
-    """What the forms share; each has its own fields."""
+    """What the forms share: stops at `low` and `high` [deg]."""
 
-    low: Number
-    high: Number
+    NAME = "end-stop"
+    STAGE = "wrist"
+
+    low: Number = _LOW
+    high: Number = _HIGH
 
     def obstacle(self, pressure: float, angle: float) -> str | None:
         beyond = float(np.clip(angle, self.low, self.high))
@@ -99,32 +103,28 @@ class _Stop(Effect):
 
 
 @dataclass(frozen=True)
+class _GivingStop(_Stop):
+    """Stops with some `give`."""
+
+    give: Number = _GIVE
+
+
+@dataclass(frozen=True)
 class HardStop(_Stop):
     """The joint cannot pass `low` and `high` [deg]."""
 
-    NAME = "end-stop"
     FORM = "hard"
-    STAGE = "wrist"
-
-    low: Number = _LOW
-    high: Number = _HIGH
 
     def sampled(self, wrist: Any, dt: float) -> SampledJointStop:
         return SampledJointStop(self.low, self.high, 0.0)
 
 
 @dataclass(frozen=True)
-class SpringStop(_Stop):
+class SpringStop(_GivingStop):
     """The joint meets a spring at `low` and `high` [deg]: in the end it goes on with a share `give` of
     the static angle, and gets there faster than it would without."""
 
-    NAME = "end-stop"
     FORM = "spring at the joint"
-    STAGE = "wrist"
-
-    low: Number = _LOW
-    high: Number = _HIGH
-    give: Number = _GIVE
 
     def sampled(self, wrist: Any, dt: float) -> SampledSpringStop:
         # The push lasts a sample, implicitly; exact where the joint comes to rest.
@@ -139,12 +139,8 @@ class SpringStop(_Stop):
 class PadStop(_Stop):
     """The joint meets a pad that pushes with the square of its compression, `push` [deg] at 1 deg."""
 
-    NAME = "end-stop"
     FORM = "progressive pad"
-    STAGE = "wrist"
 
-    low: Number = _LOW
-    high: Number = _HIGH
     push: Number = parameter("1/deg", "push of the pad at 1 deg of compression", 0.02, 100.0, 1.5)
 
     def sampled(self, wrist: Any, dt: float) -> SampledPadStop:
@@ -155,16 +151,10 @@ class PadStop(_Stop):
 
 
 @dataclass(frozen=True)
-class GivingStop(_Stop):
+class GivingStop(_GivingStop):
     """Beyond `low` and `high` [deg] the static angle goes on with a share `give` of its slope."""
 
-    NAME = "end-stop"
     FORM = "with some give"
-    STAGE = "wrist"
-
-    low: Number = _LOW
-    high: Number = _HIGH
-    give: Number = _GIVE
 
     def sampled(self, wrist: Any, dt: float) -> SampledStaticStop:
         return SampledStaticStop(self.low, self.high, self.give)
@@ -174,16 +164,10 @@ class GivingStop(_Stop):
 
 
 @dataclass(frozen=True)
-class CompliantStop(_Stop):
+class CompliantStop(_GivingStop):
     """The link beyond the stop gives: what is seen goes on with a share `give` of the joint's angle."""
 
-    NAME = "end-stop"
     FORM = "behind a compliant link"
-    STAGE = "wrist"
-
-    low: Number = _LOW
-    high: Number = _HIGH
-    give: Number = _GIVE
 
     def sampled(self, wrist: Any, dt: float) -> SampledSeenStop:
         return SampledSeenStop(self.low, self.high, self.give)

@@ -47,47 +47,49 @@ def _width(meaning: str) -> Any:
     return parameter("kPa", meaning, 0.0, 15.0, 0.0, (0.7, 1.5, 3.0, 5.0))
 
 
-@dataclass(frozen=True)
-class Latch(Effect):
-    """A change of the commanded pressure is taken up once it exceeds `width` [kPa], then in full."""
+class _DeadBand(Effect):
+    """What the forms share."""
 
     NAME = "regulator-deadband"
-    FORM = "latch"
     STAGE = "regulator"
+
+
+class _Holding(_DeadBand):
+    """Forms that hold a commanded pressure [kPa]."""
+
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Held:
+        return Held(pressure)
+
+
+@dataclass(frozen=True)
+class Latch(_Holding):
+    """A change of the commanded pressure is taken up once it exceeds `width` [kPa], then in full."""
+
+    FORM = "latch"
 
     width: Number = _width("change of the commanded pressure that is ignored")
 
     def sampled(self, wrist: Any, dt: float) -> SampledLatch:
         return SampledLatch(self.width)
 
-    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Held:
-        return Held(pressure)
-
 
 @dataclass(frozen=True)
-class Play(Effect):
+class Play(_Holding):
     """The regulator follows the commanded pressure at a distance of `width` [kPa], as with backlash."""
 
-    NAME = "regulator-deadband"
     FORM = "play"
-    STAGE = "regulator"
 
     width: Number = _width("distance at which the commanded pressure is followed")
 
     def sampled(self, wrist: Any, dt: float) -> SampledPlay:
         return SampledPlay(self.width)
 
-    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Held:
-        return Held(pressure)
-
 
 @dataclass(frozen=True)
-class ValveOverlap(Effect):
+class ValveOverlap(_DeadBand):
     """The valves stay shut while the pressure is within `width` [kPa] of the commanded one."""
 
-    NAME = "regulator-deadband"
     FORM = "valve overlap"
-    STAGE = "regulator"
 
     width: Number = _width("error of the pressure at which the valves stay shut")
 
