@@ -1,0 +1,174 @@
+"""What a plant may be: an interval for each parameter that is uncertain, with the reason for it.
+
+A box is where certificates about parameters are to hold, where samples are drawn and where the
+worst case is searched for.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.tasks import Spread
+from plants.errors import InputError
+from plants.quantities import Assumed, Fitted, Parameter, ParameterSet, kind_of, loop_problem
+from plants.wrist import Wrist
+
+Array = NDArray[np.float64]
+SIGMAS = 2.0
+"""Half-width of the interval of a fitted parameter, in standard errors."""
+
+RATES = 0.2
+"""Half-width of the intervals of an assumed regulator (its rates and e0), as a share; assumed."""
+
+
+TOGETHER = {"slopes": ("a1", "a2", "s"), "widths": ("w1", "w2")}
+"""Parameters that nobody measured vary together by one factor: drawn apart, lines 1 and 2 would cross."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """Bounds of a parameter, low < high, in its unit, and where they come from in words; or, where
+    `scaled` names parameters, of the factor by which these differ from the plant's."""
+
+    name: str
+    low: float
+    nominal: float
+    high: float
+    unit: str
+    why: str
+    scaled: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Box:
+    """Intervals of a plant's parameters; the others keep the values of `plant`."""
+
+    plant: ParameterSet
+    intervals: tuple[Interval, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the intervals, in order."""
+        return tuple(i.name for i in self.intervals)
+
+    @property
+    def wrist(self) -> Wrist:
+        """The plant itself."""
+        return Wrist.of(self.plant)
+
+    def values(self, shares: Array) -> dict[str, Array]:
+        """Parameters at places in the box: `shares` of shape (intervals, ...), 0 at the lower and 1 at
+        the upper end of each interval."""
+        found: dict[str, Array] = {}
+        for i, share in zip(self.intervals, np.asarray(shares, float), strict=True):
+            value = i.low + (i.high - i.low) * share
+            found |= {n: self.plant.values[n] * value for n in i.scaled} if i.scaled else {i.name: value}
+        return found
+
+    def at(self, shares: Array) -> Wrist:
+        """The wrist at a place in the box, or, with `shares` of shape (parameters, lanes), its lanes.
+
+        >>> from plants.quantities import built_in
+        >>> box = box_of(built_in("flexion"))
+        >>> float(box.at(np.full(len(box.names), 0.5)).Tw)
+        0.16
+        """
+        return self.wrist.with_values(**self.values(shares))
+
+    def bounds(self, name: str) -> tuple[float, float]:
+        """Least and largest value of a parameter in the box; the plant's own where it is certain."""
+        for i in self.intervals:
+            if name == i.name:
+                return i.low, i.high
+            if name in i.scaled:
+                return i.low * self.plant.values[name], i.high * self.plant.values[name]
+        return self.plant.values[name], self.plant.values[name]
+
+
+def box_of(
+    plant: ParameterSet,
+    spread: Spread | None = None,
+    sigmas: float = SIGMAS,
+    given: Mapping[str, tuple[float, float]] | None = None,
+) -> Box:
+    """The box of a parameter set: fitted parameters within `sigmas` standard errors (their correlations
+    left out), assumed ones (and the stated transit slope, which scales with the lines) within the shares
+    of `spread`, those of `given` within the bounds given there; what is stated has no interval.
+
+    Raises InputError for an unknown name, an empty or inverted interval, one outside what the kind of
+    parameter allows, and a box in which the loop runs backwards.
+    """
+    given = dict(given or {})
+    unknown = [n for n in given if n not in plant.parameters]
+    if unknown:
+        raise InputError(f"box: no parameter {unknown[0]!r}; one of {', '.join(plant.parameters)}")
+    shares = _shares(spread or Spread())
+    found: list[Interval] = []
+    groups: dict[str, tuple[str, ...]] = dict.fromkeys(TOGETHER, ())
+    for name, p in plant.parameters.items():
+        kind = kind_of(name, plant.effects)
+        if name in given:
+            low, high = given[name]
+            _refuse(name, low, high, kind.low, kind.high, p)
+            found.append(Interval(name, low, p.value, high, p.unit, "given"))
+            continue
+        half, why = _half_width(name, p, shares, sigmas)
+        group = next((g for g, of in TOGETHER.items() if name in of), None)
+        if group and why.startswith("assumed"):
+            groups[group] += (name,)
+            continue
+        low, high = max(p.value - half, kind.low), min(p.value + half, kind.high)
+        if low < high:
+            found.append(Interval(name, low, p.value, high, p.unit, why))
+    for group, names in groups.items():
+        share = shares[names[0]] if names else 0.0
+        if share > 0.0:
+            why = f"assumed: {', '.join(names)} within {100 * share:g} %, together"
+            found.append(Interval(group, 1.0 - share, 1.0, 1.0 + share, "1", why, names))
+    box = Box(plant, tuple(found))
+    _refuse_backwards(box)
+    return box
+
+
+def _shares(spread: Spread) -> dict[str, float]:
+    slopes = dict.fromkeys(("a1", "a2", "s"), spread.slope)
+    widths = dict.fromkeys(("w1", "w2"), spread.width)
+    return slopes | widths | {"Tw": spread.lag} | dict.fromkeys(("k_fast", "k_slow", "e0"), RATES)
+
+
+def _half_width(name: str, p: Parameter, shares: Mapping[str, float], sigmas: float) -> tuple[float, str]:
+    """Half-width of the interval of a parameter, 0 where it has none, and why it is that wide."""
+    if isinstance(p.provenance, Fitted) and p.provenance.std_error is not None:
+        return sigmas * p.provenance.std_error, f"{sigmas:g} standard errors, {p.provenance.data}"
+    share = shares.get(name, 0.0)
+    if isinstance(p.provenance, Fitted):
+        return share * abs(p.value), f"assumed: {100 * share:g} % of the value, fitted without standard error"
+    if isinstance(p.provenance, Assumed) or name == "s":
+        return share * abs(p.value), f"assumed: {100 * share:g} % of the value"
+    return 0.0, ""
+
+
+def _refuse(name: str, low: float, high: float, least: float, most: float, p: Parameter) -> None:
+    if not (np.isfinite(low) and np.isfinite(high)) or low >= high:
+        what = "inverted" if low > high else "empty"
+        raise InputError(f"box: {name} = {low:g}:{high:g} {p.unit} is {what}; give low:high with low < high")
+    if low < least or high > most:
+        raise InputError(f"box: {name} = {low:g}:{high:g} {p.unit} is outside {least:g} to {most:g}")
+    if not low <= p.value <= high:
+        raise InputError(
+            f"box: {name} = {low:g}:{high:g} {p.unit} does not hold the plant's own value {p.value:g}"
+        )
+
+
+def _refuse_backwards(box: Box) -> None:
+    """Raises InputError where the loop runs backwards at a corner of the box."""
+    loop = ("slopes", "widths", "a1", "a2", "s", "w1", "w2")
+    ends = [(0.0, 1.0) if i.name in loop else (0.5,) for i in box.intervals]
+    for corner in product(*ends):
+        values = {n: float(v) for n, v in box.values(np.array(corner)).items()}
+        words = loop_problem({**box.plant.values, **values})
+        if words:
+            raise InputError(f"box: {words} at a corner of the box; give a smaller one")

@@ -1,0 +1,120 @@
+"""The loop of PI and wrist without offsets: linear in the branch's slope, but for the regulator's rate.
+
+While the command is not clipped and the reference stands still, with
+
+    x = (r - y [deg],  h - y [deg],  q = gain v - P [kPa]),
+
+    dx/dt = a x + b(slope) k(q) q,     q = x[2],     k(q) between k_slow and k_fast,
+
+whatever the pressure, the offsets of the lines and the memory: only the slope of the branch that the
+wrist is on is left of the hysteresis.  On the virgin curve the slope is 0 (`BRANCHES` leaves it out).
+Sampled at 1 ms, by the laws that the simulator steps (`plants.regulator`, `plants.lag`),
+
+    x+ = sampled_a x + sampled_b(slope) share q,      share between share_slow and share_fast.
+
+Derivation: dy/dt = (h - y)/Tw; dh/dt = slope dP/dt; dP/dt = k(q) q; gain dv/dt = Kp d(r - y)/dt
++ Ki (r - y).  A sample within which a corner is passed has a slope between the two.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.pi import PI
+from plants import lag, regulator
+from plants.linear import BRANCHES, branch_slope
+from plants.wrist import SAMPLE_TIME, Wrist
+
+Array = NDArray[np.float64]
+
+STATES = ("r - y [deg]", "h - y [deg]", "gain v - P [kPa]")
+
+
+@dataclass(frozen=True)
+class LoopModel:
+    """A PI and a wrist as a switched loop of three states.
+
+    Kp [kPa/deg], Ki [kPa/(deg s)] as they act on the plant; slopes [deg/kPa] by branch; k_slow, k_fast
+    [1/s]; Tw [s]; dead_time [s]: of the plant's own tube, 0 for a declared wrist; left_out: effects of
+    the plant that this model knows nothing of, so that what is proved of it is not proved of the plant.
+    """
+
+    Kp: float
+    Ki: float
+    slopes: dict[str, float]
+    k_slow: float
+    k_fast: float
+    Tw: float
+    dead_time: float = 0.0
+    left_out: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, wrist: Wrist, controller: PI) -> "LoopModel":
+        """The model of a wrist under a PI, whose idea of the regulator's gain may be off.
+
+        >>> from plants import Wrist
+        >>> from design.pi import PI
+        >>> LoopModel.of(Wrist.flexion(), PI(1.2, 2.2)).slopes
+        {'transit': 0.0803, 'line1': 0.36, 'line2': 0.36}
+        """
+        ratio = float(wrist.regulator.gain / controller.gain)
+        effects = {n: float(v) for e in wrist.effects for n, v in e.values.items()}
+        return cls(
+            ratio * float(controller.Kp),
+            ratio * float(controller.Ki),
+            {b: branch_slope(wrist, b) for b in BRANCHES},
+            float(wrist.regulator.k_slow),
+            float(wrist.regulator.k_fast),
+            float(wrist.Tw),
+            effects.get("dead-time.delay", 0.0),
+            tuple(e.NAME for e in wrist.effects if (e.NAME, e.FORM) != ("dead-time", "transport")),
+        )
+
+    @property
+    def distinct_slopes(self) -> dict[str, float]:
+        """The slopes without repetition, by the names of the branches that have them.
+
+        >>> from plants import Wrist
+        >>> from design.pi import PI
+        >>> LoopModel.of(Wrist.flexion(), PI(1.2, 2.2)).distinct_slopes
+        {'transit': 0.0803, 'line1 and line2': 0.36}
+        """
+        names: dict[float, list[str]] = {}
+        for branch, slope in self.slopes.items():
+            names.setdefault(slope, []).append(branch)
+        return {" and ".join(of): slope for slope, of in names.items()}
+
+    @property
+    def a(self) -> Array:
+        """Of dx/dt = a x + b k(q) q, shape (3, 3)."""
+        T = self.Tw
+        return np.array([[0.0, -1.0 / T, 0.0], [0.0, -1.0 / T, 0.0], [self.Ki, -self.Kp / T, 0.0]])
+
+    def b(self, slope: float) -> Array:
+        """Of the same, on a branch of a slope [deg/kPa], shape (3,)."""
+        return np.array([0.0, slope, -1.0])
+
+    def matrix(self, slope: float, rate: float) -> Array:
+        """The linear loop dx/dt = matrix x on one branch at one rate [1/s], shape (3, 3)."""
+        return self.a + rate * np.outer(self.b(slope), [0.0, 0.0, 1.0])
+
+    def share(self, rate: float, dt: float = SAMPLE_TIME) -> float:
+        """Share of q that a sample takes away at a rate [1/s]."""
+        return float(-np.expm1(-rate * dt))
+
+    def sampled_matrix(self, slope: float, rate: float, dt: float = SAMPLE_TIME) -> Array:
+        """The sampled linear loop x+ = matrix x on one branch at one rate [1/s], shape (3, 3)."""
+        c, gone = lag.sampled(self.Tw, dt), self.share(rate, dt)
+        error = np.array([1.0, -(1.0 - c.keep), -c.after * slope * gone])
+        ahead = np.array([0.0, c.keep, (1.0 - c.after) * slope * gone])
+        lack = np.array([0.0, 0.0, 1.0 - gone])
+        lack += self.Kp * (error - np.array([1.0, 0.0, 0.0])) + np.array([self.Ki * dt, 0.0, 0.0])
+        return np.array([error, ahead, lack])
+
+    def sampled_shares(self, dt: float = SAMPLE_TIME) -> tuple[float, float]:
+        """Least and largest share of q that the simulator's regulator takes away in a sample: those of
+        the two rates, with what its second-order term adds."""
+        c = regulator.sampled(regulator.Regulator(1.0, self.k_fast, self.k_slow, 1.0), dt)
+        shares = regulator.share(np.append(0.0, np.geomspace(1e-4, 1e6, 20_001)), c)
+        return float(np.min(shares)), float(np.max(shares))
