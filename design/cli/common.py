@@ -37,6 +37,10 @@ StartOption = Annotated[
 JsonOption = Annotated[
     Path | None, typer.Option("--json", help="Write the result as JSON to this file; - for stdout.")
 ]
+SchedulerOption = Annotated[
+    str | None,
+    typer.Option(help="Address of a Dask scheduler, such as tcp://host:8786, to run on its workers."),
+]
 OutOption = Annotated[Path | None, typer.Option("--out", help="Folder for pictures and reports.")]
 SeedOption = Annotated[int, typer.Option(help="Seed of everything random.")]
 JobsOption = Annotated[int | None, typer.Option(help="Threads; all processors where not given.", min=1)]

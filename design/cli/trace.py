@@ -1,6 +1,5 @@
 """``wrist trace``: from a measured campaign to what the declared wrist lacks, and the revised plant."""
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,11 +12,11 @@ from design.cli.common import (
     SeedOption,
     StartOption,
     console,
-    is_stdout,
     progress,
     starting_set,
     write_json,
 )
+from design.cli.places import check_places
 
 if TYPE_CHECKING:
     from design.retune import Control
@@ -52,7 +51,7 @@ def command(
     from plants.quantities import dump
     from reports.trace_record import trace_record
 
-    check_places(save, json, out)
+    check_places({"--save": save, "--json": json}, out)
     data = load_campaign(campaign)
     start = starting_set(data, plant)
     with progress(f"trace {data.name}") as tell:
@@ -69,40 +68,6 @@ def command(
     if out is not None:
         said.print(f"page in {_write_page(out, trace, control, seed)}", markup=False)
     write_json(json, trace_record(trace, _control_record(control, refusal) if retune else None))
-
-
-def check_places(save: Path | None, json: Path | None, out: Path | None) -> None:
-    """Find a place that cannot be written to before the work is done rather than after.
-
-    Raises InputError, naming the option.
-    """
-    for option, path in (("--save", save), ("--json", json)):
-        if path is not None and not (option == "--json" and is_stdout(path)):
-            _check_place(option, path, folder=False)
-    if out is not None:
-        _check_place("--out", out, folder=True)
-
-
-def _check_place(option: str, path: Path, folder: bool) -> None:
-    import tempfile
-
-    from plants.errors import InputError
-
-    if path.is_dir() and not folder:
-        raise InputError(f"{option}: {path} is a folder; give the name of a file")
-    if path.exists() and not path.is_dir() and folder:
-        raise InputError(f"{option}: {path} is a file; give a folder")
-    there = path if folder else path.parent
-    while not there.exists() and there != there.parent:
-        there = there.parent
-    try:
-        handle, name = tempfile.mkstemp(dir=there, prefix=".wrist-")
-    except OSError as error:
-        raise InputError(
-            f"{option}: {path}: cannot be written ({error.strerror}); choose another place"
-        ) from None
-    os.close(handle)
-    Path(name).unlink()
 
 
 def _retuned(trace: "Trace", seed: int, jobs: int | None) -> "tuple[Control | None, str | None]":

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 import design.retune
-from design.cli import main, trace
+from design.cli import main
+from design.cli.places import check_places
 from design.requirements import default_problem
 from design.tuning import Region, tune
 from plants import InputError
@@ -148,10 +149,10 @@ def test_a_bad_place_is_found_before_the_work(wrist, late, tmp_path, monkeypatch
 
 
 def test_looking_at_a_place_leaves_nothing(tmp_path):
-    trace.check_places(tmp_path / "a" / "b.toml", Path("-"), tmp_path / "c")
+    check_places({"--save": tmp_path / "a" / "b.toml", "--json": Path("-")}, tmp_path / "c")
     assert not list(tmp_path.iterdir())
     with pytest.raises(InputError, match="--save"):
-        trace.check_places(tmp_path, None, None)
+        check_places({"--save": tmp_path})
 
 
 def test_an_axis_without_built_in_parameters_needs_a_plant(wrist, late, tmp_path):
