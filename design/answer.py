@@ -66,7 +66,7 @@ def tuning_record(found: Tuning, axis: str) -> dict[str, Any]:
             "delay_margin_s": float(at.values["delay_margin_s"][0]),
         },
         "worst_case": {
-            "scenario": problem.scenarios[worst].name,
+            "scenario": problem.place("cost", worst),
             COSTS[problem.cost]: float(at.cost[0]),
             "each_metric_over_all_scenarios": everywhere,
         },

@@ -1,18 +1,78 @@
-"""What a controller is: a value that is sampled into coefficients, and a pure step function.
+"""What a controller is: a value that is sampled into coefficients whose method `act` is its law.
 
 A module of this package that holds a controller has
 
-    class State(NamedTuple)                             what it remembers
-    class Sampled(NamedTuple)                           its coefficients for one sample time
-    def step(state, error, c) -> (state, command)       one sample; NumPy ufuncs only
+    a frozen dataclass, a `Controller`      its settings, floats or arrays of lanes
+    class State(NamedTuple)                 what it remembers
+    class Sampled(NamedTuple)               its coefficients for one sample time, a `SampledController`
+    def step(state, measured, c)            one sample, which `act` hands on to; NumPy ufuncs only
 
 so that the loop in `design.loop` can be simulated in plain Python, compiled,
-differentiated and exported from the same lines.  `design.pi` is the first one.
+differentiated and exported from the same lines.  `design.pi` is the first one (its step
+takes the error alone), `design.lqi` another, which uses angle and pressure as well.
 """
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from dataclasses import fields
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from plants.wrist import SAMPLE_TIME
 
 Number = Any
 ControlLaw = Callable[[Any, Number, Any], tuple[Any, Number]]
-"""``(state, error [deg], coefficients) -> (state, command [V])``, once a sample, before the plant moves."""
+"""``(state, measured or error [deg], coefficients) -> (state, command [V])``, once a sample, before the
+plant moves."""
+
+
+class Measured(NamedTuple):
+    """What a controller sees in one sample: error of the angle that the sensor shows and that angle
+    [deg], and the pressure [kPa]."""
+
+    error: Number
+    angle: Number
+    pressure: Number
+
+    @property
+    def reference(self) -> Number:
+        """The angle [deg] that is asked for."""
+        return self.error + self.angle
+
+
+class SampledController(Protocol):
+    """Coefficients of a controller for one sample time, a NamedTuple."""
+
+    def act(self, state: Any, seen: Measured) -> tuple[Any, Number]:
+        """State after, and command [V] of, one sample."""
+        ...
+
+
+class Controller(Protocol):
+    """Settings of a controller, a frozen dataclass whose fields are floats or arrays of lanes."""
+
+    @property
+    def gain(self) -> Number:
+        """What the controller knows of the regulator [kPa/V]."""
+        ...
+
+    def sampled(self, dt: float = SAMPLE_TIME) -> Any:
+        """Coefficients for a sample time [s], a `SampledController`."""
+        ...
+
+    def holding(self, pressure: Number, seen: Measured | None = None) -> Any:
+        """The state in which it holds a pressure [kPa] (by its own idea of the regulator's gain) while
+        the error is zero; `seen` is what is measured then, for a controller that needs it."""
+        ...
+
+    def command(self, state: Any) -> Number:
+        """The command [V] that a state gives while the error is zero."""
+        ...
+
+
+def stacked(controllers: Sequence[Any], repeat: int = 1) -> Any:
+    """Controllers of one kind, whose settings are floats, as one with arrays of lanes, each `repeat` times
+    in a row."""
+    kind = type(controllers[0])
+    names = [f.name for f in fields(kind)]
+    return kind(**{n: np.repeat([float(getattr(c, n)) for c in controllers], repeat) for n in names})

@@ -1,7 +1,7 @@
-"""The closed loop: PI and wrist, sampled together, judged while it runs.
+"""The closed loop: controller and wrist, sampled together, judged while it runs.
 
-The controller sees what the sensor shows; the judge sees the joint.  The two differ
-where the wrist has effects that sit in its sensor, such as a drift.
+The controller, any that `design.controller` describes, sees what the sensors show; the judge sees the
+joint.  The two differ where the wrist has effects that sit in its sensor, such as a drift.
 """
 
 from dataclasses import dataclass
@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from design import metrics, pi
+from design import metrics
+from design.controller import Controller, Measured
 from design.metrics import Metrics, Tally, Yardstick
-from design.pi import PI, PIState, SampledPI
 from plants import tree
 from plants import wrist as plant
 from plants.effects.effect import Around
@@ -27,7 +27,7 @@ class Loop(NamedTuple):
     """State of plant, controller and judge."""
 
     plant: State
-    controller: PIState
+    controller: Any
     tally: Tally
 
 
@@ -35,7 +35,7 @@ class SampledLoop(NamedTuple):
     """Coefficients of plant, controller and judge."""
 
     plant: SampledWrist
-    controller: SampledPI
+    controller: Any
     yardstick: Yardstick
 
 
@@ -47,7 +47,8 @@ def step(s: Loop, inputs: tuple[Number, ...], c: SampledLoop) -> Loop:
     """
     around = Around(*inputs[1:])
     seen = plant.read(s.plant, c.plant, around)
-    controller, command = pi.step(s.controller, c.yardstick.reference - seen, c.controller)
+    measured = Measured(c.yardstick.reference - seen, seen, s.plant.pressure)
+    controller, command = c.controller.act(s.controller, measured)
     tally = metrics.update(s.tally, inputs[0], s.plant.angle, command, c.yardstick)
     return Loop(plant.step(s.plant, command, c.plant, around), controller, tally)
 
@@ -65,17 +66,19 @@ class Trajectory:
     measured: Array
 
 
-def holding(wrist: Wrist, controller: PI, state: State) -> PIState:
-    """The state of a controller whose integrator holds the wrist still at the pressure of `state`."""
-    return controller.holding(state.pressure * controller.gain / wrist.regulator.gain)
+def holding(wrist: Wrist, controller: Controller, state: State, begin: float = 0.0) -> Any:
+    """The state of a controller that holds the wrist still at the pressure of `state`, at a time [s]."""
+    seen = plant.read(state, wrist.sampled(), Around(begin))
+    measured = Measured(0.0, seen, state.pressure)
+    return controller.holding(state.pressure * controller.gain / wrist.regulator.gain, measured)
 
 
 def run(
     wrist: Wrist,
-    controller: PI,
+    controller: Controller,
     reference: Number,
     state: State | None = None,
-    held: PIState | None = None,
+    held: Any = None,
     duration: float = 10.0,
     record: bool = False,
     jobs: int | None = None,
@@ -83,7 +86,7 @@ def run(
 ) -> tuple[Metrics, Loop, Trajectory | None]:
     """Step the reference [deg] at time 0 and run the loop for a duration [s].
 
-    Parameters, gains, references and states may be arrays, one entry per lane.
+    Parameters, settings, references and states may be arrays, one entry per lane.
     The loop starts from `state` (the wrist's rest where not given), the
     controller holding it, at the time `begin` [s], which matters to effects that
     depend on it alone.  Returns metrics with leaves of shape (lanes,), of the true
@@ -92,6 +95,7 @@ def run(
     from the last state of another starts with its last command everywhere in the tube.
 
     >>> from plants import Wrist
+    >>> from design.pi import PI
     >>> judged, _, _ = run(Wrist.flexion(), PI(1.2, 2.2), 15.0)
     >>> float(judged.settling_time_s[0].round(2)), float(judged.overshoot_percent[0].round(2))
     (5.59, 0.58)
@@ -99,8 +103,8 @@ def run(
     samples = round(duration / SAMPLE_TIME)
     state = wrist.rest() if state is None else state
     if held is None:
-        held = holding(wrist, controller, state)
-    command = (controller.rest_pressure + held.integral) / controller.gain
+        held = holding(wrist, controller, state, begin)
+    command = controller.command(held)
     c = SampledLoop(wrist.sampled(), controller.sampled(), metrics.yardstick(state.angle, reference))
     loop = Loop(state, held, metrics.begin(command))
     signals = tuple(n for n in tree.names(loop) if n.startswith("plant.")) + ("tally.command",)

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from design.controller import Measured
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
 
 Number = Any
@@ -45,9 +46,14 @@ class PI:
         """Coefficients for a sample time `dt` [s]."""
         return SampledPI(self.Kp, self.Ki * dt, 1.0 / self.gain, self.rest_pressure, self.low, self.high)
 
-    def holding(self, pressure: Number) -> "PIState":
-        """The state in which the controller holds a pressure [kPa] while the error is zero."""
+    def holding(self, pressure: Number, seen: Measured | None = None) -> "PIState":
+        """The state in which the controller holds a pressure [kPa] while the error is zero, whatever
+        is measured then."""
         return PIState(pressure - self.rest_pressure)
+
+    def command(self, state: "PIState") -> Number:
+        """The command [V] that a state gives while the error is zero."""
+        return (self.rest_pressure + state.integral) / self.gain
 
 
 class SampledPI(NamedTuple):
@@ -59,6 +65,10 @@ class SampledPI(NamedTuple):
     rest_pressure: Number
     low: Number
     high: Number
+
+    def act(self, state: "PIState", seen: Measured) -> tuple["PIState", Number]:
+        """The law of `step`, for a loop that shows a controller more than the error."""
+        return step(state, seen.error, self)
 
 
 class PIState(NamedTuple):

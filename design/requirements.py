@@ -11,6 +11,9 @@ from design.loop import run
 from design.margins import BranchResponse, branch_responses, margins
 from design.metrics import Metrics
 from design.pi import PI
+from design.sequence import Sequence as Adverse
+from design.sequence import play, repeated
+from design.sequence import stack as stack_adverse
 from design.tasks import Scenario, Spread, stack, tuning_scenarios, unreachable, within_reach
 from plants import tree
 from plants.wrist import State, Wrist
@@ -57,7 +60,7 @@ LIMIT_UNITS = {
 class Evaluation:
     """What gains of shape (n,) do on a set of scenarios.
 
-    cost (n,): the worst over the scenarios, `cost_at` (n,) where.  values[limit]
+    cost (n,): the worst over the scenarios (and adverse sequences), `cost_at` (n,) where.  values[limit]
     (n,): the worst value of each limited quantity, `values_at` (n,) on which
     scenario or branch.  excess[limit] (n,): how far beyond its limit, as a share
     of the limit; not above 0 where it is held.
@@ -97,7 +100,11 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class Problem:
-    """A plant, the scenarios to be tuned on, the cost and the limits."""
+    """A plant, the scenarios to be tuned on, the cost and the limits.
+
+    adverse: sequences of references whose last step joins the scenarios in all that is simulated, put on
+    the footing of a step of 15 deg (`design.sequence.Played.values`); none by default.
+    """
 
     wrist: Wrist
     scenarios: tuple[Scenario, ...]
@@ -108,6 +115,7 @@ class Problem:
     duration: float
     jobs: int | None = None
     set_aside: tuple[Scenario, ...] = ()
+    adverse: tuple[Adverse, ...] = ()
 
     @classmethod
     def of(
@@ -132,11 +140,14 @@ class Problem:
         )  # fmt: skip
 
     def place(self, limit: str, index: int) -> str:
-        """In words, the scenario or branch that an entry of ``values_at`` points to."""
+        """In words, the scenario or branch that an entry of ``values_at`` points to; with ``cost`` as
+        the limit, that of ``cost_at``."""
         if limit in ("Ms", "delay_margin_s"):
             b = self.branches[index]
             return f"{b.branch}, {b.rate} regulator rate"
-        return self.scenarios[index].name
+        if index < len(self.scenarios):
+            return self.scenarios[index].name
+        return self.adverse[index - len(self.scenarios)].name
 
 
 def default_problem(
@@ -167,6 +178,15 @@ def rollouts(problem: Problem, Kp: Array, Ki: Array) -> Metrics:
     return judged.reshape(n, m)
 
 
+def adverse_values(problem: Problem, Kp: Array, Ki: Array) -> dict[str, Array]:
+    """What limits and cost are held against on the adverse sequences, each (gains, sequences)."""
+    n, m = Kp.size, len(problem.adverse)
+    # A batch of its own: dead time and load are effects that the scenarios' wrists do not have.
+    lanes = repeated(stack_adverse(problem.adverse), n)
+    played = play(lanes, controller(problem, np.repeat(Kp, m), np.repeat(Ki, m)), jobs=problem.jobs)
+    return {name: v.reshape(n, m) for name, v in played.values.items()}
+
+
 def controller(problem: Problem, Kp: Any, Ki: Any) -> PI:
     """A PI that knows of the problem's regulator what its declared parameters say."""
     return PI(Kp, Ki, problem.wrist.regulator.gain, problem.wrist.hysteresis.rest_pressure)
@@ -183,6 +203,11 @@ def evaluate(problem: Problem, Kp: Any, Ki: Any) -> Evaluation:
         "total_variation_V": judged.total_variation_V,
         "steady_error_percent": 100.0 * judged.steady_state_error_deg / sizes,
     }
+    cost = getattr(judged, COSTS[problem.cost])
+    if problem.adverse:
+        more = adverse_values(problem, Kp, Ki)
+        of_scenario = {n: np.hstack([v, more[n]]) for n, v in of_scenario.items()}
+        cost = np.hstack([cost, more[COSTS[problem.cost]]])
     values: dict[str, Array] = {n: v.max(axis=1) for n, v in of_scenario.items()}
     at: dict[str, NDArray[np.intp]] = {n: v.argmax(axis=1) for n, v in of_scenario.items()}
     values |= {"Ms": linear.Ms, "delay_margin_s": linear.delay_margin_s}
@@ -191,7 +216,6 @@ def evaluate(problem: Problem, Kp: Any, Ki: Any) -> Evaluation:
     for name, limit in problem.limits.named.items():
         beyond = limit - values[name] if name == "delay_margin_s" else values[name] - limit
         excess[name] = beyond / (limit or 1.0)  # a limit of zero has no share of itself
-    cost = getattr(judged, COSTS[problem.cost])
     return Evaluation(Kp, Ki, cost.max(axis=1), cost.argmax(axis=1), values, at, excess)
 
 

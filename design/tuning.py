@@ -8,12 +8,14 @@ worst of many scenarios has none where the worst one changes.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from design.cluster import each
 from design.requirements import Evaluation, Problem, evaluate
 
 Array = NDArray[np.float64]
@@ -170,23 +172,25 @@ def tune(
     starts: int = 5,
     seed: int = 0,
     progress: Callable[[str, float], None] | None = None,
+    scheduler: str | None = None,
 ) -> Tuning:
     """Gains of least worst cost under the problem's limits.
 
     `starts` is the number of local searches, from the valleys of the map and, where
     these are fewer, from cells of it drawn with `seed`; `progress`, if given, is told the
-    stage and the share that is done.  The result says whether the limits are
-    held (`Tuning.feasible`); it is for the caller to say no.
+    stage and the share that is done; `scheduler` is the address of a Dask cluster that the
+    map, cut into pieces that do not depend on it, is computed on, to the same bits.  The result
+    says whether the limits are held (`Tuning.feasible`); it is for the caller to say no.
     """
     region, tell = region or Region(), progress or (lambda stage, share: None)
     rows, columns = region.grid
     Kp, Ki = (g.ravel() for g in np.meshgrid(rows, columns, indexing="ij"))
     pieces = np.array_split(np.arange(Kp.size), max(1, Kp.size // 200))
-    parts = []
-    for number, piece in enumerate(pieces):
-        tell("map", number / len(pieces))
-        parts.append(evaluate(problem, Kp[piece], Ki[piece]))
-    whole = join(parts)
+    tell("map", 0.0)
+    # On a cluster one thread a piece: its workers have threads of their own.
+    work = partial(_piece, problem if scheduler is None else replace(problem, jobs=1))
+    gains = [(Kp[piece], Ki[piece]) for piece in pieces]
+    whole = join(each(work, gains, scheduler, lambda share: tell("map", share)))
 
     begins = _begins(whole, rows, columns, starts, seed)
     searches = []
@@ -199,6 +203,10 @@ def tune(
         at = _best(join([at, evaluate(problem, *_around(at, region, zoom))]))
     tell("done", 1.0)
     return Tuning(problem, region, at, whole, tuple(searches))
+
+
+def _piece(problem: Problem, gains: tuple[Array, Array]) -> Evaluation:
+    return evaluate(problem, *gains)
 
 
 def _begins(

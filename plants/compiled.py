@@ -35,7 +35,7 @@ _UNARY = {
     "OP_NEG": "-{}", "OP_NOT": "not {}", "OP_SQ": "{0} * {0}", "OP_TWICE": "2.0 * {}",
     "OP_INV": "1.0 / {}", "OP_FABS": "abs({})", "OP_EXP": "math.exp({})", "OP_TANH": "math.tanh({})",
     "OP_SQRT": "math.sqrt({})", "OP_SIN": "math.sin({})", "OP_COS": "math.cos({})",
-    "OP_LOG": "math.log({})", "OP_ASSIGN": "{}",
+    "OP_LOG": "math.log({})", "OP_FLOOR": "np.floor({})", "OP_ASSIGN": "{}",
 }  # fmt: skip
 
 _TEMPLATE = '''"""Emitted code: {name}. Do not edit; it is made anew when the law changes."""
@@ -44,7 +44,7 @@ import numpy as np
 from numba import njit
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath={{"contract", "nsz", "arcp"}})
-def run(coefficients, state, signals, steps, every, recorded, rows):
+def run(coefficients, state, signals{given}, steps, every, recorded, rows):
     # One array for everything, so that the compiler sees that no two rows overlap.
     m = np.empty({total} * {lanes})
 {lines}
@@ -85,6 +85,34 @@ def graph(step: Callable[..., Any], *arguments: Any) -> Any:
     return casadi.Function("step", inputs, [casadi.vertcat(*tree.leaves(result))])
 
 
+def baked(name: str, function: Any, *constants: Any) -> Any:
+    """A function of `graph` under another name, its last arguments set to constants (trees of floats)."""
+    import casadi
+
+    free = [casadi.SX.sym("x", function.size1_in(i)) for i in range(function.n_in() - len(constants))]
+    return casadi.Function(name, free, [function(*free, *(casadi.DM(tree.leaves(c)) for c in constants))])
+
+
+def used(function: Any, argument: int) -> list[bool]:
+    """Which leaves of an argument of a function the result depends on."""
+    columns = set(function.jac_sparsity(0, argument).get_col())
+    return [i in columns for i in range(function.size1_in(argument))]
+
+
+def c_source(name: str, *functions: Any) -> str:
+    """C99 of functions, ``int f(const double **arg, double **res, int *iw, double *w, int mem)`` each.
+
+    `name` begins the names of what they share.  The code allocates nothing and has no state; laws of
+    scalars use neither `iw` nor `w`.
+    """
+    import casadi
+
+    generator = casadi.CodeGenerator(f"{name}.c", {"with_export": False, "casadi_int": "int"})
+    for function in functions:
+        generator.add(function)
+    return str(generator.dump())
+
+
 def jacobians(step: Callable[..., Any], *arguments: Any) -> list[np.ndarray]:
     """Derivatives of the leaves of ``step(*arguments)`` by those of each argument, at that point."""
     import casadi
@@ -96,7 +124,7 @@ def jacobians(step: Callable[..., Any], *arguments: Any) -> list[np.ndarray]:
     return [np.array(v) for v in (values if isinstance(values, tuple) else (values,))]
 
 
-def _statements(function: Any, sources: list[list[str]], targets: list[str]) -> list[str]:
+def statements(function: Any, sources: list[list[str]], targets: list[str]) -> list[str]:
     """Straight-line Python of a CasADi function; reads every input before it writes an output."""
     import casadi
 
@@ -148,28 +176,46 @@ def _selection(code: str, operands: list[str], made: dict[str, tuple[str, list[s
     return f"{a} if {yes} else {b}" if made.get(no) == ("OP_NOT", [yes]) else None
 
 
-def emit(name: str, step: Callable[..., Any], state: Any, inputs: tuple[str, ...], coefficients: Any) -> str:
+def emit(
+    name: str,
+    step: Callable[..., Any],
+    state: Any,
+    inputs: tuple[str, ...],
+    coefficients: Any,
+    held: tuple[str, ...] = (),
+) -> str:
     """Source of a module whose ``run`` advances blocks of lanes by ``step(state, inputs, coefficients)``.
 
     `state` and `coefficients` are examples of the trees; `inputs` names the
-    signals that all lanes share, of which ``sample`` is the index of the step.
+    signals that all lanes share, of which ``sample`` is the index of the step,
+    and those of `held`, of which each lane has its own.
     """
     function = graph(step, state, inputs, coefficients)
     n_c, n_s = len(tree.leaves(coefficients)), len(tree.leaves(state))
     cell = [f"m[{j * LANES} + l]" for j in range(n_c + n_s)]
     loads = [f"c{j} = {cell[j]}" for j in range(n_c)] + [f"s{j} = {cell[n_c + j]}" for j in range(n_s)]
+    rows = {i: n_c + n_s + j for j, i in enumerate(held)}  # of `m`, that keep a value while it is held
+    loads += [f"u_{i} = m[{row * LANES} + l]" for i, row in rows.items()]
     # Prefixed, so that no signal is called like a variable of the template.
     sources = [[f"s{j}" for j in range(n_s)], [f"u_{i}" for i in inputs], [f"c{j}" for j in range(n_c)]]
-    statements = loads + _statements(function, sources, cell[n_c:])
+    body = loads + statements(function, sources, cell[n_c:])
     delays = _delays(state, coefficients, n_c)
-    signals = [i for i in inputs if i != "sample"]
+    signals = [i for i in inputs if i != "sample" and i not in held]
     reads = [f"u_{i} = signals[{j}, k]" for j, i in enumerate(signals)] + ["u_sample = float(k)"]
     return _TEMPLATE.format(
-        name=name, lanes=LANES, total=n_c + n_s, n_coefficients=n_c, n_state=n_s,
-        inputs="\n".join(" " * 12 + r for r in reads),
-        body="\n".join(" " * 16 + s for s in statements),
+        name=name, lanes=LANES, total=n_c + n_s + len(held), n_coefficients=n_c, n_state=n_s,
+        given=", held, hold, lane" if held else "",
+        inputs="\n".join(" " * 12 + r for r in reads + _held_code(rows)),
+        body="\n".join(" " * 16 + s for s in body),
         **_delay_code(delays),
     )  # fmt: skip
+
+
+def _held_code(rows: dict[str, int]) -> list[str]:
+    """What a template needs to renew, every `hold` steps, the signals of which each lane has its own."""
+    renew = [f"        m[{row * LANES} + l] = held[{j}, k // hold, lane + first + l]"
+             for j, row in enumerate(rows.values())]  # fmt: skip
+    return ["if k % hold == 0:", f"    for l in range({LANES}):", *renew] if rows else []
 
 
 def _delays(state: Any, coefficients: Any, offset: int) -> list[tuple[int, int]]:
@@ -230,7 +276,11 @@ _LOADING = Lock()
 
 
 def kernel(
-    step: Callable[..., Any], state: Any, inputs: tuple[str, ...], coefficients: Any
+    step: Callable[..., Any],
+    state: Any,
+    inputs: tuple[str, ...],
+    coefficients: Any,
+    held: tuple[str, ...] = (),
 ) -> Callable[..., None]:
     """The compiled ``run`` of a step function; `state` and `coefficients` are trees of names.
 
@@ -238,11 +288,16 @@ def kernel(
     """
     with _LOADING:
         # Trees that differ in their types alone are equal; their representations are not.
-        return _kernel(step, state, inputs, coefficients, repr((state, coefficients)))
+        return _kernel(step, state, inputs, coefficients, held, repr((state, coefficients)))
 
 
 @cache
 def _kernel(
-    step: Callable[..., Any], state: Any, inputs: tuple[str, ...], coefficients: Any, types: str
+    step: Callable[..., Any],
+    state: Any,
+    inputs: tuple[str, ...],
+    coefficients: Any,
+    held: tuple[str, ...],
+    types: str,
 ) -> Callable[..., None]:
-    return load(emit(f"{step.__module__}.{step.__name__}", step, state, inputs, coefficients))
+    return load(emit(f"{step.__module__}.{step.__name__}", step, state, inputs, coefficients, held))

@@ -40,6 +40,14 @@ class Made:
         return cls(version(), commit(), command, seed, titles, dict(data or {}), remark)
 
 
+@dataclass(frozen=True)
+class Shown:
+    """A figure in a page: SVG ready to be put in, and the words beneath."""
+
+    svg: Any
+    caption: str
+
+
 def version() -> str:
     """Version of the installed workbench, ``unknown`` where it is not installed."""
     from importlib.metadata import PackageNotFoundError

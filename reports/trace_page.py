@@ -1,7 +1,6 @@
 """The trace as a page for a colleague, and beside it the same as JSON, TOML and pictures."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,7 @@ from plants.measured.trace.trace import StageTrace, Trace
 from reports import trace_captions as captions
 from reports import trace_tables as tables
 from reports import trace_words as words
-from reports.html import Made, markup, render
+from reports.html import Made, Shown, markup, render
 from reports.style import save, svg
 from reports.trace_fit_figures import draw_control, draw_errors, draw_loop, draw_series
 from reports.trace_record import trace_record
@@ -22,14 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["trace_page", "write_trace"]
-
-
-@dataclass(frozen=True)
-class Shown:
-    """A figure in a page: SVG ready to be put in, and the words beneath."""
-
-    svg: Any
-    caption: str
 
 
 def write_trace(folder: str | Path, trace: Trace, made: Made, control: Control | None = None) -> Path:

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from design.cli import compare, fit, show, simulate, trace, tune
+from design.cli import compare, export, fit, robust, show, simulate, trace, tune
 
 
 def _say_version(wanted: bool) -> None:
@@ -41,7 +41,7 @@ def _common(
     """Options that stand before or after any command."""
 
 
-for module in (show, simulate, fit, trace, tune, compare):
+for module in (show, simulate, fit, trace, tune, robust, compare, export):
     app.command(name=module.NAME, help=module.HELP, epilog=module.EXAMPLE)(module.command)
 
 

@@ -1,4 +1,5 @@
-"""``wrist simulate``: open loop, closed loop, a recorded command, or a figure of the paper."""
+"""``wrist simulate``: open loop, closed loop, a recorded command, a saved scenario, or a figure of the
+paper."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,6 +19,7 @@ from design.cli.common import (
     seconds,
     write_json,
 )
+from design.cli.replay import replay
 
 if TYPE_CHECKING:
     from plants.quantities import ParameterSet
@@ -44,6 +46,9 @@ def command(
     figure: Annotated[
         int | None, typer.Option(help="Redraw a figure of the paper: 5, 6, 8, 10 to 15.")
     ] = None,
+    scenario: Annotated[
+        Path | None, typer.Option(help="Worst case that a search has saved (TOML): play it again.")
+    ] = None,
     json: JsonOption = None,
     out: OutOption = None,
     jobs: JobsOption = None,
@@ -51,6 +56,15 @@ def command(
     from plants.errors import InputError
     from plants.wrist import STARTS, Wrist
 
+    if scenario is not None:
+        given = {"--plant": plant, "--recording": recording, "--gains": gains, "--figure": figure}
+        taken = [option for option, value in given.items() if value is not None]
+        if taken:
+            raise InputError(
+                f"{taken[0]}: a scenario file is complete in itself; leave out {', '.join(taken)}"
+            )
+        replay(scenario, json, out)
+        return
     if figure is not None:
         _figure(figure, axis, plant, json, out)
         return

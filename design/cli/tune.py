@@ -1,6 +1,7 @@
 """``wrist tune``: gains of least worst cost under hard limits."""
 
-from typing import TYPE_CHECKING, Annotated
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -11,6 +12,7 @@ from design.cli.common import (
     JsonOption,
     OutOption,
     PlantOption,
+    SchedulerOption,
     SeedOption,
     console,
     numbers,
@@ -60,10 +62,24 @@ def command(
     ] = "0.2,0.1,0.2",
     points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 40,
     starts: Annotated[int, typer.Option(help="Local searches.", min=1, max=100)] = 5,
+    robust: Annotated[
+        bool,
+        typer.Option(
+            "--robust", help="Search for the worst case of the gains, add it to the set, and tune again."
+        ),
+    ] = False,
+    rounds: Annotated[int, typer.Option(help="Rounds of --robust.", min=1, max=50)] = 15,
+    dead_time: Annotated[
+        float, typer.Option(help="Dead time that the worst case of --robust may have on top [s].", min=0.0)
+    ] = 0.0,
+    load: Annotated[
+        float, typer.Option(help="Load that it may have, a shift of the static angle [deg].", min=0.0)
+    ] = 0.0,
     seed: SeedOption = 0,
     json: JsonOption = None,
     out: OutOption = None,
     jobs: JobsOption = None,
+    scheduler: SchedulerOption = None,
 ) -> None:
     from design.answer import refusal, tuning_record
     from design.requirements import COSTS, Limits, default_problem
@@ -80,9 +96,25 @@ def command(
     chosen = parameter_set(axis, plant)
     limits = Limits(overshoot, ms, None if nominal else delay_margin, variation, steady_error)
     problem = default_problem(Wrist.of(chosen), limits, cost, nominal, jobs, spread)
-    with progress("tune") as tell:
-        found = tune(problem, Region(points=points), starts, seed, tell)
+    region = Region(points=points)
     said = console(json)
+    record: dict[str, Any] = {}
+    if robust:
+        from design.robustness import robust_tuning
+        from design.robustness.box import box_of
+
+        with progress("tune") as tell:
+            grown = robust_tuning.tune_robustly(
+                problem, box_of(chosen, spread), region, starts, seed, dead_time, load, rounds, tell,
+                partial(tune, scheduler=scheduler),
+            )  # fmt: skip
+        found = grown.final
+        for line in robust_tuning.lines(grown):
+            said.print(line, markup=False)
+        record = {"robust": robust_tuning.record(grown)}
+    else:
+        with progress("tune") as tell:
+            found = tune(problem, region, starts, seed, tell, scheduler)
     for line in lines(found):
         said.print(line)
     if out is not None:
@@ -92,7 +124,7 @@ def command(
         path = out / f"tune-{chosen.axis}.png"
         save(gain_map(found), path)
         said.print(f"map of the gains in {path}")
-    write_json(json, tuning_record(found, chosen.axis))
+    write_json(json, tuning_record(found, chosen.axis) | record)
     if refusal(found) is not None:
         raise typer.Exit(1)
 
@@ -112,7 +144,7 @@ def lines(found: "Tuning") -> list[str]:
     said = [
         f"Kp = {found.Kp:.4g} kPa/deg, Ki = {found.Ki:.4g} kPa/(deg s)",
         f"worst {COST_TEXT[problem.cost].format(at.cost[0])} over {len(problem.scenarios)} scenarios, on "
-        f"{problem.scenarios[int(at.cost_at[0])].name}",
+        f"{problem.place('cost', int(at.cost_at[0]))}",
         f"nominal step of +15 deg: settles in {seconds(metrics['settling_time_s'], problem.duration)}, "
         f"overshoot {metrics['overshoot_percent']:.2g} %, IAE {metrics['iae_deg_s']:.4g} deg s",
         f"worst overshoot {at.values['overshoot_percent'][0]:.3g} %, Ms {at.values['Ms'][0]:.3g}, "

@@ -1,0 +1,75 @@
+"""``wrist export``: a controller as C99 for the target, with a test vector."""
+
+import math
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from design.cli.common import (
+    Axis,
+    AxisOption,
+    JsonOption,
+    PlantOption,
+    console,
+    parameter_set,
+    write_json,
+)
+from design.cli.places import check_places
+
+NAME = "export"
+HELP = "Write a controller as C99 without allocation or global state, with a header, README and test vector."
+EXAMPLE = "Example: wrist export pi --gains 3.1,10.4 --out build/c"
+
+
+def command(
+    controller: Annotated[
+        str,
+        typer.Argument(help="pi, lqi, feedforward, feedforward-pi, observer, mpc or mpc-robust."),
+    ],
+    out: Annotated[Path, typer.Option(help="Folder for the C; files of the same names are replaced.")],
+    gains: Annotated[
+        str | None,
+        typer.Option(
+            help="pi: Kp,Ki. lqi: Ke,Kd,Kq,jump,bandwidth. feedforward: speed. feedforward-pi: Kp,Ki,dead "
+            "time. observer: bandwidth. Needed by pi, lqi and feedforward-pi."
+        ),
+    ] = None,
+    axis: AxisOption = Axis.flexion,
+    plant: PlantOption = None,
+    json: JsonOption = None,
+) -> None:
+    from design.export.catalogue import part, record
+    from design.export.folder import write
+    from plants.wrist import Wrist
+
+    check_places({"--json": json}, out)
+    chosen = parameter_set(axis, plant)
+    wrist = Wrist.of(chosen)
+    made = part(controller, chosen.axis, wrist, None if gains is None else numbers(gains))
+    files = write(made, wrist, out)
+    said = console(json)
+    said.print(
+        f"{made.title}: {made.name}_init and {made.name}_step, every {1000 * made.period:g} ms", markup=False
+    )
+    for path in files:
+        said.print(f"  {path}", markup=False, soft_wrap=True)
+    said.print(f"replay the test vector with: make -C {out} check", markup=False, soft_wrap=True)
+    write_json(json, record(made, controller, [p.name for p in files]))
+
+
+def numbers(text: str) -> tuple[float, ...]:
+    """Numbers with commas between, of either sign; raises InputError for anything else.
+
+    >>> numbers("600,-640")
+    (600.0, -640.0)
+    """
+    from plants.errors import InputError
+
+    try:
+        found = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        found = ()
+    if not found or not all(math.isfinite(x) for x in found):
+        raise InputError(f"--gains: {text!r} is not finite numbers with commas between, like 3.1,10.4")
+    return found

@@ -1,0 +1,186 @@
+"""What can be exported, by the names of the command, and what each one needs to be told."""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from design.controller import Controller
+from design.export.mpc import of_linear_mpc
+from design.export.part import Part, of_controller, of_observer
+from design.feedforward import Feedforward, FeedforwardPI
+from design.lqi import LQI
+from design.memory_estimator import MemoryObserver
+from design.mpc.problem import Problem, nominal, robust
+from design.pi import PI
+from plants.delay import LONGEST
+from plants.errors import InputError
+from plants.wrist import SAMPLE_TIME, Wrist
+
+Numbers = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A controller of the command: title; the numbers that ``--gains`` gives, by name, and an example;
+    those that are used where none are given, if that may be; make: the part of C, of its name, the wrist and
+    the numbers; what it does at the ends of the range, in words."""
+
+    title: str
+    gains: tuple[str, ...]
+    example: str
+    default: Numbers | None
+    make: Callable[[str, str, Wrist, Numbers], Part]
+    at_the_ends: str
+
+
+def _pi(wrist: Wrist, g: Numbers) -> Controller:
+    Kp, Ki = g
+    if Kp == Ki == 0.0:
+        raise ValueError("Kp and Ki are both 0, which controls nothing")
+    return PI(Kp, Ki, wrist.regulator.gain, wrist.hysteresis.rest_pressure)
+
+
+def _lqi(wrist: Wrist, g: Numbers) -> Controller:
+    p = wrist.hysteresis
+    Ke, Kd, Kq, jump, bandwidth = g
+    slope = 0.5 * float(p.a1 + p.a2)  # as `design.lqi_design` completes a feedback
+    return LQI(Ke, Kd, Kq, jump, slope, float(wrist.Tw), bandwidth, gain=float(wrist.regulator.gain))
+
+
+def _feedforward(wrist: Wrist, g: Numbers) -> Controller:
+    return Feedforward.of(wrist, speed=g[0])  # type: ignore[no-any-return]
+
+
+def _feedforward_pi(wrist: Wrist, g: Numbers) -> Controller:
+    if g[2] > (LONGEST - 1) * SAMPLE_TIME:
+        raise ValueError(f"a dead time of {g[2]:g} s is longer than {(LONGEST - 1) * SAMPLE_TIME:g} s")
+    return FeedforwardPI.of(wrist, Kp=g[0], Ki=g[1], dead_time=g[2])  # type: ignore[no-any-return]
+
+
+def _controlled(build: Callable[[Wrist, Numbers], Controller]) -> Callable[[str, str, Wrist, Numbers], Part]:
+    def make(name: str, title: str, wrist: Wrist, gains: Numbers) -> Part:
+        return of_controller(name, title, build(wrist, gains))
+
+    return make
+
+
+def _observer(name: str, title: str, wrist: Wrist, gains: Numbers) -> Part:
+    return of_observer(name, title, MemoryObserver.of(wrist, *gains))
+
+
+def _mpc(setting: Callable[[Wrist], Problem]) -> Callable[[str, str, Wrist, Numbers], Part]:
+    def make(name: str, title: str, wrist: Wrist, gains: Numbers) -> Part:
+        return of_linear_mpc(name, title, setting(replace(wrist, effects=())))
+
+    return make
+
+
+STANDS_STILL = (
+    "The command is clipped to its range. The integrator stands still while it is, unless the error drives "
+    "the command back into the range."
+)
+OUT_OF_REACH = (
+    " A reference that no command in the range can hold is replaced by the nearest that one can; "
+    "`course_outside` counts the samples in which that happened."
+)
+
+BOUNDED = "Range and rate of the command are bounds of the plan, and of the first move once more."
+
+CATALOGUE: Mapping[str, Entry] = {
+    "pi": Entry(
+        "PI controller with anti-windup", ("Kp [kPa/deg]", "Ki [kPa/(deg s)]"), "3.1,10.4", None,
+        _controlled(_pi), STANDS_STILL,
+    ),
+    "lqi": Entry(
+        "State feedback with integral action and an observer",
+        ("Ke [kPa/(deg s)]", "Kd [kPa/(deg s)]", "Kq [1/s]", "jump [kPa/deg]", "bandwidth [rad/s]"),
+        "600,-640,-70,8,45", None, _controlled(_lqi),
+        "The integrated command itself is clipped to its range, so that it never winds up.",
+    ),
+    "feedforward": Entry(
+        "Inverse of hysteresis with memory, regulator and lag, without feedback", ("speed [1/s]",), "25",
+        (25.0,), _controlled(_feedforward),
+        "The command is clipped to its range, and the model moves by what is left of it." + OUT_OF_REACH,
+    ),
+    "feedforward-pi": Entry(
+        "Inverse of hysteresis with memory, regulator and lag, with a PI on what is left",
+        ("Kp [kPa/deg]", "Ki [kPa/(deg s)]", "dead time [s]"), "1.2,2.2,0", None,
+        _controlled(_feedforward_pi),
+        STANDS_STILL + " The model moves by a command in the range." + OUT_OF_REACH,
+    ),
+    "observer": Entry(
+        "Observer of the loop's memory from angle and pressure", ("bandwidth [rad/s]",), "15", (15.0,),
+        _observer, "The observer commands nothing.",
+    ),
+    "mpc": Entry(
+        "Linear model predictive control behind the inverse of the hysteresis", (), "", (), _mpc(nominal),
+        BOUNDED,
+    ),
+    "mpc-robust": Entry(
+        "Linear model predictive control behind the inverse of the hysteresis, slow enough for dead time",
+        (), "", (), _mpc(robust), BOUNDED,
+    ),
+}  # fmt: skip
+
+
+def part(kind: str, axis: str, wrist: Wrist, gains: Numbers | None = None) -> Part:
+    """The part of C of a controller of the catalogue, for a wrist.
+
+    Raises InputError for an unknown controller, gains that it cannot have, and a wrist that it cannot
+    control.
+
+    >>> part("pi", "flexion", Wrist.flexion(), (3.1, 10.4)).name
+    'flexion_pi'
+    """
+    if kind not in CATALOGUE:
+        raise InputError(f"no controller {kind!r} to export; one of {', '.join(CATALOGUE)}")
+    entry = CATALOGUE[kind]
+    given = entry.default if gains is None else gains
+    wanted = (
+        f"{kind} takes {', '.join(entry.gains)}, such as --gains {entry.example}"
+        if entry.gains
+        else f"{kind} takes no gains"
+    )
+    if given is None:
+        raise InputError(f"--gains: not given; {wanted}")
+    if len(given) != len(entry.gains):
+        raise InputError(f"--gains: {len(given)} given; {wanted}")
+    try:
+        made = entry.make(identifier(f"{axis}_{kind}"), entry.title, wrist, given)
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(f"--gains: {error}; {wanted}") from None
+    return replace(made, notes=(*made.notes, entry.at_the_ends))
+
+
+def identifier(text: str) -> str:
+    """A name that C takes, of a text.
+
+    >>> identifier("my axis_feedforward-pi")
+    'my_axis_feedforward_pi'
+    """
+    name = re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_").lower()
+    return name if name and not name[0].isdigit() else f"wrist_{name}"
+
+
+def record(made: Part, kind: str, files: list[str]) -> dict[str, Any]:
+    """What ``--json`` says: files, layout of the structs with units, settings."""
+    from design.export.header import ring_fields
+
+    state = [f for _, f in made.kept] + [f for row, _ in made.delays for f in ring_fields(made, row)]
+    last = made.output._replace(name=f"last_{made.output.name}", meaning="output of the last good sample")
+
+    def layout(fields: Any) -> list[dict[str, Any]]:
+        return [
+            {"name": f.member, "type": "int" if f.counts else "double", "count": f.size, "unit": f.unit,
+             "meaning": f.meaning} for f in fields
+        ]  # fmt: skip
+
+    return {
+        "controller": kind, "name": made.name, "period_s": made.period, "files": files,
+        "state": layout([*state, last]), "measured": layout(made.inputs),
+        "output": {**layout([made.output])[0], "lowest": made.low, "highest": made.high},
+        "settings": dict(made.settings), "tolerance": made.tolerance,
+    }  # fmt: skip

@@ -1,0 +1,225 @@
+"""The linear MPC as C: observer, condensed QP, first move.
+
+The QP's answer depends on four numbers alone, theta = (static angle h, angle a without the shift, shift - r,
+u of the period before), and only its first move is used.  With A = (I, D) the matrix of the bounds,
+
+    unconstrained    A u = T theta,        T = -A H^-1 F,      F theta = f,
+    dual             A u = T theta - G lambda,     G = A H^-1 A',
+
+so that T (2N, 4) and G (2N, 2N), computed here, are all that the target needs: what is solved there is a
+least-distance problem in the multipliers (`design.export.active_set`).  The observer and the move that
+follows the plan are graphs of the very laws of the plant; in Python the same is done by `design.mpc`,
+whose compiled loops and daqp the test vector comes from.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import isfinite
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.controller import Measured
+from design.export.fields import COMMAND, Field, described
+from design.export.mpc_source import mpc_source
+from design.export.part import SEEN, Part, Seen
+from design.memory_estimator import memory_at_rest
+from design.mpc import linear, observer
+from design.mpc.prediction import coefficients
+from design.mpc.problem import Believed, Problem
+from plants import hysteresis, inverse, tree, wrist
+from plants.compiled import baked, c_source, graph
+from plants.wrist import SampledWrist, State, Wrist
+
+Number = Any
+Begin = Callable[[float, float], tuple[Any, float]]
+Step = Callable[[Any, Seen], tuple[Any, float]]
+Array = NDArray[np.float64]
+
+LOST = (
+    "the observer goes on, by its model where a measurement is lost, since the wrist goes on too; the output "
+    "is that of the last good sample"
+)
+
+
+class Memory(NamedTuple):
+    """What the C remembers beside its last command: belief, u of the period before [deg], and whether there
+    was one (1) or not (0)."""
+
+    believed: Believed
+    u: Number
+    planned: Number
+
+
+class Given(NamedTuple):
+    """What is measured, and whether it is (1) or was lost (0)."""
+
+    angle: Number
+    pressure: Number
+    angle_seen: Number
+    pressure_seen: Number
+
+
+def of_linear_mpc(name: str, title: str, problem: Problem) -> Part:
+    """The linear MPC of a problem.  Raises InputError where daqp, which the test vector needs, is missing."""
+    c, g = problem.wrist.sampled(), observer.gains(problem)
+    planner = linear.planner(problem, coefficients(problem.wrist))
+    example, given = Memory(_at_rest(100.0, 0.0, problem.wrist), 0.0, 0.0), Given(0.0, 0.0, 1.0, 1.0)
+
+    def start(at: Any) -> Any:
+        return Memory(_at_rest(at[0], at[1], problem.wrist), 0.0, 0.0), at[0] / problem.wrist.regulator.gain
+
+    def believe(b: Believed, command: Any, seen: Given, k: SampledWrist) -> Believed:
+        return believed_after(b, command[0], seen, k, g)
+
+    def target(m: Memory, at: Any, k: SampledWrist) -> Any:
+        return parameters(m, at[0], at[1], k, problem)
+
+    def wanted(b: Believed, u: Any, k: SampledWrist) -> Any:
+        return pressure_wanted(b, u[0], k, planner)
+
+    def pressed(at: Any, k: SampledWrist) -> Any:
+        return after_period(at[0], at[1], k, problem.substeps)[-1]
+
+    code = c_source(
+        f"{name}_law",
+        baked(f"{name}_init_law", graph(start, (0.0, 0.0))),
+        baked(f"{name}_believe_law", graph(believe, example.believed, (0.0,), given, c), c),
+        baked(f"{name}_target_law", graph(target, example, (0.0, 0.0), c), c),
+        baked(f"{name}_wanted_law", graph(wanted, example.believed, (0.0,), c), c),
+        baked(f"{name}_press_law", graph(pressed, (0.0, 0.0), c), c),
+    )
+    state = (
+        *described(example.believed),
+        Field("wish", "deg", "static angle that the command of the period before points to"),
+        Field("planned", "", "1 once there was a plan, 0 before"),
+    )
+    T, G = condensed(planner)
+    settings = {
+        **{n: float(v) for n, v in problem.wrist.values.items()}, "period": problem.period,
+        "horizon": problem.horizon, **{f"weight {n}": v for n, v in vars(problem.weights).items()},
+        **{f"observer {n}": v for n, v in vars(problem.observer).items()}, "low": problem.low,
+        "high": problem.high, "rate": problem.rate,
+    }  # fmt: skip
+    begin, step = _python(problem, planner, g)
+    part = Part(
+        name, title, problem.period, SEEN, state, COMMAND, problem.low, problem.high, settings, code,
+        begin, step, tolerance=1e-6, lost=LOST, takes_lost=True,
+        notes=(
+            f"The QP (horizon {problem.horizon}, range and rate of the command bounded) is solved by a dual "
+            f"active-set method with a bound on its iterations; its matrices are about "
+            f"{8 * (G.size + T.size) // 1000} kB of constants, and a step takes about "
+            f"{8 * ((problem.horizon + 1) ** 2 + 8 * problem.horizon) // 1000 + 2} kB of stack. Where it "
+            f"finds no answer the command is held and the return code is {name.upper()}_FAILED; the ladder "
+            f"of fallbacks that Python has below that is the caller's.",
+        ),
+    )  # fmt: skip
+    return replace(part, source=mpc_source(part, problem, planner.rate, T, G))
+
+
+def _at_rest(pressure: Number, angle: Number, model: Wrist) -> Believed:
+    """What is believed of a wrist that rests at a pressure [kPa] and an angle [deg]."""
+    memory = memory_at_rest(angle, pressure, model.hysteresis)
+    return Believed(State(pressure, memory, memory.h), 0.0, angle - memory.h)
+
+
+def after_period(pressure: Number, command: Number, c: SampledWrist, substeps: int) -> list[Number]:
+    """Pressures [kPa] at the start of a period and after each of its substeps."""
+    path = [pressure]
+    for _ in range(substeps):
+        at = State(path[-1], hysteresis.Memory(0.0, 0.0), 0.0)
+        path.append(wrist.press(at, command, c)[0])
+    return path
+
+
+def believed_after(b: Believed, command: Number, seen: Given, c: SampledWrist, g: observer.Gains) -> Believed:
+    """`design.mpc.observer.update`, made of NumPy ufuncs."""
+    gain = c.regulator.gain
+    pushed = command + b.lack / gain
+    path = after_period(b.plant.pressure, pushed, c, g.substeps)
+    predicted = path[-1]
+    missed = seen.pressure_seen * (seen.pressure - predicted)
+    state = b.plant
+    for i, pressure in enumerate(path[1:], 1):
+        state = wrist.bend(state, pressure + missed * (i / g.substeps), (), c)
+
+    error = gain * pushed - b.plant.pressure
+    large = np.abs(error) > 1e-6
+    share = np.where(large, (predicted - b.plant.pressure) / np.where(large, error, 1.0), g.share_at_rest)
+    believed = np.minimum(np.maximum(missed, -observer.MOST_MISSED), observer.MOST_MISSED)
+    lack = b.lack + g.lack * believed * share / (share * share + observer.LEAST_SHARE**2)
+    off = seen.angle_seen * (seen.angle - (state.angle + b.shift))
+    shift = b.shift + g.shift * off
+    # Where the angle is lost both the shift and the angle stay: off is 0, shift - b.shift too.
+    angle = state.angle + g.angle * off - (shift - b.shift)
+    return Believed(State(state.pressure, state.memory, angle), lack, shift)
+
+
+def parameters(m: Memory, command: Number, reference: Number, c: SampledWrist, problem: Problem) -> Any:
+    """theta, and the bounds [deg] on u: what `design.mpc.linear.plan` hands to its solver."""
+    b, loop, gain = m.believed, c.loop, c.regulator.gain
+    memory, P = b.plant.memory, b.plant.pressure
+
+    def static(v: Number) -> Number:
+        return hysteresis.step(memory, P, gain * v + b.lack, loop).h
+
+    least, most = static(problem.low), static(problem.high)
+    was = np.where(m.planned > 0.5, m.u, static(command))
+    transit = loop.s * (1.0 - memory.virgin)
+    up = reference - b.shift > memory.h
+    down_there = np.maximum(least, memory.h + transit * (gain * problem.low + b.lack - P))
+    up_there = np.minimum(most, memory.h + transit * (gain * problem.high + b.lack - P))
+    theta = (memory.h, b.plant.angle, b.shift - reference, was)
+    return theta, np.where(up, down_there, least), np.where(up, most, up_there)
+
+
+def pressure_wanted(b: Believed, u: Number, c: SampledWrist, of: linear.Planner) -> Number:
+    """Pressure [kPa] that the first move u [deg] of a plan asks for at the end of the period."""
+    memory = b.plant.memory
+    angle = (
+        of.static_free[0, 0] * memory.h + of.static_free[0, 1] * b.plant.angle + of.static_forced[0, 0] * u
+    )
+    still = np.where(memory.virgin > 0.5, 1.0, 0.0) * np.where(
+        np.abs(angle - memory.h) < linear.STILL, 1.0, 0.0
+    )
+    return inverse.pressure_for(memory, b.plant.pressure, np.where(still > 0.5, memory.h, angle), c.loop)
+
+
+def condensed(of: linear.Planner) -> tuple[Array, Array]:
+    """T (2N, 4) and G (2N, 2N); see the module."""
+    from scipy.linalg import cho_factor, cho_solve
+
+    N = of.problem.horizon
+    A = np.vstack([np.eye(N), of.problem.differences])
+    free = np.column_stack([of.free, np.ones(N)])  # of h, a, shift - reference
+    F = np.column_stack([of.forced.T @ (of.weights[:, None] * free), np.eye(N)[:, 0] * -of.move])
+    solved = cho_solve(cho_factor(of.hessian), np.column_stack([F, A.T]))
+    return -A @ solved[:, :4], A @ solved[:, 4:]
+
+
+def _python(problem: Problem, of: linear.Planner, g: observer.Gains) -> tuple[Begin, Step]:
+    """The law in Python, by `design.mpc`, its output held where something is lost."""
+    idle = np.zeros(2 * problem.horizon, dtype=np.int32)
+
+    def begin(pressure: float, angle: float) -> tuple[Any, float]:
+        believed = _at_rest(pressure, angle, problem.wrist)
+        floats = tree.like(believed, [float(x) for x in tree.leaves(believed)])
+        command = pressure / problem.wrist.regulator.gain
+        return (floats, None, command), command
+
+    def step(state: Any, seen: Seen) -> tuple[Any, float]:
+        before, u, command = state
+        measured = Measured(seen.reference - seen.angle, seen.angle, seen.pressure)
+        believed = observer.update(before, command, measured, g, of.coefficients)
+        if not all(isfinite(x) for x in seen):
+            return (believed, u, command), command
+        angles, found = linear.plan(of, believed, command, seen.reference, idle, u)
+        if not found.found:
+            return (believed, u, command), command
+        wanted = float(linear.follow(of, believed, command, angles[:1])[0])
+        moved = min(max(wanted, command - problem.rate), command + problem.rate)
+        command = min(max(moved, problem.low), problem.high)
+        return (believed, float(found.x[0]), command), command
+
+    return begin, step

@@ -1,0 +1,159 @@
+"""What is exported: a law with its start and its state, as C shows it to who calls it.
+
+The coefficients are baked into the code as constants.  A struct of them would let a target change the gains,
+and thereby run something that no test vector, no certificate and no tuning has seen; other gains
+are another export.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from design.controller import Controller, Measured
+from design.export.fields import ANGLE, COMMAND, PRESSURE, REFERENCE, Field, described, lines_of
+from design.memory_estimator import MemoryObserver, init
+from design.memory_estimator import step as observe
+from plants import tree
+from plants.compiled import baked, c_source, graph, used
+from plants.delay import SampledDelay
+from plants.wrist import SAMPLE_TIME
+
+Number = Any
+
+
+class Seen(NamedTuple):
+    """What a law is given in one sample, and what of it the plant's sensors show: reference [deg], angle
+    [deg], pressure [kPa]."""
+
+    reference: Number
+    angle: Number
+    pressure: Number
+
+
+SEEN = (REFERENCE, ANGLE, PRESSURE)
+
+
+@dataclass(frozen=True)
+class Part:
+    """A law as C shows it.
+
+    name: begins every name in C; title: what it is, in a line; period [s]; inputs: which of `SEEN` it
+    reads; state: members of the struct, the last output included; output; low, high: what the output is
+    clipped to, None where it is not; settings by name; code: C that CasADi made, with the functions
+    NAME_init_law and NAME_step_law; begin and step: the law in Python, ``begin(pressure, angle) -> (state,
+    output)`` and ``step(state, seen) -> (state, output)``, a state whose delay lines the caller fills;
+    delays: where in the state's leaves each delay line begins, and of how many whole samples it is; notes
+    for people; tolerance: how far C may be from Python, in the unit of the output; source: NAME.c where it is
+    not the one of `design.export.source`; lost: what happens where a measurement is not finite, in words;
+    takes_lost: whether `step` is given such a measurement, rather than held.
+    """
+
+    name: str
+    title: str
+    period: float
+    inputs: tuple[Field, ...]
+    state: tuple[Field, ...]
+    output: Field
+    low: float | None
+    high: float | None
+    settings: Mapping[str, float]
+    code: str
+    begin: Callable[[float, float], tuple[Any, float]]
+    step: Callable[[Any, Seen], tuple[Any, float]]
+    delays: tuple[tuple[int, int], ...] = ()
+    notes: tuple[str, ...] = ()
+    tolerance: float = 1e-9
+    source: str = ""
+    lost: str = "the state is left as it was and the output is that of the last good sample"
+    takes_lost: bool = False
+
+    @property
+    def kept(self) -> list[tuple[int, Field]]:
+        """Leaves of the state that the struct keeps, with their places: of a delay line not what is read
+        from it anew in every sample."""
+        read = {row + i for row, _ in self.delays for i in (0, 1)}
+        return [(i, f) for i, f in enumerate(self.state) if i not in read]
+
+
+def of_controller(name: str, title: str, controller: Controller, period: float = SAMPLE_TIME) -> Part:
+    """Any controller that `design.controller` describes and whose law is made of NumPy ufuncs.
+
+    Its sensors' names are those of `Seen`; of these it asks for what its law depends on.
+    """
+    c = controller.sampled(period)
+
+    def begin(pressure: Number, angle: Number) -> tuple[Any, Number]:
+        # As `design.loop.holding`, the regulator being as the controller believes.
+        state = controller.holding(pressure, Measured(0.0, angle, pressure))
+        return state, controller.command(state)
+
+    def law(state: Any, seen: Seen, coefficients: Any) -> tuple[Any, Number]:
+        measured = Measured(seen.reference - seen.angle, seen.angle, seen.pressure)
+        return coefficients.act(state, measured)  # type: ignore[no-any-return]
+
+    low, high = (float(getattr(controller, n)) for n in ("low", "high"))
+    settings = {f.name: float(getattr(controller, f.name)) for f in fields(controller)}  # type: ignore[arg-type]
+    return _part(name, title, period, begin, law, c, COMMAND, low, high, settings)
+
+
+def of_observer(name: str, title: str, observer: MemoryObserver, period: float = SAMPLE_TIME) -> Part:
+    """The observer of the loop's memory, whose output is the static angle [deg]."""
+    c = observer.sampled(period)
+
+    def begin(pressure: Number, angle: Number) -> tuple[Any, Number]:
+        state = init(angle, pressure, c)
+        return state, state.memory.h
+
+    def law(state: Any, seen: Seen, coefficients: Any) -> tuple[Any, Number]:
+        after = observe(state, seen.angle, seen.pressure, coefficients)
+        return after, after.memory.h
+
+    output = Field("static_angle", "deg", "static angle as observed")
+    settings = {f.name: float(getattr(observer, f.name)) for f in fields(observer)}
+    return _part(name, title, period, begin, law, c, output, None, None, settings)
+
+
+def _part(
+    name: str,
+    title: str,
+    period: float,
+    begin: Callable[[Number, Number], tuple[Any, Number]],
+    law: Callable[[Any, Seen, Any], tuple[Any, Number]],
+    c: Any,
+    output: Field,
+    low: float | None,
+    high: float | None,
+    settings: Mapping[str, float],
+) -> Part:
+    c = tree.like(c, [float(x) for x in tree.leaves(c)])
+
+    def started(at: tuple[Number, Number]) -> tuple[Any, Number]:
+        return begin(*at)
+
+    def python_begin(pressure: float, angle: float) -> tuple[Any, float]:
+        state, out = begin(pressure, angle)
+        return tree.like(state, [float(x) for x in tree.leaves(state)]), float(out)
+
+    def python_step(state: Any, seen: Seen) -> tuple[Any, float]:
+        after, out = law(state, seen, c)
+        return tree.like(after, [float(x) for x in tree.leaves(after)]), float(out)
+
+    example, _ = python_begin(100.0, 0.0)
+    seen = Seen(0.0, 0.0, 0.0)
+    init_law = baked(f"{name}_init_law", graph(started, (0.0, 0.0)))
+    step_law = baked(f"{name}_step_law", graph(law, example, seen, c), c)
+    read = used(step_law, 1)
+    delays = tuple(zip(lines_of(example), _samples(c), strict=True))
+    return Part(
+        name, title, period, tuple(f for f, wanted in zip(SEEN, read, strict=True) if wanted),
+        described(example), output, low, high, settings,
+        c_source(f"{name}_law", init_law, step_law), python_begin, python_step, delays,
+    )  # fmt: skip
+
+
+def _samples(c: Any) -> list[int]:
+    """Whole samples of each delay among coefficients."""
+    flat = tree.leaves(c)
+    return [int(np.rint(flat[i])) for i in tree.places(c, SampledDelay)]

@@ -1,0 +1,181 @@
+"""Test vectors: what an exported law is given in 10,000 samples, and what it answered in Python.
+
+The signals come from a loop that is closed around the wrist, with noise and quantisation, so that they are
+what the target will see: references of every kind, some out of reach, and measurements that are lost.
+"""
+
+from collections.abc import Iterator
+from math import isfinite
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.export.part import SEEN, Part, Seen
+from design.mpc.observer import begin
+from design.mpc.prediction import coefficients, roll, start_of
+from design.mpc.problem import Problem
+from plants import tree
+from plants.wrist import SAMPLE_TIME, Wrist
+
+Array = NDArray[np.float64]
+
+STEPS = 10_000
+NOISE_DEG, QUANTUM_DEG, NOISE_KPA = 0.07, 0.01, 0.2
+OUT_OF_REACH = 70.0
+"""Reference [deg] that drives any law to both ends of its range."""
+
+LOST = 12
+"""Samples in which one of the inputs is lost."""
+
+
+class Vector(NamedTuple):
+    """Pressure [kPa] and angle [deg] of the start; rows of reference, angle, pressure and expected output,
+    shape (steps, 4)."""
+
+    pressure: float
+    angle: float
+    rows: Array
+
+
+def references(steps: int, period: float, draw: np.random.Generator) -> Array:
+    """A reference [deg] for each step: jumps, also out of reach, a chirp, ramps, rest."""
+    t = np.arange(steps) * SAMPLE_TIME  # a slow law gets as many samples of each kind
+    hold = max(60, round(0.4 / period))
+    levels = draw.uniform(-25.0, 25.0, steps // hold + 4)
+    levels[2:4] = OUT_OF_REACH, -OUT_OF_REACH
+    jumps = np.repeat(levels, hold)[:steps]
+    chirp = 12.0 * np.sin(2.0 * np.pi * (0.2 + 0.15 * t) * t)
+    ramps = 20.0 * np.abs((t / 2.0) % 2.0 - 1.0) - 10.0
+    part = np.minimum(np.arange(steps) * 4 // steps, 3)
+    return np.where(part == 0, jumps, np.where(part == 1, chirp, np.where(part == 2, ramps, jumps)))
+
+
+class Replay:
+    """The law in Python as a target runs it: its state, its delay lines, and its output held where a
+    measurement is lost.  One state at a time, as on the target."""
+
+    def __init__(self, part: Part) -> None:
+        self.part, self.state, self.output = part, None, 0.0
+        self.lines: list[list[float]] = []
+
+    def begin(self, pressure: float, angle: float) -> float:
+        """Start from rest; the output that holds it."""
+        self.state, self.output = self.part.begin(pressure, angle)
+        leaves = tree.leaves(self.state)
+        self.lines = [[leaves[row + 2]] * (samples + 1) for row, samples in self.part.delays]
+        return self.output
+
+    def step(self, seen: Seen) -> float:
+        """The output of one sample."""
+        # What the law does not read may be lost, and is nothing to it.
+        seen = Seen(*(x if f in self.part.inputs else 0.0 for f, x in zip(SEEN, seen, strict=True)))
+        if not self.part.takes_lost and not all(isfinite(x) for x in seen):
+            return self.output
+        leaves = tree.leaves(self.state)
+        for (row, samples), line in zip(self.part.delays, self.lines, strict=True):
+            # The line's end is the newest: `samples` steps ago, and one before that.
+            leaves[row], leaves[row + 1] = line[-samples] if samples else line[-1], line[-samples - 1]
+        self.state, self.output = self.part.step(tree.like(self.state, leaves), seen)
+        after = tree.leaves(self.state)
+        for (row, samples), line in zip(self.part.delays, self.lines, strict=True):
+            line.append(float(after[row + 2]))
+            del line[: -(samples + 1)]
+        return self.output
+
+
+def vector(part: Part, wrist: Wrist, steps: int = STEPS, seed: int = 0) -> Vector:
+    """A test vector of a law, in a loop around a wrist.
+
+    An observer, which commands nothing, watches the wrist follow the reference under the command that
+    would hold it in the end.
+    """
+    draw = np.random.default_rng(seed)
+    asked = references(steps, part.period, draw)
+    lost = draw.choice(steps, LOST, replace=False)
+    which = dict(zip(lost.tolist(), draw.integers(0, 3, LOST).tolist(), strict=True))
+    held, c, state = Problem(wrist, period=part.period), coefficients(wrist), start_of(begin(wrist.rest()))
+    at = float(state[0]), float(state[3])
+    law = Replay(part)
+    law.begin(*at)
+    rows = np.empty((steps, 4))
+    for k, (noise, hiss) in enumerate(draw.standard_normal((steps, 2))):
+        angle = np.round((float(state[3]) + NOISE_DEG * noise) / QUANTUM_DEG) * QUANTUM_DEG
+        seen = [float(asked[k]), float(angle), float(state[0]) + NOISE_KPA * hiss]
+        if k in which:
+            seen[which[k]] = np.nan
+        output = law.step(Seen(*seen))
+        rows[k] = *seen, output
+        command = output if part.output.unit == "V" else _open_loop(wrist, float(asked[k]))
+        state = roll(held, c, state, 0.0, np.array([command]))[0]
+    return Vector(*at, rows)
+
+
+def _open_loop(wrist: Wrist, reference: float) -> float:
+    """The command [V] at which the middle of the loop stands at the reference, within the range."""
+    p = wrist.hysteresis
+    pressure = p.rest_pressure + reference / (0.5 * (p.a1 + p.a2))
+    return float(np.clip(pressure / wrist.regulator.gain, 0.0, 4.0))
+
+
+def csv(part: Part, found: Vector) -> str:
+    """The vector as a table, numbers as exact as they are; of the inputs only those that the law reads."""
+    columns = [SEEN.index(f) for f in part.inputs]
+    head = ",".join([f.member for f in part.inputs] + [f"expected_{part.output.member}"])
+
+    def lines() -> Iterator[str]:
+        for row in found.rows:
+            yield ",".join(repr(float(x)) for x in (*row[columns], row[3]))
+
+    return head + "\n" + "\n".join(lines()) + "\n"
+
+
+def program(part: Part, found: Vector) -> str:
+    """test_vector.c: replays the table against the C and says how far they are apart."""
+    n, out, count = part.name, part.output.member, len(part.inputs)
+    read = "\n".join(f"        measured.{f.member} = x[{i}];" for i, f in enumerate(part.inputs))
+    return f"""\
+/* Replays {n}_vector.csv: ./test_vector [file].
+   Exit code 0 where no output differs by more than {part.tolerance:g} {part.output.unit}. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "{n}.h"
+
+int main(int argc, char **argv)
+{{
+    FILE *file = fopen(argc > 1 ? argv[1] : "{n}_vector.csv", "r");
+    {n}_state state;
+    {n}_measured measured;
+    char line[512];
+    double worst = 0.0;
+    long rows = 0, held = 0;
+    if (file == NULL || fgets(line, sizeof line, file) == NULL) {{
+        fprintf(stderr, "{n}_vector.csv: cannot be read\\n");
+        return 2;
+    }}
+    if ({n}_init(&state, {found.pressure!r}, {found.angle!r}) != {n.upper()}_OK) {{
+        return 2;
+    }}
+    while (fgets(line, sizeof line, file) != NULL) {{
+        double x[{count + 1}], {out} = 0.0, off;
+        char *at = line;
+        int i;
+        for (i = 0; i < {count + 1}; i++) {{
+            x[i] = strtod(at, &at);
+            at += *at == ',';
+        }}
+{read}
+        held += {n}_step(&state, &measured, &{out}) != {n.upper()}_OK;
+        off = fabs({out} - x[{count}]);
+        if (!(off <= worst)) {{ /* also where it is not a number */
+            worst = off;
+        }}
+        rows++;
+    }}
+    fclose(file);
+    printf("%ld steps, %ld held, largest difference %.3g {part.output.unit}\\n", rows, held, worst);
+    return rows == {len(found.rows)} && worst <= {part.tolerance!r} ? 0 : 1;
+}}
+"""

@@ -1,0 +1,212 @@
+"""Inverse-hysteresis feedforward, alone and with a PI: the reference is met by a model that is inverted.
+
+`design.feedforward_course` takes the model to the reference as fast as the range of the command and the
+reference filter allow.  `Feedforward` plays the command of the model; `FeedforwardPI` adds a PI on the angle
+of the model less the one that is measured (two degrees of freedom: Astrom & Hagglund, Advanced PID Control,
+2006, chapter 5).  Both start from the memory that angle and pressure tell (`design.memory_estimator`).
+"""
+
+from dataclasses import dataclass, fields
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from design.controller import Measured
+from design.feedforward_course import Course, SampledCourse, no_inverse, proceed
+from design.memory_estimator import memory_at_rest, pressure_at_rest
+from design.pi import PI
+from plants import delay
+from plants.delay import DelayLine, SampledDelay
+from plants.errors import InputError
+from plants.quantities import KINDS
+from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Number, State, Wrist
+
+SPEED = 25.0
+"""Rate [1/s] of the reference filter close to the reference, where none is given."""
+
+
+@dataclass(frozen=True)
+class Feedforward:
+    """The model's parameters, by the names that they have in a wrist, and the rate of the reference filter,
+    speed [1/s]; floats or arrays of lanes.
+
+    low and high [V] bound the command.  Raises ValueError for a setting that is not finite, a speed that is
+    not positive, and a model that has no inverse: a transit that is not less steep than both lines, lines
+    that cross within the range of pressure, a regulator whose rate falls as the error grows.
+    """
+
+    gain: Number
+    k_fast: Number
+    k_slow: Number
+    e0: Number
+    a1: Number
+    w1: Number
+    a2: Number
+    w2: Number
+    s: Number
+    rest_pressure: Number
+    Tw: Number
+    speed: Number = SPEED
+    low: Number = COMMAND_RANGE[0]
+    high: Number = COMMAND_RANGE[1]
+
+    def __post_init__(self) -> None:
+        v = {f.name: np.asarray(getattr(self, f.name), float) for f in fields(self)}
+        if not all(np.isfinite(x).all() for x in v.values()):
+            raise ValueError("settings of a feedforward must be finite")
+        if not all((v[n] > 0.0).all() for n in ("gain", "k_fast", "k_slow", "a1", "a2", "Tw", "speed")):
+            raise ValueError("gain, k_fast, k_slow, a1, a2, Tw and speed must be positive")
+        if np.any(v["s"] < 0.0) or np.any(v["s"] >= np.minimum(v["a1"], v["a2"])):
+            raise ValueError("a loop with s not below a1 and a2 runs backwards and has no inverse; use a PI")
+        if np.any(v["k_slow"] > v["k_fast"]):
+            raise ValueError("a regulator with k_slow above k_fast may have no inverse; use a PI")
+        for volts in (v["low"], v["high"]):
+            gap = (v["a2"] - v["a1"]) * (volts * v["gain"] - v["rest_pressure"]) + v["w1"] + v["w2"]
+            if np.any(gap <= 0.0):
+                raise ValueError("a loop whose lines cross within the range has no inverse; use a PI")
+
+    @classmethod
+    def of(cls, plant: Wrist, **settings: Number) -> Any:
+        """The controller whose model is a wrist of floats, with other `settings` by their names.
+
+        Raises InputError, in one line that names the alternative, for a wrist whose loop cannot be
+        inverted and for one with effects.
+        """
+        refusal = no_inverse(plant)
+        if refusal:
+            raise InputError(refusal)
+        declared = {n: plant.values[n] for n in KINDS}
+        return cls(**declared, **settings)
+
+    @property
+    def _course(self) -> Wrist:
+        """The model."""
+        return Wrist.from_values(vars(self))
+
+    def _sampled_course(self, dt: float) -> SampledCourse:
+        lead = self.Tw * self.speed - 1.0
+        return SampledCourse(
+            self._course.sampled(dt), self.k_fast, self.k_slow, self.Tw, lead, self.low, self.high
+        )  # fmt: skip
+
+    def sampled(self, dt: float = SAMPLE_TIME) -> Any:
+        """Coefficients for a sample time `dt` [s]."""
+        return SampledFeedforward(self._sampled_course(dt))
+
+    def _begin(self, pressure: Number, seen: Measured | None) -> tuple[Course, Number]:
+        """The model at rest at what is seen, and by how much [kPa] the pressure lies beside the model's."""
+        seen = Measured(0.0, 0.0, pressure) if seen is None else seen
+        loop = self._course.hysteresis
+        there = pressure_at_rest(seen.angle, pressure, loop)
+        memory = memory_at_rest(seen.angle, there, loop)
+        # At rest: a model whose angle were not its static angle would begin to move.
+        return Course(State(there, memory, memory.h), 0.0), pressure - there
+
+    def holding(self, pressure: Number, seen: Measured | None = None) -> Any:
+        """The state in which the controller holds a pressure [kPa] at the angle that is seen; its model's
+        memory is that which the two tell (`design.memory_estimator`).
+
+        >>> controller = Feedforward.of(Wrist.flexion())
+        >>> state = controller.holding(130.0, Measured(0.0, 0.5, 130.0))      # off the loop by 11.9 kPa
+        >>> round(float(state.trim), 1), round(float(controller.command(state)) * 49.4, 6)
+        (11.9, 130.0)
+        """
+        return FeedforwardState(*self._begin(pressure, seen))
+
+    def command(self, state: Any) -> Number:
+        """The command [V] that a state gives while the model rests and is followed."""
+        return (state.course.model.pressure + state.trim) / self.gain
+
+
+class FeedforwardState(NamedTuple):
+    """What the controller remembers: its model, and the pressure [kPa] that was needed beside the model's
+    to hold still at the start."""
+
+    course: Course
+    trim: Number
+
+
+class SampledFeedforward(NamedTuple):
+    """Coefficients of the controller for one sample time."""
+
+    course: SampledCourse
+
+    def act(self, state: FeedforwardState, seen: Measured) -> tuple[FeedforwardState, Number]:
+        """State after, and command [V] of, one sample; of what is seen the reference alone counts."""
+        course, command = proceed(state.course, seen.reference, self.course)
+        command = command + state.trim / self.course.wrist.regulator.gain
+        command = np.minimum(np.maximum(command, self.course.low), self.course.high)
+        return FeedforwardState(course, state.trim), command
+
+
+@dataclass(frozen=True)
+class FeedforwardPI(Feedforward):
+    """A feedforward and a PI on what the wrist lacks of its model: Kp [kPa/deg], Ki [kPa/(deg s)].
+
+    dead_time [s]: by which the wrist is known to answer late; the PI sees the model late by as much.
+    Raises ValueError as `Feedforward`, and for gains or a dead time that are negative.
+    """
+
+    Kp: Number = 0.0
+    Ki: Number = 0.0
+    dead_time: Number = 0.0
+
+    @classmethod
+    def of(cls, plant: Wrist, **settings: Number) -> Any:
+        """The controller whose model is a wrist, and which knows of its dead time unless told another.
+
+        Raises InputError as `Feedforward.of`.
+        """
+        late = {e.NAME: e.values.get("dead-time.delay", 0.0) for e in plant.effects}
+        return super().of(plant, **{"dead_time": late.get("dead-time", 0.0), **settings})
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if any(np.any(np.asarray(v, float) < 0.0) for v in (self.Kp, self.Ki, self.dead_time)):
+            raise ValueError("gains and dead time must not be negative")
+
+    @property
+    def pi(self) -> PI:
+        """The PI, whose margins are those of the loop: the feedforward stands outside of it."""
+        return PI(self.Kp, self.Ki, self.gain, self.rest_pressure, self.low, self.high)
+
+    def sampled(self, dt: float = SAMPLE_TIME) -> "SampledFeedforwardPI":
+        """Coefficients for a sample time `dt` [s]."""
+        return SampledFeedforwardPI(
+            self._sampled_course(dt), self.Kp, self.Ki * dt, delay.sampled(self.dead_time, dt)
+        )  # fmt: skip
+
+    def holding(self, pressure: Number, seen: Measured | None = None) -> "FeedforwardPIState":
+        """The state in which the controller holds a pressure [kPa] at the angle that is seen."""
+        course, trim = self._begin(pressure, seen)
+        return FeedforwardPIState(course, trim, delay.at_rest(course.model.angle))
+
+
+class FeedforwardPIState(NamedTuple):
+    """What the controller remembers: its model, the integral part of its PI [kPa], called `trim` as in a
+    feedforward, and the angles of the model that a known dead time holds back."""
+
+    course: Course
+    trim: Number
+    late: DelayLine
+
+
+class SampledFeedforwardPI(NamedTuple):
+    """Coefficients of the controller for one sample time."""
+
+    course: SampledCourse
+    Kp: Number
+    Ki_dt: Number
+    delay: SampledDelay
+
+    def act(self, state: FeedforwardPIState, seen: Measured) -> tuple[FeedforwardPIState, Number]:
+        """State after, and command [V] of, one sample; the integrator stands still while the command is
+        clipped, unless the error drives it back, as that of `design.pi`."""
+        late, expected = delay.step(state.late, state.course.model.angle, self.delay)
+        course, forward = proceed(state.course, seen.reference, self.course)
+        error = expected - seen.angle
+        wanted = forward + (self.Kp * error + state.trim) / self.course.wrist.regulator.gain
+        command = np.minimum(np.maximum(wanted, self.course.low), self.course.high)
+        pushes_out = (wanted - command) * error > 0.0
+        trim = state.trim + np.where(pushes_out, 0.0, self.Ki_dt * error)
+        return FeedforwardPIState(course, trim, late), command

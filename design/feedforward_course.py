@@ -1,0 +1,150 @@
+"""The way to a reference by the inverse: a model of the wrist that is inverted and goes ahead of it.
+
+A controller carries the model along.  In every sample it asks of the model's static angle
+
+    h_d = y + Tw dy_d/dt,     dy_d/dt = speed (r - y),
+
+the lag inverted for a reference filter of the first order; gets the pressure for h_d from the inverse of
+the loop with its memory, and the command for that pressure from the inverse of the regulator
+(`plants.inverse`); clips the command to its range, and moves the model by what is left.  The angle of
+the model is therefore one that the wrist can follow, and without disturbances does follow: the range is
+respected by construction, at full throttle where the filter asks for more.
+
+A static angle beyond the reference has to come back in time, across the whole loop.  So y in the law is
+not that of now but that at which the wrist would stand once h is back at r, if the brake were full from now
+on: on the transit until the other line is met, then on that line, the regulator at the rate of each piece
+and the lag under a ramp.  At the end of the way both are the same.  This is a proximate time-optimal servo
+(Workman, Adaptive Proximate Time-Optimal Servomechanisms, Stanford 1987): bang-bang far from
+the reference, linear close to it.
+"""
+
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+
+from plants import inverse, wrist
+from plants.errors import InputError, InputWarning
+from plants.quantities import loop_problem
+from plants.wrist import COMMAND_RANGE, Number, SampledWrist, State, Wrist
+
+
+class Course(NamedTuple):
+    """The model, which runs ahead of the wrist, and in how many samples the reference was out of reach."""
+
+    model: State
+    outside: Number
+
+
+class SampledCourse(NamedTuple):
+    """Coefficients of the model and of the way to the reference for one sample time."""
+
+    wrist: SampledWrist
+    k_fast: Number  # 1/s
+    k_slow: Number  # 1/s
+    Tw: Number  # s
+    lead: Number  # Tw speed - 1
+    low: Number  # V
+    high: Number  # V
+
+
+def at_return(m: State, r: Number, c: SampledCourse) -> Number:
+    """Angle [deg] of the model when its static angle is back at `r` [deg], the brake being full from now on;
+    its angle now if the static angle is not beyond."""
+    loop, up = c.wrist.loop, m.angle < r
+    end = inverse.pressure_for(m.memory, m.pressure, r, loop)
+    met = inverse.corner_pressure(m.memory, m.pressure, m.angle >= r, loop)
+    corner = np.where(up, np.maximum(met, end), np.minimum(met, end))
+    h = m.memory.h + loop.s * (1.0 - m.memory.virgin) * (corner - m.pressure)
+    brake = c.wrist.regulator.gain * np.where(up, c.low, c.high)
+    y = _after(m.angle, m.memory.h, h, _time(m.pressure, corner, brake, c), c)
+    y = _after(y, h, r, _time(corner, end, brake, c), c)
+    beyond = (m.memory.h - r) * np.where(up, 1.0, -1.0) > 0.0
+    return np.where(beyond, y, m.angle)
+
+
+def _time(before: Number, after: Number, target: Number, c: SampledCourse) -> Number:
+    """Time [s] that the regulator takes between two pressures on its way to a third [kPa]."""
+    far, near = np.abs(before - target), np.maximum(np.abs(after - target), 1.0)
+    squared = 0.25 * (far + near) * (far + near)
+    rate = c.k_slow + (c.k_fast - c.k_slow) * squared / (squared + c.wrist.regulator.e0_squared)
+    return np.log(np.maximum(far / near, 1.0)) / rate
+
+
+def _after(angle: Number, before: Number, after: Number, time: Number, c: SampledCourse) -> Number:
+    """The lag's angle [deg] after a time [s] in which the static angle goes straight on."""
+    ratio = np.maximum(time / c.Tw, 1e-6)
+    keep = np.exp(-ratio)
+    mean = (1.0 - keep) / ratio
+    return keep * angle + (mean - keep) * before + (1.0 - mean) * after
+
+
+def proceed(s: Course, reference: Number, c: SampledCourse) -> tuple[Course, Number]:
+    """The model one sample later on its way to a reference [deg], and the command [V] that takes it there.
+
+    A reference out of reach of the command's range is taken for the nearest within, and counted.
+    """
+    m, loop, regulator = s.model, c.wrist.loop, c.wrist.regulator
+    reach = c.low * regulator.gain, c.high * regulator.gain
+    r = inverse.clamped(reference, loop, *reach)
+    y, off = at_return(m, r, c), m.memory.h - r
+    # The way gone until the return grows about with the square of `off`: what h_d asks for now is
+    # taken back by what it does to y, at that slope, or h_d would be met and missed in turns.
+    slope = 2.0 * (y - m.angle) / np.where(off == 0.0, 1.0, off)
+    wanted = m.memory.h + (r + c.lead * (r - y) - m.memory.h) / (1.0 + np.abs(c.lead) * slope)
+    wanted = inverse.clamped(wanted, loop, *reach)
+    pressure = inverse.pressure_for(m.memory, m.pressure, wanted, loop)
+    command = inverse.command_for(m.pressure, pressure, regulator)
+    command = np.minimum(np.maximum(command, c.low), c.high)
+    return Course(wrist.step(m, command, c.wrist), s.outside + np.where(r == reference, 0.0, 1.0)), command
+
+
+def no_inverse(plant: Wrist, low: float = COMMAND_RANGE[0], high: float = COMMAND_RANGE[1]) -> str | None:
+    """Why a wrist has no inverse, and what to do, in one line; None for one that has.
+
+    A dead time needs none: it only makes the wrist late, which `FeedforwardPI.dead_time` allows for.
+
+    >>> from plants.effects.creep import Creep
+    >>> no_inverse(Wrist.flexion() + Creep(0.1, 4.0))
+    'no inverse of the effect creep: invert the wrist without it (replace effects by ()), or use a PI'
+    """
+    stubborn = [e.NAME for e in plant.effects if (e.NAME, e.FORM) != ("dead-time", "transport")]
+    if stubborn:
+        words = f"the effect{'s' * (len(stubborn) > 1)} {', '.join(stubborn)}"
+        return f"no inverse of {words}: invert the wrist without it (replace effects by ()), or use a PI"
+    problem = loop_problem(plant.values, low * plant.regulator.gain, high * plant.regulator.gain)
+    if problem:
+        return f"no inverse of the loop: {problem}; correct the parameters, or use a PI"
+    return None
+
+
+def reachable(
+    plant: Wrist, low: float = COMMAND_RANGE[0], high: float = COMMAND_RANGE[1]
+) -> tuple[float, float]:
+    """Angles [deg] that commands from `low` to `high` [V] reach whatever the wrist's memory.
+
+    >>> [round(angle, 2) for angle in reachable(Wrist.flexion())]
+    [-30.0, 29.14]
+    """
+    found = inverse.reachable(plant.hysteresis, low * plant.regulator.gain, high * plant.regulator.gain)
+    return float(found[0]), float(found[1])
+
+
+def within_reach(plant: Wrist, reference: float) -> float:
+    """The reference [deg], clamped to what the wrist reaches.
+
+    Warns (InputWarning), with the range, where that changes it; raises InputError for one that is not finite.
+    """
+    if not np.isfinite(reference):
+        raise InputError(f"reference {reference:g} deg: need a finite angle")
+    low, high = reachable(plant)
+    if low <= reference <= high:
+        return reference
+    nearest = min(max(reference, low), high)
+    warnings.warn(
+        f"reference {reference:g} deg is out of reach ({low:.2f} to {high:.2f} deg): "
+        f"{nearest:.2f} deg is taken",
+        InputWarning,
+        stacklevel=2,
+    )
+    return nearest

@@ -1,0 +1,136 @@
+"""The lower bound: no command in the range settles sooner, or leaves a smaller IAE, than full throttle.
+
+Claim.  Let y_k be the angle of a wrist under any commands v_k in the range, from a given state, and
+Y_k the angle under full throttle in the direction of the step.  For a step in the plus direction
+y_k <= Y_k at every sample k; in the minus direction y_k >= Y_k.
+
+Proof (plus; minus is its mirror image).  The commands of full throttle are the largest at every sample,
+and the states are equal at the start.  Where every stage is monotone (`design.limit.monotone`), the
+order of commands carries over to pressures by induction on k, from there to z = h - s P and so to
+h = z + s P, and from there to y.  Nothing is asked of the start: it may be at rest on either
+line or between them, or moving.
+
+The virgin curve is the exception.  Let commands v take the wrist off it.
+(a) By line 1: at that sample P has passed the end of the dead zone; the pressure of full throttle is
+    not below it, has passed it too, rises, and is on line 1, so that both the pressure and z
+    of full throttle are the larger; from there on both are monotone.  Before, h = 0 <= H.
+(b) By line 2, after a dip: not before the sample m at which full throttle *backwards* leaves the
+    virgin curve (comparison of pressures, the other way).  At sample m - 1 that wrist has a
+    pressure not below the one where line 2 is met, and an angle that is that of every virgin wrist.
+    A wrist that starts there at m - 1, its virgin memory gone, with the z that line 2 has where it is met
+    (or a little more) and full throttle that acts without delay, has from then on at every sample
+    a pressure, z and angle not below those of any wrist that dipped.
+So Y is the larger of two envelopes, straight and after a dip.  On the declared plants the second hardly
+matters; where the dead zone is wide, the transit steep and the regulator quick, a dip is the faster way.
+
+A settled wrist is inside the band, so it does not settle before the first sample at which Y is (settling
+time: as `design.metrics`, the first sample from which on the angle stays inside).  Its IAE is at least
+the sum of max(0, reference - Y_k) dt.  That a wrist which is too fast leaves the band again raises the
+bound of the settling time by a few samples where the step is steep (`design.limit.braking`); that of
+the IAE knows nothing of it.
+Quantisation, delay, noise and a controller's own sampling restrict the commands and keep the bound.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from design.limit.braking import knows, settles_after
+from design.limit.monotone import claimed, driven, relaxed, without
+from design.limit.replay import DURATION, Array, signals
+from design.metrics import SETTLING_BAND
+from plants import tree
+from plants.effects.effect import Around
+from plants.errors import InputError
+from plants.hysteresis import Memory
+from plants.simulate import run_lanes
+from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
+from plants.wrist import step as wrist_step
+
+
+@dataclass(frozen=True)
+class Bound:
+    """What no command in the range can beat: settling_s [s] (infinite where the band is not reached at
+    all), iae [deg s], and the envelope [deg] (samples,) that the angle cannot pass; from the first sample
+    at which it is not claimed, if any, it is infinite."""
+
+    settling_s: float
+    iae: float
+    envelope: Array
+
+
+def bound(wrist: Wrist, reference: float, state: State | None = None, begin: float = 0.0) -> Bound:
+    """Lower bound of settling time and IAE of a step to a reference [deg] from a state (rest where not
+    given), which may be moving, at a time [s].
+
+    Raises InputError for a step of no size, and for a wrist that is not known to be monotone.
+
+    >>> from plants import Wrist
+    >>> found = bound(Wrist.flexion(), 15.0)
+    >>> found.settling_s, round(found.iae, 3)
+    (0.256, 2.309)
+    """
+    state = wrist.rest() if state is None else state
+    size = float(reference - state.angle)
+    if size == 0.0 or not np.isfinite(size):
+        raise InputError(f"limit: a step from {state.angle:g} to {reference:g} deg has no size; give another")
+    sign, samples = float(np.sign(size)), round(DURATION / SAMPLE_TIME)
+    fastest = _envelope(wrist, state, sign, samples, begin)
+    left = sign * (reference - fastest.angle)
+    band = SETTLING_BAND * abs(size)
+    near = np.flatnonzero(left < band)
+    entry = int(near[0]) if len(near) else None
+    if entry is not None and knows(wrist, state, reference, sign):
+        pressure, static = fastest.pressure, fastest.memory.h
+        entry = settles_after(wrist, entry, float(state.angle), reference, band, pressure, static)
+    return Bound(
+        float("inf") if entry is None else entry * SAMPLE_TIME,
+        float(np.maximum(left, 0.0).sum()) * SAMPLE_TIME,
+        np.asarray(fastest.angle, float),
+    )
+
+
+def _envelope(wrist: Wrist, state: State, sign: float, samples: int, begin: float) -> State:
+    """Pressure, static angle and angle that no command passes in the direction of `sign`, (samples,)."""
+    monotone, start = relaxed(wrist, state)
+    ahead, back = (COMMAND_RANGE[1], COMMAND_RANGE[0]) if sign > 0 else COMMAND_RANGE
+    straight, _ = _throttle(monotone, start, ahead, samples, begin)
+    static, angle = sign * straight.memory.h, sign * straight.angle
+    if start.memory.virgin:
+        dip, _ = _throttle(monotone, start, back, samples, begin)
+        left = np.flatnonzero(dip.memory.virgin < 0.5)
+        if len(left):
+            m = int(left[0])
+            _, ready = _throttle(monotone, start, back, m - 1, begin)
+            # Its z is that of line 2 at the pressure of sample m, which is past the one where that is met.
+            raised = monotone.hysteresis.s * (
+                driven(monotone, ready.pressure) - driven(monotone, dip.pressure[m])
+            )
+            prompt, ready = without(monotone, ready, ("dead-time",))
+            ready = ready._replace(memory=Memory(float(raised), 0.0))
+            later = begin + (m - 1) * SAMPLE_TIME
+            dipped, _ = _throttle(prompt, ready, ahead, samples - m + 1, later)
+            static[m - 1 :] = np.maximum(static[m - 1 :], sign * dipped.memory.h)
+            angle[m - 1 :] = np.maximum(angle[m - 1 :], sign * dipped.angle)
+    until = claimed(wrist)
+    if until is not None:
+        angle[until:] = np.inf
+    return State(straight.pressure, Memory(sign * static, 0.0), sign * angle)
+
+
+def _step(state: State, inputs: tuple[Any, ...], c: Any) -> State:
+    command, *time = inputs
+    return wrist_step(state, command, c, Around(*time))
+
+
+def _throttle(wrist: Wrist, state: State, command: float, samples: int, begin: float) -> tuple[State, State]:
+    """The wrist before each of some samples of one command [V], as a state of arrays (samples,), of which
+    pressure, loop and angle are filled; and after the last."""
+    given = signals(wrist, np.full(samples, command), begin)
+    last, rows = run_lanes(
+        _step, state, wrist.sampled(), samples, given, inputs=tuple(given), every=1,
+        record=("pressure", "memory.h", "memory.virgin", "angle"), jobs=1,
+    )  # fmt: skip
+    P, h, virgin, y = rows[:, :-1, 0]
+    return State(P, Memory(h, virgin), y), tree.like(last, [float(x[0]) for x in tree.leaves(last)])

@@ -1,0 +1,1 @@
+"""Model predictive control of the wrist: one problem, several ways to solve it every period."""

@@ -1,0 +1,206 @@
+"""One period of an MPC, whatever it solves, and what it does when that fails: a ladder of fallbacks.
+
+1. The QP's answer, if it was found in time and the sensors' values are finite.
+2. The plan of the period before, shifted, for as many periods in a row as `patience` says.
+3. A PI on the measured angle, its integrator set so that the command does not jump (bumpless transfer:
+   Astrom & Hagglund, Advanced PID Control (2006), section 3.5); without a measurement of the angle
+   the command is held.
+
+The first period that solves again takes over.  State in, state out; the clock is the only thing that is
+looked at from outside.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design import pi
+from design.controller import Measured
+from design.mpc import observer, qp
+from design.mpc.problem import Believed, Problem
+from design.pi import PI, PIState
+from plants.errors import InputError
+from plants.wrist import State as WristState
+
+Array = NDArray[np.float64]
+
+SOLVED, SHIFTED, BY_PI, HELD = "solved", "shifted plan", "PI", "held"
+"""Rungs of the ladder, from the top."""
+
+
+def _slow_pi() -> PI:
+    return PI(1.2, 2.2)
+
+
+@dataclass(frozen=True)
+class Fallback:
+    """patience: periods that a shifted plan may go on for; pi: the controller below it; budget [s]: time
+    from the measurement to the command after which an answer is late (None: never); clock: of ns.
+    Raises InputError for a patience that is negative or a budget that is not positive."""
+
+    patience: int = 5
+    pi: PI = field(default_factory=_slow_pi)
+    budget: float | None = None
+    clock: Callable[[], int] = time.perf_counter_ns
+
+    def __post_init__(self) -> None:
+        if self.patience < 0:
+            raise InputError(f"patience of the MPC's fallback is {self.patience}: give 0 or more periods")
+        if self.budget is not None and not self.budget > 0.0:
+            raise InputError(f"time budget of the MPC is {self.budget} s: give a positive time, or none")
+
+
+class Info(NamedTuple):
+    """How a period went: the rung of the ladder, why it is not the first, iterations of the solver, and
+    times [ns] of the preparation of the next period, of the solver, and of all the rest."""
+
+    rung: str
+    reason: str
+    iterations: int
+    preparation_ns: int
+    solve_ns: int
+    wrapper_ns: int
+
+    @property
+    def total_ns(self) -> int:
+        """The whole step [ns]."""
+        return self.preparation_ns + self.solve_ns + self.wrapper_ns
+
+
+class State(NamedTuple):
+    """What an MPC remembers: what it believes of the wrist; the command [V] and reference [deg] of the
+    period before; the plan from now on, in the controller's own terms; the guess of the active set; what
+    was prepared; failures in a row; state of the PI where that is in charge, else None."""
+
+    believed: Believed
+    command: float
+    reference: float
+    plan: Array | None
+    active: qp.Active
+    prepared: Any
+    failures: int
+    pi: PIState | None
+
+
+class Attempt(NamedTuple):
+    """Command [V] and plan from the period after on, the guess of the active set for that, whether they
+    were found and if not why, iterations, and time [ns] in the solver."""
+
+    command: float
+    plan: Array | None
+    active: qp.Active
+    found: bool
+    reason: str
+    iterations: int
+    solve_ns: int
+
+
+class Planning(Protocol):
+    """What differs from one MPC to the other."""
+
+    @property
+    def problem(self) -> Problem:
+        """What is solved."""
+        ...
+
+    @property
+    def coefficients(self) -> Array:
+        """Of the model, flat."""
+        ...
+
+    @property
+    def fallback(self) -> Fallback:
+        """Settings of the ladder."""
+        ...
+
+    @property
+    def gains(self) -> observer.Gains:
+        """Gains of the observer."""
+        ...
+
+    def attempt(self, state: State, believed: Believed, reference: float) -> Attempt:
+        """Solve."""
+        ...
+
+    def resume(self, plan: Array, believed: Believed, command: float) -> tuple[float, Array]:
+        """Command [V] of a plan for the period that begins, and the plan from the next one on."""
+        ...
+
+    def prepare(self, state: State) -> Any:
+        """Whatever can be done before the next measurement."""
+        ...
+
+
+def begin(of: Planning, wrist_at_rest: WristState) -> State:
+    """The state in which an MPC holds a wrist at rest."""
+    believed, N = observer.begin(wrist_at_rest), of.problem.horizon
+    command = float(believed.plant.pressure / of.problem.wrist.regulator.gain)
+    idle = np.zeros(2 * N, dtype=np.int32)
+    return State(believed, command, float("nan"), None, idle, None, 0, None)
+
+
+def step(of: Planning, state: State, seen: Measured) -> tuple[State, float, Info]:
+    """One period: state after, command [V] to be held, and how it went."""
+    ladder, clock = of.fallback, of.fallback.clock
+    started = clock()
+    believed = observer.update(state.believed, state.command, seen, of.gains, of.coefficients)
+    asked = float(seen.error) + float(seen.angle)
+    reference = asked if isfinite(asked) else state.reference
+    tried = _attempt(of, state, believed, reference, seen)
+    late = ladder.budget is not None and clock() - started > ladder.budget * 1e9
+    if tried.found and not late:
+        command, after = tried.command, (tried.plan, tried.active, 0, None)
+        rung, reason = SOLVED, ""
+    else:
+        reason = tried.reason or "late"
+        command, rung, after = _descend(of, state, believed, seen)
+    command = _bounded(of.problem, command, state.command)
+    plan, active, failures, integral = after
+    new = State(believed, command, reference, plan, active, None, failures, integral)
+    given = clock()
+    new = new._replace(prepared=of.prepare(new)) if rung == SOLVED else new
+    ended = clock()
+    times = ended - given, tried.solve_ns, given - started - tried.solve_ns
+    return new, command, Info(rung, reason, tried.iterations, *times)
+
+
+def _attempt(of: Planning, state: State, believed: Believed, reference: float, seen: Measured) -> Attempt:
+    failed = Attempt(state.command, None, state.active, False, "", 0, 0)
+    if not (isfinite(float(seen.angle)) and isfinite(float(seen.pressure))):
+        return failed._replace(reason="a sensor's value is not finite")
+    if not isfinite(reference):
+        return failed._replace(reason="no reference")
+    try:
+        found = of.attempt(state, believed, reference)
+    except (ArithmeticError, RuntimeError, ValueError) as error:
+        return failed._replace(reason=f"solver failed: {error}")
+    if found.found and not isfinite(found.command):
+        return found._replace(found=False, reason="the command is not finite")
+    return found
+
+
+def _descend(of: Planning, state: State, believed: Believed, seen: Measured) -> tuple[float, str, Any]:
+    """Command [V], rung, and (plan, active, failures, PI's state) below the first rung."""
+    ladder, failures = of.fallback, state.failures + 1
+    idle = state.active * 0
+    if state.plan is not None and failures <= ladder.patience:
+        command, plan = of.resume(state.plan, believed, state.command)
+        if isfinite(command):
+            return command, SHIFTED, (plan, idle, failures, None)
+    error, c = float(seen.error), ladder.pi.sampled(of.problem.period)
+    if not isfinite(error):
+        return state.command, HELD, (None, idle, failures, state.pi)
+    integral = state.pi or PIState(state.command * ladder.pi.gain - c.rest_pressure - c.Kp * error)
+    after, command = pi.step(integral, error, c)
+    return float(command), BY_PI, (None, idle, failures, PIState(float(after.integral)))
+
+
+def _bounded(problem: Problem, command: float, before: float) -> float:
+    """A command [V] within the rate and the range."""
+    moved = min(max(command, before - problem.rate), before + problem.rate)
+    return min(max(moved, problem.low), problem.high)

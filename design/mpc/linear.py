@@ -1,0 +1,290 @@
+"""Linear MPC behind the inverse of hysteresis and regulator, (a): the plan is made in static angle.
+
+Behind the inverse the plant is taken to be linear,
+
+    dh/dt = k (u - h),    da/dt = (h - a)/Tw,    u held for a period,
+
+h the static angle, a the angle without the shift, u the static angle that the loop would go to if the
+pressure went all the way to where the command points.  With u the QP has a constant Hessian.  What is
+approximate:
+
+- k is the regulator's fast rate, exact only far from the commanded pressure; the first move is then
+  found by the regulator's own law (`follow`), so that the error is in the plan's later stages;
+- the range of the command bounds u by the angles that the loop reaches from its present memory at the
+  pressures of the range, and the rate limit bounds changes of u through the slope of the steeper line,
+  so that the plan may still ask for more than the rate on a transit: the command is clipped to both.
+
+The plan h_1, h_2, ... becomes commands by `plants.inverse.pressure_for` and the regulator's exact law.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.controller import Measured
+from design.mpc import observer, qp
+from design.mpc.fallback import Attempt, Fallback, Info, begin, step
+from design.mpc.fallback import State as MPCState
+from design.mpc.prediction import STATES, coefficients, indented, inlined, plain
+from design.mpc.problem import Believed, Problem
+from plants import hysteresis, inverse, tree, wrist
+from plants.compiled import load
+from plants.hysteresis import Memory
+from plants.wrist import State, Wrist
+
+Array = NDArray[np.float64]
+
+STILL = 0.01
+"""Change of the static angle [deg] in a period below which a wrist on the virgin curve is left alone:
+any more would send it through its dead zone."""
+
+_TEMPLATE = '''"""Emitted code: commands that follow static angles. Do not edit; it is made anew."""
+import math
+import numpy as np
+from numba import njit
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath={{"contract", "nsz", "arcp"}})
+def run(start, angles, still, lowest, highest, rate, before, push, c, substeps, commands):
+{coefficients}
+    {state} = start[0], start[1], start[2], start[3]
+    for k in range(angles.shape[0]):
+        u_angle = angles[k]
+        if x_virgin > 0.5 and abs(u_angle - x_h) < still:
+            u_angle = x_h
+{inverse}
+        low, high = max(lowest, before - rate), min(highest, before + rate)
+        # Illinois variant of false position: the pressure after a period rises with the command.
+        pressure = x_pressure
+        below, above, value = 0.0, 0.0, high
+        for j in range(30):
+            if j == 0:
+                value = low
+            elif j == 1:
+                value = high
+            else:
+                value = (low * above - high * below) / (above - below)
+            u_command = value + push
+            x_pressure = pressure
+            for i in range(substeps):
+{press}
+            missed = x_pressure - wanted
+            x_pressure = pressure
+            if j == 0:
+                below, side = missed, 0
+                if missed >= 0.0:
+                    break
+            elif j == 1:
+                above = missed
+                if missed <= 0.0:
+                    break
+            elif abs(missed) < 1e-9:
+                break
+            elif missed < 0.0:
+                low, below = value, missed
+                if side == -1:
+                    above *= 0.5
+                side = -1
+            else:
+                high, above = value, missed
+                if side == 1:
+                    below *= 0.5
+                side = 1
+        commands[k] = before = value
+        u_command = value + push
+        for i in range(substeps):
+{body}
+'''
+
+
+def _inverse(state: State, angle: Any, c: Any) -> Any:
+    return inverse.pressure_for(state.memory, state.pressure, angle[0], c.loop)
+
+
+def _press(state: State, command: Any, c: Any) -> Any:
+    return wrist.press(state, command[0], c)[0]
+
+
+@cache
+def _kernel() -> Callable[..., None]:
+    example = Wrist.flexion()
+    c, state = example.sampled(), example.rest()
+    x = [f"x_{n}" for n in STATES]
+    names = [f"c_{n.replace('.', '_')}" for n in tree.names(c)]
+    command: Any = (state, ("command",), c)
+    parts = {
+        "inverse": inlined(_inverse, [*command], [x, ["u_angle"], names], ["wanted"]),
+        "press": inlined(_press, [*command], [x, ["u_command"], names], ["x_pressure"]),
+        "body": inlined(plain, [*command], [x, ["u_command"], names], x),
+    }
+    by = {"inverse": 8, "press": 16, "body": 12}
+    return load(
+        _TEMPLATE.format(
+            coefficients=indented([f"{n} = c[{i}]" for i, n in enumerate(names)], 4),
+            state=", ".join(x),
+            **{name: indented(lines, by[name]) for name, lines in parts.items()},
+        )
+    )
+
+
+class Planner(NamedTuple):
+    """What (a) needs, made once: free and forced response of the angle at the ends of the periods, (N, 2)
+    and (N, N), and of the static angle; Hessian; solver."""
+
+    problem: Problem
+    coefficients: Array
+    free: Array
+    forced: Array
+    static_free: Array
+    static_forced: Array
+    weights: Array
+    hessian: Array
+    move: float
+    rate: float
+    solve: qp.Solve
+
+
+def planner(problem: Problem, c: Array) -> Planner:
+    """The linear plan's matrices; c: `prediction.coefficients`."""
+    from scipy.linalg import expm
+
+    p, N, T = problem.wrist, problem.horizon, problem.period
+    k = p.regulator.k_fast
+    whole = expm(np.array([[-k, 0.0, k], [1.0 / p.Tw, -1.0 / p.Tw, 0.0], [0.0, 0.0, 0.0]]) * T)
+    A, B = whole[:2, :2], whole[:2, 2]
+    free, forced = np.empty((N, 2, 2)), np.zeros((N, 2, N))
+    power, answer = np.eye(2), [B]
+    for i in range(N):
+        power = A @ power
+        free[i] = power
+        for j in range(i + 1):
+            forced[i, :, j] = answer[i - j]
+        answer.append(A @ answer[-1])
+    # A change of the command by 1 V moves u by so many degrees, on a line.
+    per_volt = float(max(p.hysteresis.a1, p.hysteresis.a2) * p.regulator.gain)
+    move = problem.weights.move / per_volt**2
+    weights, D = problem.stage_weights, problem.differences
+    J = forced[:, 1]
+    hessian = np.ascontiguousarray(J.T @ (weights[:, None] * J) + move * (D.T @ D))
+    return Planner(
+        problem, c, np.ascontiguousarray(free[:, 1]), np.ascontiguousarray(J),
+        np.ascontiguousarray(free[:, 0]), np.ascontiguousarray(forced[:, 0]), weights, hessian, move,
+        problem.rate * per_volt, qp.solver(D),
+    )  # fmt: skip
+
+
+def plan(
+    of: Planner,
+    believed: Believed,
+    command: float,
+    reference: float,
+    active: qp.Active,
+    before: float | None = None,
+) -> tuple[Array, qp.Solution]:
+    """Static angles [deg] at the ends of the periods, shape (N,), and the QP's solution; `command` [V] is
+    that of the period before, and `before` [deg] what u was then (that of the command where not given)."""
+    N, gain = of.problem.horizon, of.problem.wrist.regulator.gain
+    memory, P = believed.plant.memory, believed.plant.pressure
+    loop = of.problem.wrist.hysteresis
+    least, most, was = (
+        _static(memory, P, gain * v + believed.lack, loop) for v in (of.problem.low, of.problem.high, command)
+    )
+    was = was if before is None else before
+    # Against the way to the reference there is first the transit, along which the angle moves less.
+    transit = loop.s * (1.0 - memory.virgin)
+    if reference - believed.shift > memory.h:
+        least = max(least, memory.h + transit * (gain * of.problem.low + believed.lack - P))
+    else:
+        most = min(most, memory.h + transit * (gain * of.problem.high + believed.lack - P))
+    x = np.array([memory.h, believed.plant.angle])
+    missing = of.free @ x + (believed.shift - reference)
+    f = (of.weights * missing) @ of.forced
+    f[0] -= of.move * was
+    low = np.concatenate([np.full(N, least), np.full(N, -of.rate)])
+    high = np.concatenate([np.full(N, most), np.full(N, of.rate)])
+    low[N] += was
+    high[N] += was
+    solution = of.solve(of.hessian, f, low, high, active)
+    return of.static_free @ x + of.static_forced @ solution.x, solution
+
+
+def _static(memory: Memory, before: float, after: float, p: hysteresis.Hysteresis) -> float:
+    """`hysteresis.step(...).h` of plain floats: the ufuncs cost more than the rest of a plan."""
+    inside = memory.h + p.s * (1.0 - memory.virgin) * (after - before)
+    low = p.a1 * (after - p.rest_pressure) - p.w1
+    high = p.a2 * (after - p.rest_pressure) + p.w2
+    return float(min(max(inside, low), high))
+
+
+def follow(of: Planner, believed: Believed, command: float, angles: Array) -> Array:
+    """Commands [V] that take the static angle to `angles` [deg] at the ends of the periods, as far as the
+    range and the rate let them; shape of angles."""
+    commands, p = np.empty(len(angles)), of.problem
+    start = np.array(tree.leaves(believed.plant), float)
+    push = believed.lack / p.wrist.regulator.gain
+    _kernel()(
+        start, angles, STILL, p.low, p.high, p.rate, command, push, of.coefficients, p.substeps, commands
+    )
+    return commands
+
+
+@dataclass(frozen=True)
+class LinearMPC:
+    """The controller (a): pure `init` and `step`.
+
+    >>> controller = linear_mpc(Problem(Wrist.flexion()))
+    >>> state = controller.init(Wrist.flexion().rest())
+    >>> state, command, info = controller.step(state, Measured(15.0, 0.0, 100.0))
+    >>> round(command, 3), info.rung
+    (4.0, 'solved')
+    """
+
+    planner: Planner
+    gains: observer.Gains
+    fallback: Fallback
+
+    @property
+    def problem(self) -> Problem:
+        """What is solved."""
+        return self.planner.problem
+
+    @property
+    def coefficients(self) -> Array:
+        """Of the model, flat."""
+        return self.planner.coefficients
+
+    def init(self, wrist_at_rest: State) -> MPCState:
+        """The state in which it holds a wrist at rest."""
+        return begin(self, wrist_at_rest)
+
+    def step(self, state: MPCState, seen: Measured) -> tuple[MPCState, float, Info]:
+        """State after, command [V] of, and record of, one period."""
+        return step(self, state, seen)
+
+    def attempt(self, state: MPCState, believed: Believed, reference: float) -> Attempt:
+        """Solve; the plan is kept as static angles [deg] from the next period on, with u from this one on."""
+        started = self.fallback.clock()
+        before = None if state.plan is None else float(state.plan[1, 0])
+        angles, found = plan(self.planner, believed, state.command, reference, state.active, before)
+        took = self.fallback.clock() - started
+        command = float(follow(self.planner, believed, state.command, angles[:1])[0])
+        active = qp.shifted(found.active, self.problem.horizon)
+        ahead = np.stack([np.concatenate([angles[1:], angles[-1:]]), found.x])
+        return Attempt(command, ahead, active, found.found, found.reason, found.iterations, took)
+
+    def resume(self, plan: Array, believed: Believed, command: float) -> tuple[float, Array]:
+        """The command [V] to the first static angle of a plan, and the rest of the plan."""
+        first = float(follow(self.planner, believed, command, plan[0, :1])[0])
+        return first, np.concatenate([plan[:, 1:], plan[:, -1:]], axis=1)
+
+    def prepare(self, state: MPCState) -> None:
+        """Nothing: the Hessian is constant."""
+
+
+def linear_mpc(problem: Problem, fallback: Fallback | None = None) -> LinearMPC:
+    """The linear MPC of a problem; raises InputError where daqp is not installed."""
+    c = coefficients(problem.wrist)
+    return LinearMPC(planner(problem, c), observer.gains(problem), fallback or Fallback())

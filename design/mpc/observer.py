@@ -1,0 +1,142 @@
+"""Observer of the MPC: hysteresis memory from the measured pressure, and two constant disturbances.
+
+The pressure is measured, and with it the memory of the loop is known (a play operator that is driven by
+the measured pressure), if the start is.  Within a period the pressure is taken to run as the regulator's
+model says, bent so that it ends where it was measured.  What the model then misses is put down to
+
+    lack  [kPa]  added to the commanded pressure, so that pressure = gain v + lack at rest
+    shift [deg]  added to the static angle, such as a load, or loop parameters that are wrong
+
+one disturbance for each of the two measurements, which is what it takes for the angle to come to rest at
+the reference whatever constant disturbance there is (Pannocchia & Rawlings, AIChE Journal 49 (2003) 426,
+doi 10.1002/aic.690490213; Muske & Badgwell, J. Process Control 12 (2002) 617).  Angle and shift have
+both poles of their error at exp(-bandwidth period); the lack follows by normalised least mean squares,
+since how much the pressure tells of it varies with the regulator's rate.
+"""
+
+from collections.abc import Callable
+from functools import cache
+from math import exp, isfinite
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.controller import Measured
+from design.mpc.prediction import STATES, indented, inlined
+from design.mpc.problem import Believed, Problem
+from plants import tree, wrist
+from plants.compiled import load
+from plants.hysteresis import Memory
+from plants.wrist import State, Wrist
+
+Array = NDArray[np.float64]
+
+LEAST_SHARE = 0.05
+"""Share of an error of pressure gone in a period below which the lack is believed less."""
+
+MOST_MISSED = 0.3
+"""Miss of the pressure [kPa] in a period that is counted at most: a constant disturbance is missed by
+little at a time, a dead time by much."""
+
+_TEMPLATE = '''"""Emitted code: a period of the wrist, of measured pressure. Do not edit; it is made anew."""
+import math
+import numpy as np
+from numba import njit
+
+@njit(nogil=True, cache=True, error_model="numpy", fastmath={{"contract", "nsz", "arcp"}})
+def run(start, command, measured, c, substeps, after):
+{coefficients}
+    {state} = start[0], start[1], start[2], start[3]
+    u_command = command
+    path = np.empty(substeps + 1)
+    path[0] = x_pressure
+    for i in range(substeps):
+{press}
+        path[i + 1] = x_pressure
+    missed = measured - path[substeps] if math.isfinite(measured) else 0.0
+    after[4] = path[substeps]
+    x_pressure = start[0]
+    for i in range(substeps):
+        u_pressure = path[i + 1] + missed * ((i + 1.0) / substeps)
+{bend}
+    after[0], after[1], after[2], after[3] = {state}
+'''
+
+
+def _press(state: State, command: Any, c: Any) -> Any:
+    return wrist.press(state, command[0], c)[0]
+
+
+def _bend(state: State, pressure: Any, c: Any) -> State:
+    return wrist.bend(state, pressure[0], (), c)
+
+
+@cache
+def _kernel() -> Callable[..., None]:
+    example = Wrist.flexion()
+    c, state = example.sampled(), example.rest()
+    x = [f"x_{n}" for n in STATES]
+    coefficients = [f"c_{n.replace('.', '_')}" for n in tree.names(c)]
+    press = inlined(_press, [state, ("command",), c], [x, ["u_command"], coefficients], ["x_pressure"])
+    bend = inlined(_bend, [state, ("pressure",), c], [x, ["u_pressure"], coefficients], x)
+    return load(
+        _TEMPLATE.format(
+            coefficients=indented([f"{n} = c[{i}]" for i, n in enumerate(coefficients)], 4),
+            state=", ".join(x),
+            press=indented(press, 8),
+            bend=indented(bend, 8),
+        )
+    )
+
+
+class Gains(NamedTuple):
+    """Corrections per degree and per kPa missed; gain [kPa/V]; share of the lack."""
+
+    angle: float
+    shift: float
+    lack: float
+    gain: float
+    share_at_rest: float
+    substeps: int
+
+
+def gains(problem: Problem) -> Gains:
+    """Gains that put both poles of angle and shift at exp(-bandwidth period)."""
+    keep, pole = exp(-problem.period / problem.wrist.Tw), exp(-problem.observer.bandwidth * problem.period)
+    angle = 1.0 - pole * pole / keep
+    shift = (keep * (1.0 - angle) + 1.0 - 2.0 * pole) / (1.0 - keep)
+    at_rest = 1.0 - exp(-problem.wrist.regulator.k_slow * problem.period)
+    return Gains(angle, shift, problem.observer.lack, problem.wrist.regulator.gain, at_rest, problem.substeps)
+
+
+def begin(wrist_at_rest: State) -> Believed:
+    """What is believed of a wrist that holds still: whatever its angle misses of the loop's is shift."""
+    P, h, virgin, angle = (float(x) for x in tree.leaves(wrist_at_rest._replace(effects=())))
+    return Believed(State(P, Memory(h, virgin), h), 0.0, angle - h)
+
+
+def update(before: Believed, command: float, seen: Measured, g: Gains, c: Array) -> Believed:
+    """What is believed one period later, in which `command` [V] was held; c as `prediction.coefficients`.
+
+    A measurement that is not finite is left out: the model goes on alone.
+    """
+    after = np.empty(5)
+    pushed = command + before.lack / g.gain
+    start = np.array(tree.leaves(before.plant), float)
+    pressure, seen_angle = float(seen.pressure), float(seen.angle)
+    _kernel()(start, pushed, pressure, c, g.substeps, after)
+    P, h, virgin, angle, predicted = after.tolist()
+
+    lack = before.lack
+    if isfinite(pressure):
+        error = g.gain * pushed - before.plant.pressure
+        share = (predicted - before.plant.pressure) / error if abs(error) > 1e-6 else g.share_at_rest
+        missed = min(max(pressure - predicted, -MOST_MISSED), MOST_MISSED)
+        lack += g.lack * missed * share / (share * share + LEAST_SHARE**2)
+    shift = before.shift
+    if isfinite(seen_angle):
+        missed = seen_angle - (angle + shift)
+        corrected, shift = angle + before.shift + g.angle * missed, shift + g.shift * missed
+        angle = corrected - shift
+    return Believed(State(P, Memory(h, virgin), angle), lack, shift)

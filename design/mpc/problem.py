@@ -1,0 +1,178 @@
+"""What every model predictive controller here minimises, and under which bounds: one definition for all.
+
+At the start of each period of `period` [s] the command v is chosen and then held.  With y_k the angle
+[deg] at the end of period k, r the reference and v_0 the command of the period before, minimise
+
+    sum_{k=1}^{N} q_k (y_k - r)^2 + move sum_{k=1}^{N} (v_k - v_{k-1})^2,      q_k = angle, q_N = terminal,
+
+subject to low <= v_k <= high and |v_k - v_{k-1}| <= rate, the model being the exact sampled wrist
+(`plants.wrist.step`, 20 substeps of 1 ms in a period of 20 ms) with two constant disturbances that an
+observer estimates: `lack` [kPa], added to the commanded pressure, and `shift` [deg], added to the
+static angle.  Rawlings, Mayne & Diehl, Model Predictive Control (2017), sections 1.3 and 1.5.
+"""
+
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plants.errors import InputError
+from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
+
+Array = NDArray[np.float64]
+
+LONGEST_HORIZON = 200
+"""Periods; a dense problem of more than that is a mistake rather than a wish."""
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Weights of the cost: angle [1/deg^2], move [1/V^2] (of the change of the command from one period to
+    the next), terminal [1/deg^2] (in place of `angle` at the last stage).  Raises InputError for a
+    weight that is negative or not finite, and for a move weight of 0, which leaves the problem without
+    a unique answer where the angle does not move (the virgin curve)."""
+
+    angle: float = 1.0
+    move: float = 0.05
+    terminal: float = 10.0
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not (np.isfinite(value) and value >= 0.0):
+                raise InputError(
+                    f"weight {name} of the MPC is {value}: give a finite number that is not negative"
+                )
+        if self.move <= 0.0:
+            raise InputError("weight move of the MPC is 0: give a positive number, such as 0.05 per V^2")
+        if self.angle + self.terminal <= 0.0:
+            raise InputError("weights angle and terminal of the MPC are both 0: nothing is asked for")
+
+
+@dataclass(frozen=True)
+class Observer:
+    """Speeds of the observer, as in `design.mpc.observer`: bandwidth [rad/s] of the shift's estimate,
+    and share of what the pressure misses that goes into `lack` in one period (0 to 1)."""
+
+    bandwidth: float = 20.0
+    lack: float = 0.2
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.bandwidth) and self.bandwidth > 0.0):
+            raise InputError(
+                f"observer bandwidth of the MPC is {self.bandwidth} rad/s: give a positive number"
+            )
+        if not 0.0 <= self.lack <= 1.0:
+            raise InputError(f"observer share for the lack of pressure is {self.lack}: give one from 0 to 1")
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Model, horizon, weights and bounds; see the module.
+
+    wrist: the declared wrist that is believed in, without effects; period [s], a multiple of the
+    sample time; horizon in periods; low, high [V]; rate [V per period]; observer: how fast the
+    disturbances are believed.  Raises InputError with one line for what makes no sense.
+
+    >>> problem = Problem(Wrist.flexion())
+    >>> problem.substeps, problem.horizon
+    (20, 30)
+    >>> Problem(Wrist.flexion(), period=0.0205)
+    Traceback (most recent call last):
+    plants.errors.InputError: MPC period of 0.0205 s: give a multiple of the sample time, 0.001 s
+    """
+
+    wrist: Wrist
+    period: float = 0.02
+    horizon: int = 30
+    weights: Weights = field(default_factory=Weights)
+    observer: Observer = field(default_factory=Observer)
+    low: float = COMMAND_RANGE[0]
+    high: float = COMMAND_RANGE[1]
+    rate: float = 2.0
+
+    def __post_init__(self) -> None:
+        steps = self.period / SAMPLE_TIME
+        if not (np.isfinite(steps) and steps >= 1.0 - 1e-9 and abs(steps - round(steps)) < 1e-6):
+            raise InputError(
+                f"MPC period of {self.period:g} s: give a multiple of the sample time, {SAMPLE_TIME:g} s"
+            )
+        if isinstance(self.horizon, bool) or int(self.horizon) != self.horizon:
+            raise InputError(f"MPC horizon of {self.horizon}: give a whole number of periods")
+        if not 2 <= self.horizon <= LONGEST_HORIZON:
+            raise InputError(f"MPC horizon of {self.horizon} periods: give one from 2 to {LONGEST_HORIZON}")
+        if not self.rate > 0.0:
+            raise InputError(f"rate limit of {self.rate:g} V per period: give a positive number")
+        if not self.low < self.high:
+            raise InputError(f"command range from {self.low:g} to {self.high:g} V: give low below high")
+        if self.wrist.effects:
+            names = ", ".join(e.NAME for e in self.wrist.effects)
+            raise InputError(f"the MPC's model is the declared wrist: leave out its effects ({names})")
+        if any(np.ndim(v) for v in self.wrist.values.values()):
+            raise InputError("the MPC plans for one wrist at a time: give parameters that are numbers")
+
+    @property
+    def substeps(self) -> int:
+        """Samples of 1 ms in a period."""
+        return round(self.period / SAMPLE_TIME)
+
+    @property
+    def stage_weights(self) -> Array:
+        """Weight of the squared error of each stage [1/deg^2], shape (horizon,)."""
+        q = np.full(self.horizon, float(self.weights.angle))
+        q[-1] = self.weights.terminal
+        return q
+
+    @property
+    def move_hessian(self) -> Array:
+        """Half the second derivative of the move suppression by the commands [1/V^2], (horizon, horizon)."""
+        D = np.eye(self.horizon) - np.eye(self.horizon, k=-1)
+        return np.asarray(self.weights.move * (D.T @ D), float)
+
+    def cost(self, angles: Any, commands: Any, before: float, reference: float) -> float:
+        """The cost of a plan: angles [deg] at the ends of the periods and commands [V], both (horizon,)."""
+        errors = np.asarray(angles, float) - reference
+        moves = np.diff(np.asarray(commands, float), prepend=before)
+        return float(self.stage_weights @ errors**2 + self.weights.move * np.sum(moves**2))
+
+    def bounds(self, before: float) -> tuple[Array, Array]:
+        """Lower and upper bounds [V] of (commands, their changes), shape (2 horizon,), for a command
+        before; of the first change, the bound holds the first command itself."""
+        low = np.concatenate([np.full(self.horizon, self.low), np.full(self.horizon, -self.rate)])
+        high = np.concatenate([np.full(self.horizon, self.high), np.full(self.horizon, self.rate)])
+        low[self.horizon] += before
+        high[self.horizon] += before
+        return low, high
+
+    @property
+    def differences(self) -> Array:
+        """The matrix whose product with the commands is bounded beside them: the changes, the first
+        being the first command itself; (horizon, horizon)."""
+        return np.eye(self.horizon) - np.eye(self.horizon, k=-1)
+
+
+class Believed(NamedTuple):
+    """What a plan starts from: the wrist's state, the angle being that without the shift, and the
+    disturbances lack [kPa] and shift [deg]."""
+
+    plant: State
+    lack: float
+    shift: float
+
+
+def nominal(wrist: Wrist, **changes: Any) -> Problem:
+    """The fast setting: for a plant that is as believed."""
+    return replace(Problem(wrist), **changes)
+
+
+def robust(wrist: Wrist, **changes: Any) -> Problem:
+    """The setting that stays stable with 60 ms of dead time that the model lacks.
+
+    Found by trial on 15 degree steps with added dead time and on the corners of `design.tasks`.  The
+    moves keep the dead time; the observer is quick, since it has no part in that, and a slow one takes
+    1.5 s to see a loop of wrong width.  The slower `lack` is what the dead time would disturb.
+    """
+    slow = Problem(
+        wrist, weights=Weights(move=100.0, terminal=1.0), observer=Observer(bandwidth=60.0, lack=0.1)
+    )
+    return replace(slow, **changes)

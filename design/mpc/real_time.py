@@ -1,0 +1,160 @@
+"""Nonlinear MPC on the exact sampled step by real-time iteration, (b).
+
+Every period one Gauss-Newton step of the nonlinear problem is taken, about the plan of the period
+before, shifted: Diehl, Bock & Schloder, SIAM J. Control Optim. 43 (2005) 1714, doi
+10.1137/S0363012902400713; Gros, Zanon, Quirynen, Bemporad & Diehl, Int. J. Control 93 (2020) 62, doi
+10.1080/00207179.2016.1222553.  In the preparation, after the command is out, the exact step is
+linearised and condensed about the state that is predicted; in the feedback, the measured state enters
+the linear term and one dense QP is solved.
+
+The memory of the hysteresis is a state like the others, and the plan bends at its lines.  Where no
+command of the plan moves the angle (the virgin curve) the gradient is zero and no step can be
+taken: there, at the start, and when the reference jumps, the plan is that of the linear MPC (a) if that
+costs less, its commands played through the exact step.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.controller import Measured
+from design.mpc import linear, observer, qp
+from design.mpc.fallback import Attempt, Fallback, Info, begin, step
+from design.mpc.fallback import State as MPCState
+from design.mpc.prediction import Linearised, linearise, roll, start_of
+from design.mpc.problem import Believed, Problem
+from plants.wrist import State
+
+Array = NDArray[np.float64]
+
+JUMP = 0.1
+"""Change of the reference [deg] in a period that has the plan compared with that of (a)."""
+
+STUCK = 0.02
+"""Error [deg] at the end of a plan that stays on the virgin curve, above which the same is done."""
+
+FAR = np.array([0.5, 0.1, 0.5, 0.1])
+"""How far the state may be from that which was prepared for (kPa, deg, virgin, deg) before it is
+prepared for again: a line that lies in between would not be seen."""
+
+
+@dataclass(frozen=True)
+class RealTimeMPC:
+    """The controller (b): pure `init` and `step`.
+
+    >>> from plants import Wrist
+    >>> controller = real_time_mpc(Problem(Wrist.flexion()))
+    >>> state = controller.init(Wrist.flexion().rest())
+    >>> state, command, info = controller.step(state, Measured(15.0, 0.0, 100.0))
+    >>> round(command, 3), info.rung
+    (4.0, 'solved')
+    """
+
+    first: linear.LinearMPC
+    weights: Array
+    moves: Array
+    solve: qp.Solve
+
+    @property
+    def problem(self) -> Problem:
+        """What is solved."""
+        return self.first.problem
+
+    @property
+    def coefficients(self) -> Array:
+        """Of the model, flat."""
+        return self.first.coefficients
+
+    @property
+    def gains(self) -> observer.Gains:
+        """Gains of the observer."""
+        return self.first.gains
+
+    @property
+    def fallback(self) -> Fallback:
+        """Settings of the ladder."""
+        return self.first.fallback
+
+    def init(self, wrist_at_rest: State) -> MPCState:
+        """The state in which it holds a wrist at rest."""
+        return begin(self, wrist_at_rest)
+
+    def step(self, state: MPCState, seen: Measured) -> tuple[MPCState, float, Info]:
+        """State after, command [V] of, and record of, one period."""
+        return step(self, state, seen)
+
+    def attempt(self, state: MPCState, believed: Believed, reference: float) -> Attempt:
+        """The feedback: one QP about the prepared plan, prepared again where that does not fit."""
+        N, start = self.problem.horizon, start_of(believed)
+        about: Linearised | None = state.prepared
+        active = state.active
+        jumped = not abs(reference - state.reference) < JUMP
+        if state.plan is None or jumped or (about is not None and _stuck(about, believed, reference)):
+            about = self._linearised(believed, self.start_plan(state, believed, reference))
+            active = active * 0
+        elif about is None or (np.abs(start - about.start) > FAR).any():
+            about = self._linearised(believed, state.plan)
+        commands = about.commands
+        off = start - about.start
+        missing = about.angles + about.by_start[:, :3] @ off[[0, 1, 3]] - about.by_command @ commands
+        missing += believed.shift - reference
+        missing += about.by_start[:, 3] * ((believed.lack - about.lack) / self.problem.wrist.regulator.gain)
+        f = (self.weights * missing) @ about.by_command
+        f[0] -= self.problem.weights.move * state.command
+        low, high = self.problem.bounds(state.command)
+        clock = self.fallback.clock
+        started = clock()
+        found = self.solve(about.hessian, f, low, high, active)
+        took = clock() - started
+        ahead = np.concatenate([found.x[1:], found.x[-1:]])
+        return Attempt(
+            float(found.x[0]), ahead, qp.shifted(found.active, N), found.found, found.reason,
+            found.iterations, took,
+        )  # fmt: skip
+
+    def start_plan(self, state: MPCState, believed: Believed, reference: float) -> Array:
+        """Commands [V], shape (N,), to linearise about afresh: the shifted plan, the linear MPC's, or the
+        command held, whichever costs least through the exact step."""
+        N, of = self.problem.horizon, self.first.planner
+        idle = np.zeros(2 * N, dtype=np.int32)
+        angles, found = linear.plan(of, believed, state.command, reference, idle)
+        plans = [np.full(N, state.command)] if state.plan is None else [state.plan]
+        if found.found:
+            plans.append(linear.follow(of, believed, state.command, angles))
+        return min(plans, key=lambda v: self.cost(believed, v, state.command, reference))
+
+    def cost(self, believed: Believed, commands: Array, before: float, reference: float) -> float:
+        """What a plan [V] costs through the exact step, `before` [V] being the command before it."""
+        states = roll(self.problem, self.coefficients, start_of(believed), believed.lack, commands)
+        return self.problem.cost(states[:, 3] + believed.shift, commands, before, reference)
+
+    def resume(self, plan: Array, believed: Believed, command: float) -> tuple[float, Array]:
+        """The first command [V] of a plan, and the rest of it."""
+        return float(plan[0]), np.concatenate([plan[1:], plan[-1:]])
+
+    def prepare(self, state: MPCState) -> Linearised | None:
+        """Linearise and condense about the shifted plan, from the state that is predicted."""
+        if state.plan is None:
+            return None
+        held, believed = np.array([state.command]), state.believed
+        ahead = roll(self.problem, self.coefficients, start_of(believed), believed.lack, held)[0]
+        return linearise(
+            self.problem, self.coefficients, self.weights, self.moves, ahead, believed.lack, state.plan
+        )
+
+    def _linearised(self, believed: Believed, plan: Array) -> Linearised:
+        return linearise(
+            self.problem, self.coefficients, self.weights, self.moves, start_of(believed), believed.lack, plan
+        )
+
+
+def _stuck(about: Linearised, believed: Believed, reference: float) -> bool:
+    """Whether a plan stays on the virgin curve away from the reference."""
+    return bool(about.states[-1, 2] > 0.5 and abs(about.angles[-1] + believed.shift - reference) > STUCK)
+
+
+def real_time_mpc(problem: Problem, fallback: Fallback | None = None) -> RealTimeMPC:
+    """The nonlinear MPC of a problem; raises InputError where daqp is not installed."""
+    first = linear.linear_mpc(problem, fallback)
+    return RealTimeMPC(first, problem.stage_weights, problem.move_hessian, qp.solver(problem.differences))

@@ -1,0 +1,164 @@
+"""Everything that can be said of a pair of gains: certificates, predictions, samples, the worst case.
+
+The three kinds answer different questions and are kept apart; where they seem to contradict each
+other, `disagreement` says how both can be true.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from design.pi import PI
+from design.requirements import Limits
+from design.robustness.box import Box
+from design.robustness.certificates.certificate import Certificate
+from design.robustness.certificates.constant import robust_stability as constant
+from design.robustness.certificates.continuous import ladder
+from design.robustness.certificates.continuous.virgin import time_on_virgin_curve
+from design.robustness.certificates.sampled import sampled_loop
+from design.robustness.certificates.sampled.words import Word
+from design.robustness.certificates.statements import of_ladder, of_step, of_virgin_curve
+from design.robustness.loop_model import LoopModel
+from design.robustness.predictions import limit_cycles as cycles
+from design.robustness.predictions import margins
+from design.robustness.predictions.limit_cycles import LimitCycle
+from design.robustness.predictions.orbits import large_swings
+from design.robustness.samples import monte_carlo as carlo
+from design.robustness.samples.adversary import worst_case
+from design.robustness.samples.conditions import Conditions
+from design.robustness.samples.monte_carlo import Samples
+from design.robustness.samples.worst import Worst
+from design.robustness.statement import Statement
+from design.tasks import STEP
+from plants.errors import InputError
+from plants.wrist import Wrist
+
+Tell = Callable[[str, float], None]
+DEAD_TIMES = (0.0, 0.050)
+"""Dead times [s] that certificates are sought for: none, and what rigs of this kind show (assumed)."""
+
+BUDGET = 20_000
+"""Runs of the search for the worst case; twice as many where no limit is found to be broken."""
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """What was found of a PI on the plants of a box.
+
+    certificates, predictions, samples: statements of each kind; ladder: the certificates for loops
+    that switch; word: an order of switching that makes the class of these loops grow, where one was found;
+    margins: rows of every branch and rate; cycles: limit cycles; cases: the samples; worst: the worst
+    scenario that was found.
+    """
+
+    box: Box
+    controller: PI
+    limits: Limits
+    conditions: Conditions
+    certificates: tuple[Statement, ...]
+    predictions: tuple[Statement, ...]
+    samples: tuple[Statement, ...]
+    ladder: tuple[Certificate, ...]
+    word: Word | None
+    margins: tuple[dict[str, Any], ...]
+    cycles: tuple[LimitCycle, ...]
+    cases: Samples
+    worst: Worst
+
+    @property
+    def wrist(self) -> Wrist:
+        """The nominal plant."""
+        return self.box.wrist
+
+    @property
+    def stable(self) -> bool:
+        """Whether the linear loop is stable on every branch at every rate."""
+        return all(row["stable"] for row in self.margins)
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Effects of the plant that certificates know nothing of."""
+        return LoopModel.of(self.wrist, self.controller).left_out
+
+    @property
+    def statements(self) -> tuple[Statement, ...]:
+        """All statements, certificates first."""
+        return (*self.certificates, *self.predictions, *self.samples)
+
+
+def assess(
+    box: Box,
+    controller: PI,
+    limits: Limits | None = None,
+    conditions: Conditions | None = None,
+    samples: int = 2000,
+    seed: int = 0,
+    jobs: int | None = None,
+    scheduler: str | None = None,
+    progress: Tell | None = None,
+    budget: int = BUDGET,
+) -> Assessment:
+    """Assess a PI on the plants of a box, on steps of 15 deg.
+
+    conditions: what samples and the worst case may have beside the box; budget: runs that the search for
+    the worst case may take.  Raises InputError where the
+    box holds no case that a command can hold, and as `design.cluster.each` does of a scheduler.
+    """
+    limits, conditions = limits or Limits(), conditions or Conditions()
+    tell = progress or (lambda stage, share: None)
+    wrist = box.wrist
+    # First, since they may refuse the conditions or find no scheduler.
+    cases = carlo.monte_carlo(
+        box, controller, conditions, samples, seed, limits, jobs=jobs, scheduler=scheduler, progress=tell
+    )
+    tell("margins", 0.0)
+    rows = margins.branch_margins(wrist, controller)
+    stable = all(row["stable"] for row in rows)
+    tell("limit cycles", 0.0)
+    found, swings = cycles.limit_cycles(wrist, controller), large_swings(wrist, controller)
+    rungs, word = _ladder(wrist, controller, stable, tell)
+    tell("constant parameters", 0.0)
+    fixed = _constant(box, controller)
+    worst = worst_case(
+        box, controller, limits=limits, dead_time=conditions.dead_time, load=conditions.load, seed=seed,
+        jobs=jobs, progress=tell, budget=budget,
+    )  # fmt: skip
+    tell("done", 1.0)
+    proved = [s for s in fixed if s.kind == "certificate"]
+    predicted = [s for s in fixed if s.kind == "prediction"]
+    return Assessment(
+        box, controller, limits, conditions,
+        (*of_ladder(rungs), *of_step(rungs, STEP), *_virgin(wrist, controller), *proved),
+        (*margins.statements(rows, limits), *cycles.statements(found, swings), *predicted),
+        tuple(carlo.statements(cases)),
+        tuple(rungs), word, tuple(rows), tuple(found), cases, worst,
+    )  # fmt: skip
+
+
+def _ladder(wrist: Wrist, controller: PI, stable: bool, tell: Tell) -> tuple[list[Certificate], Word | None]:
+    """Every rung, in continuous time and sampled, and a word that speaks against some."""
+    model = LoopModel.of(wrist, controller)
+    tell("certificates", 0.0)
+    rungs = ladder.certify(model, wrist, controller, STEP, DEAD_TIMES)
+    tell("certificates", 0.4)
+    word = sampled_loop.word_of(model) if stable else None
+    tell("certificates", 0.7)
+    return rungs + sampled_loop.certify_sampled(model, DEAD_TIMES, word), word
+
+
+def _virgin(wrist: Wrist, controller: PI) -> list[Statement]:
+    """The time on the virgin curve, for a step either way."""
+    return [of_virgin_curve(time_on_virgin_curve(wrist, controller, step), step) for step in (STEP, -STEP)]
+
+
+def _constant(box: Box, controller: PI) -> list[Statement]:
+    """What holds of constant parameters; of a loop that is unstable at the centre, that it does not."""
+    found: list[Statement] = []
+    for dead_time in DEAD_TIMES:
+        try:
+            found += constant.statements(constant.robust_stability_everywhere(box, controller, dead_time))
+        except InputError as unstable:
+            claim = "stable for every constant slope, rate and Tw within the box"
+            found.append(Statement("certificate", claim, False, None, because=str(unstable)))
+            break
+    return found

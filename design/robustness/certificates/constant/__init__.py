@@ -1,0 +1,1 @@
+"""Constant but unknown parameters on one branch: the mixed structured singular value."""

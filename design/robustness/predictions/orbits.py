@@ -1,0 +1,144 @@
+"""Oscillations as the simulator has them: what confirms or refutes a predicted limit cycle.
+
+Lanes start on a predicted cycle and on cycles smaller and larger than it.  One that attracts is seen at
+the end of the run; one that repels is closed in between the largest start that dies down and the
+smallest that grows.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design import metrics
+from design.loop import Loop, SampledLoop, holding, step
+from design.pi import PI, PIState
+from plants import tree
+from plants.rest import at_pressure
+from plants.simulate import run_lanes
+from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
+
+Array = NDArray[np.float64]
+PER_PERIOD = 200
+"""Samples recorded in a period: a peak between two is missed by 0.02 % at the most."""
+
+STILL = 1e-3
+"""Amplitude of pressure [kPa] below which a swing counts as gone."""
+
+SUSTAINED = 0.9
+"""Share of its amplitude that a swing keeps from one fifth of a run to the next if it persists."""
+
+
+@dataclass(frozen=True)
+class Swing:
+    """Oscillations of lanes within a window: amplitude (half of peak to peak) of the pressure [kPa] and
+    of the angle [deg], frequency [rad/s], NaN where the pressure does not come round twice; (lanes,)."""
+
+    kPa: Array
+    deg: Array
+    frequency: Array
+
+
+@dataclass(frozen=True)
+class Swings:
+    """What became of large swings within the command range: how many lanes, for how long [s], how many
+    still swing at the end, and the largest of these; 0 where there is none."""
+
+    lanes: int
+    duration: float
+    persisting: int
+    amplitude_kPa: float
+    amplitude_deg: float
+    frequency_rad_s: float
+
+
+@dataclass(frozen=True)
+class Rollout:
+    """Time [s] (rows,), pressure [kPa] and angle [deg], each (rows, lanes)."""
+
+    time: Array
+    pressure: Array
+    angle: Array
+
+    def swing(self, begin: float, end: float) -> Swing:
+        """The oscillations between two times [s]."""
+        rows = (self.time >= begin) & (self.time <= end)
+        P, y = self.pressure[rows], self.angle[rows]
+        return Swing(
+            0.5 * np.ptp(P, axis=0), 0.5 * np.ptp(y, axis=0),
+            np.array([_frequency(self.time[rows], lane) for lane in P.T], float),
+        )  # fmt: skip
+
+
+def _frequency(time: Array, signal: Array) -> float:
+    """Frequency [rad/s] from the upward crossings of the middle; NaN for fewer than two."""
+    s = signal - 0.5 * (signal.max() + signal.min())
+    up = np.flatnonzero((s[:-1] < 0.0) & (s[1:] >= 0.0))
+    if len(up) < 2:
+        return float("nan")
+    at = time[up] + (time[up + 1] - time[up]) * s[up] / (s[up] - s[up + 1])
+    return float(2.0 * np.pi * (len(at) - 1) / (at[-1] - at[0]))
+
+
+def rollout(
+    wrist: Wrist, controller: PI, reference: float, state: State, held: PIState, duration: float, every: int
+) -> Rollout:
+    """The loop of `design.loop` from given states, every `every`-th sample recorded."""
+    samples = round(duration / SAMPLE_TIME)
+    c = SampledLoop(wrist.sampled(), controller.sampled(), metrics.yardstick(state.angle, reference))
+    command = (controller.rest_pressure + held.integral) / controller.gain
+    times = {"time": np.arange(samples) * SAMPLE_TIME} if wrist.effects else {}
+    _, rows = run_lanes(
+        step, Loop(state, held, metrics.begin(command)), c, samples, times, ("sample", *times), every,
+        ("plant.pressure", "plant.angle"), 1,
+    )  # fmt: skip
+    time = np.asarray(np.arange(rows.shape[1]) * (every * SAMPLE_TIME), float)
+    return Rollout(time, rows[0], rows[1])
+
+
+def on_orbit(
+    wrist: Wrist, controller: PI, centre: float, static: Array, angle: Array, integral: Array
+) -> tuple[State, PIState]:
+    """States of lanes as the pressure of an oscillation rises through its centre [kPa].
+
+    static: angle of the loop, angle [deg], integral: oscillating part of the controller's integral
+    [kPa], each (lanes,).  Effects are at rest there: what is under way in a tube is not known.
+    """
+    hold = holding(wrist, controller, State(centre, wrist.rest().memory, 0.0)).integral
+    lanes = [
+        tree.leaves(
+            State(
+                centre, wrist.rest().memory._replace(h=h, virgin=0.0), y,
+                tuple(e.rest(wrist, centre, h) for e in wrist.effects),
+            )
+        )
+        for h, y in zip(static, angle, strict=True)
+    ]  # fmt: skip
+    state = tree.like(wrist.rest(), list(np.array(lanes, float).T))
+    return state, PIState(hold + integral)
+
+
+def large_swings(wrist: Wrist, controller: PI, reference: float = 0.0, duration: float = 120.0) -> Swings:
+    """What is left of swings from far off: pressures over nine tenths of the range, on both lines, with
+    the integrator holding them and with it far on the other side."""
+    low, high = (wrist.regulator.gain * v for v in COMMAND_RANGE)
+    starts: list[Any] = []
+    held = []
+    for share in (0.05, 0.25, 0.75, 0.95):
+        for line in ("line1", "line2"):
+            state = at_pressure(wrist, line, float(low + share * (high - low)))
+            here = float(holding(wrist, controller, state).integral)
+            starts += [tree.leaves(state)] * 2
+            held += [here, -here]
+    state = tree.like(wrist.rest(), list(np.array(starts, float).T))
+    went = rollout(wrist, controller, reference, state, PIState(np.array(held)), duration, every=5)
+    before, last = went.swing(0.6 * duration, 0.8 * duration), went.swing(0.8 * duration, duration)
+    lasts = (last.kPa > STILL) & (last.kPa > SUSTAINED * before.kPa) & np.isfinite(last.frequency)
+    if not lasts.any():
+        return Swings(len(held), duration, 0, 0.0, 0.0, 0.0)
+    top = int(np.argmax(np.where(lasts, last.kPa, 0.0)))
+    return Swings(
+        len(held), duration, int(lasts.sum()), float(last.kPa[top]), float(last.deg[top]),
+        float(last.frequency[top]),
+    )  # fmt: skip

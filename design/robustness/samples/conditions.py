@@ -1,0 +1,81 @@
+"""What a controller meets beside an uncertain plant: a tube, a load, a sensor that is not perfect."""
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from plants.effects.dead_time import DeadTime
+from plants.effects.load_step import LoadStep
+from plants.errors import InputError
+from plants.wrist import Wrist
+
+Number = Any
+EVER = -1.0
+"""Moment [s] of a load that is there before the run starts, and when the wrist is put to rest."""
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """Bounds within which the conditions of a run are drawn; 0 leaves one out.
+
+    All defaults are assumed; nobody measured them on the paper's wrist.
+
+    dead_time [s]: drawn uniformly from 0 to it.  50 ms, what rigs of this kind show of their tube.
+    load [deg]: shift of the static angle, drawn uniformly from -load to load, there from the start.
+        1 deg, for what a hand holds and lays down; the size at which the trace first tries a load step.
+    noise [deg]: standard deviation of white noise of the sensor, normal, a new value every 10 ms, held
+        in between.  0.07 deg, amid the angle noise of the synthetic practice rigs, 0.04 to 0.09 deg.
+    quantum [deg]: step in which the sensor shows the angle.  0.01 deg, the rounding of those rigs' logs.
+
+    Raises InputError for a value that is negative or not finite, and a dead time beyond that of the effect.
+    """
+
+    dead_time: float = 0.050
+    load: float = 1.0
+    noise: float = 0.07
+    quantum: float = 0.01
+
+    def __post_init__(self) -> None:
+        for f in fields(self):
+            value = getattr(self, f.name)
+            if not (np.isfinite(value) and value >= 0.0):
+                raise InputError(f"conditions: {f.name} = {value:g}; give a number that is not negative")
+        longest = DeadTime.kinds()["delay"].high
+        if self.dead_time > longest:
+            raise InputError(f"conditions: dead_time = {self.dead_time:g} s; give at most {longest:g} s")
+
+    @property
+    def by_name(self) -> dict[str, float]:
+        """The conditions as a dictionary, for JSON."""
+        return {f.name: float(getattr(self, f.name)) for f in fields(self)}
+
+
+NONE = Conditions(0.0, 0.0, 0.0, 0.0)
+"""Conditions that add nothing: only plant, memory and sign of the step vary."""
+
+
+def left_out(wrist: Wrist, conditions: Conditions) -> tuple[str, ...]:
+    """Conditions that are not drawn because the plant has an effect of that name, in words.
+
+    >>> left_out(Wrist.flexion() + DeadTime(0.03), Conditions())
+    ('dead_time: the plant has its own dead-time',)
+    """
+    own = {e.NAME for e in wrist.effects}
+    asked = {"dead_time": (conditions.dead_time, DeadTime.NAME), "load": (conditions.load, LoadStep.NAME)}
+    return tuple(
+        f"{name}: the plant has its own {effect}"
+        for name, (size, effect) in asked.items()
+        if size > 0.0 and effect in own
+    )
+
+
+def added(wrist: Wrist, conditions: Conditions, dead_time: Number, load: Number) -> Wrist:
+    """The wrist behind a tube of a dead time [s] and under a load [deg], one entry per lane, as far as the
+    conditions ask for them and the wrist has none of its own."""
+    own = {e.NAME for e in wrist.effects}
+    if conditions.dead_time > 0.0 and DeadTime.NAME not in own:
+        wrist = wrist + DeadTime(dead_time)
+    if conditions.load > 0.0 and LoadStep.NAME not in own:
+        wrist = wrist + LoadStep(load, EVER)
+    return wrist

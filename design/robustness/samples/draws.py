@@ -1,0 +1,172 @@
+"""Cases drawn from a box: plants, starting memories, signs of the step, conditions, noise.
+
+What sample i is depends on the seed and on i alone: samples are drawn in chunks of `CHUNK`, each
+chunk from a place of its own in the counter of a Philox generator (Salmon et al., Parallel random
+numbers: as easy as 1, 2, 3, SC 2011, doi 10.1145/2063384.2063405), whoever draws it and when.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.controller import Controller
+from design.robustness.box import Box
+from design.robustness.samples.conditions import Conditions, added, left_out
+from design.robustness.samples.noisy_loop import HOLD
+from plants import tree
+from plants.effects.effect import Around, Effect
+from plants.hysteresis import Memory
+from plants.rest import HIGHEST, LOWEST, at_rest
+from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, STARTS, Start, State, Wrist, settled
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+CHUNK = 1024
+"""Samples that are drawn and run together: large enough that drawing costs little, and fixed, since
+what a sample is depends on it.  A multiple of `plants.compiled.LANES`."""
+
+CASES, NOISE = 0, 1  # streams of a chunk
+LINES: tuple[Start, Start] = ("line1", "line2")
+FIRST = 4  # rows of a draw before those of the box: memory, sign, dead time, load
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is sampled: a controller on the plants of a box under conditions, stepped by +-reference [deg] and
+    run for a duration [s]."""
+
+    box: Box
+    controller: Controller
+    conditions: Conditions
+    seed: int
+    reference: float
+    duration: float
+
+
+@dataclass(frozen=True)
+class Draw:
+    """Cases that were drawn, arrays of shape (n,).
+
+    wrist, state: their lanes, at rest at the start; reference [deg]; start: index into `STARTS`;
+    values: what was drawn, by name; out_of_reach: no command in the range holds the reference, or the
+    start.
+    """
+
+    wrist: Wrist
+    state: State
+    reference: Array
+    start: NDArray[np.intp]
+    values: dict[str, Array]
+    out_of_reach: Flags
+
+
+def generator(seed: int, chunk: int, stream: int) -> np.random.Generator:
+    """The numbers of a chunk: the upper half of the counter says which, the lower half counts them."""
+    return np.random.Generator(np.random.Philox(key=seed, counter=[0, 0, chunk, stream]))
+
+
+def draw(task: Task, chunk: int, count: int = CHUNK) -> Draw:
+    """The first `count` cases of a chunk: independent, uniform over the box, over the four starting
+    memories and both signs of the step, and over the conditions."""
+    box, conditions = task.box, task.conditions
+    u = generator(task.seed, chunk, CASES).random((FIRST + len(box.intervals), CHUNK))[:, :count]
+    start = (len(STARTS) * u[0]).astype(np.intp)
+    reference = np.where(u[1] < 0.5, -task.reference, task.reference)
+    dead_time, load = conditions.dead_time * u[2], conditions.load * (2.0 * u[3] - 1.0)
+    plant = box.at(u[FIRST:])
+    wrist = added(plant, conditions, dead_time, load)
+    values = {i.name: i.low + (i.high - i.low) * share
+              for i, share in zip(box.intervals, u[FIRST:], strict=True)}  # fmt: skip
+    ours = {e.NAME for e in wrist.effects} - {e.NAME for e in plant.effects}
+    values |= {"dead_time": dead_time} if "dead-time" in ours else {}
+    values |= {"load": load} if "load-step" in ours else {}
+    load = load if "load-step" in ours else np.zeros(count)
+    state = _chosen(start, [_rest(plant, wrist, s, np.zeros(count), load) for s in STARTS])
+    held = [_pressure(plant, line, reference, load)[0] for line in LINES]
+    arrival = np.where(reference > state.angle, *held)
+    out = _beyond(task.controller, wrist, arrival) | _beyond(task.controller, wrist, state.pressure)
+    if plant.effects:
+        out |= _kept_from(wrist, arrival, reference)
+        out |= (start > 0) & (start < 3) & _kept_from(wrist, state.pressure, np.zeros(count))
+    return Draw(wrist, state, reference, start, values, out)
+
+
+def noise(task: Task, chunk: int, count: int = CHUNK) -> Array | None:
+    """Noise of a chunk's sensors, of standard deviation 1, shape (rows, count), a row for every `HOLD`
+    samples; None where the conditions have none.  Row by row, so that a longer run begins like a shorter."""
+    if task.conditions.noise == 0.0:
+        return None
+    rows = -(-round(task.duration / SAMPLE_TIME) // HOLD)
+    return generator(task.seed, chunk, NOISE).standard_normal((rows, CHUNK))[:, :count]
+
+
+def remarks(task: Task) -> tuple[str, ...]:
+    """Conditions that are not drawn, in words, and why."""
+    return left_out(task.box.wrist, task.conditions)
+
+
+def _rest(plant: Wrist, wrist: Wrist, start: Start, angle: Array, load: Array) -> State:
+    """Rest at an angle [deg] under a load [deg]: the loop is where load and effects take it to that
+    angle; a virgin wrist, which never moved, lets the load sag.
+
+    `plants.rest` lets effects come to rest at the loop's angle; what acts after the load, such as
+    creep, rests at the loaded one.
+    """
+    pressure, h = _pressure(plant, start, angle, load)
+    after = [_acts_after_load(c) for c in wrist.sampled().effects] if wrist.effects else []
+    effects = tuple(
+        e.rest(wrist, pressure, h + load if late else h) for e, late in zip(wrist.effects, after, strict=True)
+    )
+    state = State(pressure, Memory(h, float(start == "virgin")), angle, effects)
+    if start == "virgin" and wrist.effects:
+        state = settled(state, wrist.sampled(), Around())
+    return state
+
+
+def _pressure(plant: Wrist, start: Start, angle: Array, load: Array) -> tuple[Array, Array]:
+    """Pressure [kPa] and angle of the loop [deg] of a rest at an angle [deg] under a load [deg]."""
+    if not plant.effects:
+        h = angle if start == "virgin" else angle - load
+        return np.asarray(at_rest(plant, start, h).pressure, float), h
+    late = [_acts_after_load(c) for c in plant.sampled().effects]
+    before = replace(plant, effects=tuple(e for e, x in zip(plant.effects, late, strict=True) if not x))
+    h = at_rest(plant, start, angle).memory.h
+    h = h if start == "virgin" else h - load
+    return np.asarray(at_rest(before, start, h).pressure, float), h
+
+
+def _acts_after_load(coefficients: Any) -> bool:
+    """Whether an effect acts on the loop's angle or on the joint, not on what drives the loop."""
+    return any(hasattr(coefficients, port) for port in ("static", "joint", "stop"))
+
+
+def _chosen(start: NDArray[np.intp], rests: list[State]) -> State:
+    """The lanes of the rest that each lane starts from."""
+    leaves = zip(*(tree.leaves(rest) for rest in rests), strict=True)
+    state: State = tree.like(
+        rests[0], [np.choose(start, [np.broadcast_to(x, start.shape) for x in leaf]) for leaf in leaves]
+    )
+    return state
+
+
+def _beyond(controller: Controller, wrist: Wrist, pressure: Array) -> Flags:
+    """Where the command that holds a pressure [kPa] is outside the controller's range."""
+    command = pressure / wrist.regulator.gain
+    low, high = (getattr(controller, n, end) for n, end in zip(("low", "high"), COMMAND_RANGE, strict=True))
+    return np.asarray((command < low) | (command > high), np.bool_)
+
+
+def _kept_from(wrist: Wrist, pressure: Array, angle: Array) -> Flags:
+    """Where an effect keeps the wrist from an angle [deg] that needs a pressure [kPa], lane by lane."""
+    out = ~((pressure > LOWEST) & (pressure < HIGHEST))
+    for effect in wrist.effects:
+        if type(effect).obstacle is Effect.obstacle:
+            continue
+        lanes = {n: np.broadcast_to(v, out.shape) for n, v in vars(effect).items()}
+        for i in range(out.size):
+            alone = type(effect)(**{n: float(v[i]) for n, v in lanes.items()})
+            out[i] |= alone.obstacle(float(pressure[i]), float(angle[i])) is not None
+    return np.asarray(out, np.bool_)

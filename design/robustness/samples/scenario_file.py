@@ -1,0 +1,146 @@
+"""A worst case as a TOML file that is complete in itself, to be played again by ``wrist simulate``.
+
+The file is a parameter set (``axis``, ``parameters``, ``effects``, so that ``--plant`` takes it too)
+with the tables ``scenario``, ``controller`` and ``metrics`` beside.  Numbers are written with as many
+digits as give them back to the last bit.
+"""
+
+import tempfile
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from design.metrics import UNITS, Metrics
+from design.pi import PI
+from design.robustness.samples.worst import Worst
+from design.sequence import Sequence
+from plants import parameter_files
+from plants.errors import InputError
+from plants.files import write_atomically
+from plants.quantities import ParameterSet
+from plants.wrist import STARTS, Wrist
+
+SETTINGS = {
+    "Kp": "kPa/deg",
+    "Ki": "kPa/(deg s)",
+    "gain": "kPa/V",
+    "rest_pressure": "kPa",
+    "low": "V",
+    "high": "V",
+}
+"""What a file says of the controller, by the names of `design.pi.PI`, with units."""
+
+FASTEST, LONGEST = 1e6, 3600.0
+"""Greatest gain and longest run [s] that a file may ask for."""
+
+
+@dataclass(frozen=True)
+class Saved:
+    """What a scenario file says: the run, its plant without dead time and load, its controller, and the
+    metrics of the last step that were seen when it was saved."""
+
+    sequence: Sequence
+    plant: ParameterSet
+    controller: PI
+    metrics: dict[str, float]
+
+
+def save(worst: Worst, path: str | Path) -> None:
+    """Write a worst case as a scenario file, complete or not at all; raises InputError where that fails."""
+    import tomlkit
+
+    s = worst.sequence
+    document = tomlkit.parse(_plant_text(worst.plant))
+    scenario = tomlkit.table()
+    scenario.comment("references in deg, holds in s; the last step is judged")
+    scenario["start"], scenario["angle"] = s.start, s.angle
+    scenario["references"], scenario["holds"] = list(s.references), list(s.holds)
+    scenario["dead_time"], scenario["load"], scenario["plant"] = s.dead_time, s.load, s.plant
+    scenario["violated"] = list(worst.violated)
+    document["scenario"] = scenario
+    controller = tomlkit.table()
+    for name, unit in SETTINGS.items():
+        controller[name] = float(getattr(worst.controller, name))
+        controller[name].comment(unit)
+    document["controller"] = controller
+    metrics = tomlkit.table()
+    for name, unit in UNITS.items():
+        metrics[name] = float(worst.metrics[name])
+        metrics[name].comment(unit)
+    document["metrics"] = metrics
+    write_atomically(path, tomlkit.dumps(document))
+
+
+def load(path: str | Path) -> Saved:
+    """What a scenario file says.
+
+    Raises InputError, in one line with the file and what is wrong with it, for a file that is no
+    parameter set (see `plants.parameter_files.read`), for a table or an entry that is missing, unknown
+    or of a wrong kind, and for numbers that make no run.
+    """
+    plant = parameter_files.read(path)
+    text: dict[str, Any] = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
+    asked, settings, seen = (_table(path, text, n) for n in ("scenario", "controller", "metrics"))
+    names = {f.name for f in fields(Metrics)}
+    metrics = {n: _number(path, f"metrics.{n}", seen.get(n), finite=False) for n in sorted(names)}
+    controller = {n: _number(path, f"controller.{n}", settings.get(n)) for n in SETTINGS}
+    if not all(0.0 <= controller[n] <= FASTEST for n in ("Kp", "Ki")):
+        raise InputError(f"{path}: controller.Kp and controller.Ki must be gains of 0 to {FASTEST:g}")
+    if controller["gain"] <= 0.0 or not controller["low"] < controller["high"]:
+        raise InputError(f"{path}: controller needs gain above 0 and low below high")
+    return Saved(_sequence(path, asked, Wrist.of(plant)), plant, PI(**controller), metrics)
+
+
+def _sequence(path: str | Path, asked: Mapping[str, Any], wrist: Wrist) -> Sequence:
+    start = asked.get("start")
+    if start not in STARTS:
+        raise InputError(f"{path}: scenario.start {start!r} is no memory; give one of {', '.join(STARTS)}")
+    angle, dead_time, shift = (
+        _number(path, f"scenario.{n}", asked.get(n)) for n in ("angle", "dead_time", "load")
+    )
+    references, holds = (_numbers(path, f"scenario.{n}", asked.get(n)) for n in ("references", "holds"))
+    if len(references) != len(holds):
+        raise InputError(
+            f"{path}: scenario has {len(references)} references but {len(holds)} holds; give as many of each"
+        )
+    if min(holds[:-1], default=0.0) < 0.0 or holds[-1] < 0.01 or sum(holds) > LONGEST:
+        raise InputError(f"{path}: scenario.holds must be times, together of 0.01 to {LONGEST:g} s")
+    if start == "virgin" and angle != 0.0:
+        raise InputError(f"{path}: scenario.angle is {angle:g} deg, but a virgin wrist rests at 0")
+    if max(map(abs, (angle, *references))) > 90.0:
+        raise InputError(f"{path}: scenario.angle and scenario.references must lie within -90 to 90 deg")
+    if not 0.0 <= dead_time <= 0.4 or abs(shift) > 30.0:
+        raise InputError(f"{path}: scenario.dead_time must be 0 to 0.4 s and scenario.load -30 to 30 deg")
+    plant = asked.get("plant", "nominal")
+    return Sequence(start, angle, references, holds, wrist, dead_time, shift, str(plant))
+
+
+def _table(path: str | Path, text: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    table = text.get(name)
+    if not isinstance(table, dict):
+        raise InputError(
+            f"{path}: has no table [{name}]; give a scenario file, such as a search for the worst saves"
+        )
+    return table
+
+
+def _number(path: str | Path, where: str, value: Any, finite: bool = True) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or (finite and not isfinite(value)):
+        raise InputError(f"{path}: {where} {'is missing' if value is None else f'= {value!r} is no number'}")
+    return float(value)
+
+
+def _numbers(path: str | Path, where: str, values: Any) -> tuple[float, ...]:
+    if not isinstance(values, list) or not 1 <= len(values) <= 20:
+        raise InputError(f"{path}: {where} must be a list of 1 to 20 numbers")
+    return tuple(_number(path, f"{where}[{i}]", v) for i, v in enumerate(values))
+
+
+def _plant_text(plant: ParameterSet) -> str:
+    """A parameter set as the text that its own writer makes."""
+    with tempfile.TemporaryDirectory() as folder:
+        parameter_files.write(plant, Path(folder) / "plant.toml")
+        return (Path(folder) / "plant.toml").read_text(encoding="utf-8")

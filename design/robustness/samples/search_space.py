@@ -1,0 +1,130 @@
+"""Where the worst case is searched for: a cube whose places are sequences on plants of a box.
+
+Coordinates, each from 0 to 1: those of the box; the starting memory (four equal parts); the references,
+each within the task's +-15 deg and at least `SMALLEST` from the one before; how long all but the last
+are held (log-spaced, within `HOLD`, the one before the last within `CALM`); dead time and load where
+they are searched.
+"""
+
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.burden import at_rest
+from design.robustness.box import Box
+from design.sequence import SMALLEST, Batch, Sequence, batch
+from design.tasks import HEADROOM, STEP
+from plants.effects.effect import Effect
+from plants.wrist import COMMAND_RANGE, STARTS, Start, Wrist
+
+Array = NDArray[np.float64]
+HOLD = (0.3, 5.0)
+"""How long [s] the first references are held, shortest and longest: the next may come in full motion."""
+
+CALM = (3.0, 5.0)
+"""The same of the reference before the last.  A step that begins in full motion overshoots by what
+the wrist has of it, under any gains: 150 % of a step of 5 deg were found where it might begin after
+0.3 s.  What is left after 3 s is the slow end of the motion, and memory."""
+
+LINES: tuple[Start, Start] = ("line1", "line2")
+
+
+@dataclass(frozen=True)
+class Space:
+    """What is searched: the box, so many references, dead time [s] from 0, load [deg] to either side.
+
+    duration [s]: for which the last step is judged.  Places are arrays x of shape (size, lanes).
+    """
+
+    box: Box
+    steps: int = 3
+    dead_time: float = 0.0
+    load: float = 0.0
+    duration: float = 10.0
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return len(self.box.intervals) + 2 * self.steps + (self.dead_time > 0.0) + (self.load > 0.0)
+
+    def asked(self, x: Array) -> dict[str, Any]:
+        """What the wrists are asked at places x, as arguments of `sequence.batch`."""
+        first, n, lanes = len(self.box.intervals) + 1, self.steps, x.shape[1]
+        angles, before = [], np.zeros(lanes)
+        for share in x[first : first + n]:
+            before = reference(share, before)
+            angles.append(before)
+        shares = x[first + n : first + 2 * n - 1]
+        bounds = [HOLD] * (n - 2) + [CALM] * (n > 1)
+        holds = [a * (b / a) ** share for share, (a, b) in zip(shares, bounds, strict=True)]
+        more = list(x[first + 2 * n - 1 :])
+        return {
+            "starts": [STARTS[min(int(4.0 * share), 3)] for share in x[first - 1]],
+            "references": np.array(angles),
+            "holds": np.round(np.array([*holds, np.full(lanes, self.duration)]), 3),
+            "dead_time": self.dead_time * more.pop(0) if self.dead_time > 0.0 else None,
+            "load": self.load * (2.0 * more.pop(0) - 1.0) if self.load > 0.0 else None,
+        }
+
+    def wrist(self, x: Array) -> Wrist:
+        """The wrists at places x, as lanes."""
+        return self.box.at(x[: len(self.box.intervals)])
+
+    def batch(self, x: Array) -> Batch:
+        """The sequences at places x, as lanes."""
+        return batch(self.wrist(x), angle=0.0, **self.asked(x))
+
+    def sequence(self, x: Array) -> tuple[Sequence, dict[str, float]]:
+        """The sequence at one place x, shape (size,), and the values that the box gives its wrist."""
+        asked = self.asked(x[:, None])
+        values = {n: float(v) for n, v in self.box.values(x[: len(self.box.intervals)]).items()}
+        dead_time, load = (0.0 if asked[n] is None else float(asked[n][0]) for n in ("dead_time", "load"))
+        references, holds = (tuple(map(float, asked[n][:, 0])) for n in ("references", "holds"))
+        wrist = self.box.wrist.with_values(**values)
+        plant = "worst-case"
+        return Sequence(asked["starts"][0], 0.0, references, holds, wrist, dead_time, load, plant), values
+
+    def reachable(self, x: Array) -> NDArray[np.bool_]:
+        """Where every reference can be held: by a command in the range, less the headroom of the tuning
+        set, on the line on which the wrist arrives, with no effect that keeps it from there; (lanes,)."""
+        asked, n, (low, high) = self.asked(x), self.steps, COMMAND_RANGE
+        angles = asked["references"].ravel()
+        before = np.vstack([np.zeros(x.shape[1]), asked["references"][:-1]]).ravel()
+        # All references at once, as lanes: for a plant with effects, rest is found by bisection.
+        wrist = self.wrist(np.tile(x, n))
+        burden = [None if asked[k] is None else np.tile(asked[k], n) for k in ("dead_time", "load")]
+        up, down = (at_rest(wrist, line, angles, *burden).pressure for line in LINES)
+        pressure = np.where(angles > before, up, down)
+        command = pressure / wrist.regulator.gain
+        held = (command >= low + HEADROOM) & (command <= high - HEADROOM)
+        held &= _unhindered(wrist, pressure, angles)
+        return np.asarray(held.reshape(n, -1).all(axis=0))
+
+
+def reference(share: Array, before: Array) -> Array:
+    """References [deg] within the task's range and at least `SMALLEST` from those before; a share of 0
+    is the lowest and of 1 the highest.
+
+    >>> reference(np.array([0.0, 0.5, 1.0]), np.array([0.0, 12.0, -12.0])).tolist()
+    [-15.0, -4.0, 15.0]
+    """
+    below = np.maximum(before - SMALLEST + STEP, 0.0)
+    above = np.maximum(STEP - before - SMALLEST, 0.0)
+    way = share * (below + above)
+    lower = (way <= below) & (below > 0.0)
+    return np.asarray(np.where(lower, way - STEP, before + SMALLEST + way - below), float)
+
+
+def _unhindered(wrist: Wrist, pressures: Array, angles: Array) -> NDArray[np.bool_]:
+    """Where no effect keeps the wrist from an angle [deg] that needs a pressure [kPa], (lanes,)."""
+    ok = np.ones(angles.shape, bool)
+    for effect in wrist.effects:
+        if type(effect).obstacle is Effect.obstacle:
+            continue
+        values = {f.name: np.broadcast_to(getattr(effect, f.name), ok.shape) for f in fields(effect)}
+        for i, (pressure, angle) in enumerate(zip(pressures, angles, strict=True)):
+            lane = replace(effect, **{n: float(v[i]) for n, v in values.items()})
+            ok[i] &= lane.obstacle(float(pressure), float(angle)) is None
+    return ok

@@ -1,0 +1,141 @@
+"""A worst case, and what the runs of a search are held against."""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.pi import PI
+from design.requirements import Limits
+from design.robustness.box import Box
+from design.sequence import Played, Sequence, play
+from design.tasks import STEP, tuning_scenarios, within_reach
+from plants.quantities import Assumed, Parameter, ParameterSet
+
+Array = NDArray[np.float64]
+Objective = Literal["excess", "cost"]
+SIMULATED = ("overshoot_percent", "steady_error_percent", "total_variation_V")
+"""Limits that a run shows; Ms and the delay margin belong to branches."""
+
+ASIDE = 1e6
+"""Height, in the minimisation, of a sequence that is set aside."""
+
+
+@dataclass(frozen=True)
+class Plain:
+    """The worst of the plain tuning set under the same gains: in excess over the limits that a run
+    shows (as a share, and of which limit) and in cost, each with the scenario's name."""
+
+    excess: float
+    excess_of: str
+    excess_on: str
+    cost_per_deg: float
+    cost_on: str
+
+
+@dataclass(frozen=True)
+class Worst:
+    """What was found.
+
+    sequence: the scenario; plant: the parameter set of its wrist, dead time and load not included;
+    metrics: of the last step, which begins at the true angle `start` [deg] and is of `size` [deg];
+    values: what limits and cost were held against; objective: what was maximised in the end;
+    excess: over the limits, as a share, and excess_of which; greatest_excess: of all runs;
+    violated: limits that it breaks; cost_per_deg: IAE per degree [s]; evaluations: runs used, of
+    which set_aside had a reference out of reach; plain: the worst of the tuning set; others: scenarios
+    apart from this one that break a limit too, worst first.
+    """
+
+    sequence: Sequence
+    plant: ParameterSet
+    controller: PI
+    objective: Objective
+    metrics: dict[str, float]
+    values: dict[str, float]
+    start: float
+    size: float
+    excess: float
+    excess_of: str
+    greatest_excess: float
+    violated: tuple[str, ...]
+    evaluations: int
+    set_aside: int
+    plain: Plain
+    others: tuple[Sequence, ...] = ()
+
+    @property
+    def cost_per_deg(self) -> float:
+        """IAE of the last step per degree [s]."""
+        return self.values["iae_deg_s"] / STEP
+
+    @property
+    def record(self) -> dict[str, object]:
+        """The worst case for JSON."""
+        s = self.sequence
+        return {
+            "scenario": s.name,
+            "start": s.start,
+            "angle_deg": s.angle,
+            "references_deg": list(s.references),
+            "holds_s": list(s.holds),
+            "dead_time_s": s.dead_time,
+            "load_deg": s.load,
+            "parameters": {n: float(v) for n, v in s.wrist.values.items()},
+            "Kp": float(self.controller.Kp),
+            "Ki": float(self.controller.Ki),
+            "objective": self.objective,
+            "metrics": self.metrics,
+            "values": self.values,
+            "last_step_deg": self.size,
+            "excess": self.excess,
+            "excess_of": self.excess_of,
+            "greatest_excess": self.greatest_excess,
+            "violated": list(self.violated),
+            "cost_per_deg_s": self.cost_per_deg,
+            "evaluations": self.evaluations,
+            "set_aside": self.set_aside,
+            "others": [other.name for other in self.others],
+            "plain_tuning_set": vars(self.plain),
+        }
+
+
+def excesses(values: dict[str, Array], limits: Limits) -> dict[str, Array]:
+    """How far each limit that a run shows is exceeded, as a share of it; negative where it is held."""
+    named = {n: v for n, v in limits.named.items() if n in SIMULATED}
+    return {n: np.nan_to_num((values[n] - v) / (v or 1.0), nan=ASIDE, posinf=ASIDE) for n, v in named.items()}
+
+
+def scores(values: dict[str, Array], limits: Limits, objective: Objective) -> Array:
+    """What is maximised: the largest excess as a share, or the IAE per degree [s]."""
+    if objective == "cost":
+        return values["iae_deg_s"] / STEP
+    return np.asarray(np.max(list(excesses(values, limits).values()), axis=0), float)
+
+
+def named_plant(box: Box, values: dict[str, float]) -> ParameterSet:
+    """The box's plant with values of the search, each with the interval that it was found in."""
+    parameters = dict(box.plant.parameters)
+    for name, value in values.items():
+        p, (low, high) = parameters[name], box.bounds(name)
+        why = f"worst case found by search within {low:.6g} to {high:.6g}"
+        parameters[name] = Parameter(value, p.unit, min(p.low, value), max(p.high, value), Assumed(why))
+    return replace(box.plant, title=f"{box.plant.axis}, worst case", parameters=parameters)
+
+
+def plain_worst(box: Box, controller: PI, limits: Limits, duration: float, jobs: int | None) -> Plain:
+    """The worst of the plain tuning set on the box's plant, judged as the search judges."""
+    scenarios, _ = within_reach(tuning_scenarios(box.wrist))
+    runs = [
+        Sequence(s.start, s.angle, (s.reference,), (duration,), s.wrist, plant=s.plant) for s in scenarios
+    ]
+    played: Played = play(runs, controller, jobs=jobs)
+    beyond, cost = excesses(played.values, limits), played.values["iae_deg_s"] / STEP
+    dearest = int(np.argmax(cost))
+    if not beyond:
+        return Plain(-1.0, "", "", float(cost[dearest]), scenarios[dearest].name)
+    name = max(beyond, key=lambda n: float(beyond[n].max()))
+    worst = int(np.argmax(beyond[name]))
+    return Plain(
+        float(beyond[name][worst]), name, scenarios[worst].name, float(cost[dearest]), scenarios[dearest].name
+    )

@@ -1,0 +1,85 @@
+"""``wrist export`` writes a folder that checks itself, and refuses bad input before it writes anything."""
+
+import json
+import shutil
+import subprocess
+
+import pytest
+
+CC = shutil.which("cc") and shutil.which("make")
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    """Vectors of few steps: their length is tested elsewhere."""
+    from design.export import folder
+
+    whole = folder.contents
+    monkeypatch.setattr(folder, "contents", lambda part, wrist: whole(part, wrist, 60))
+
+
+def test_the_folder_and_what_is_said_of_it(wrist, tmp_path, quick):
+    out = tmp_path / "c"
+    told = wrist("export", "pi", "--gains", "3.1,10.4", "--axis", "deviation", "--out", out, "--json", "-")
+    assert told.code == 0, told.err
+    record = told.json
+    assert sorted(record["files"]) == sorted(p.name for p in out.iterdir())
+    assert record["name"] == "deviation_pi"
+    assert record["period_s"] == 0.001
+    assert record["state"][0] == {
+        "name": "integral_kPa", "type": "double", "count": 1, "unit": "kPa",
+        "meaning": "integral part of the command, gain included",
+    }  # fmt: skip
+    assert [m["name"] for m in record["measured"]] == ["reference_deg", "angle_deg"]
+    assert record["output"]["unit"] == "V"
+    assert (record["output"]["lowest"], record["output"]["highest"]) == (0.0, 4.0)
+    assert record["settings"]["Kp"] == 3.1
+
+
+@pytest.mark.skipif(not CC, reason="no C compiler or make on this machine")
+@pytest.mark.parametrize(
+    "words", [["pi", "--gains", "3.1,10.4"], ["lqi", "--gains", "600,-640,-70,8,45"], ["observer"], ["mpc"]]
+)
+def test_the_folder_replays_its_vector(wrist, tmp_path, words):
+    told = wrist("export", *words, "--out", tmp_path, "--json", tmp_path / "it.json")
+    assert told.code == 0, told.err
+    assert "make -C" in told.out.replace("\n", " ")
+    said = subprocess.run(["make", "check"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert said.returncode == 0, said.stdout + said.stderr
+    assert json.loads((tmp_path / "it.json").read_text())["controller"] == words[0]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["pid", "--gains", "1,2"], "no controller 'pid'"),
+        (["pi"], "--gains: not given"),
+        (["pi", "--gains", "1,x"], "--gains: '1,x'"),
+        (["pi", "--gains", "1,nan"], "--gains: '1,nan'"),
+        (["pi", "--gains=-1,2"], "not negative"),
+        (["pi", "--gains", "1,2,3"], "3 given"),
+        (["pi", "--gains", "1,2", "--plant", "nowhere.toml"], "nowhere.toml"),
+    ],
+)
+def test_bad_input_is_refused_in_a_line_and_nothing_is_written(wrist, tmp_path, words, message):
+    told = wrist("export", *words, "--out", tmp_path / "c")
+    assert told.code == 2
+    assert message in told.err
+    assert told.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_in_the_place_of_a_file_is_refused_before_anything_is_written(wrist, tmp_path, quick):
+    (tmp_path / "flexion_pi_law.c").mkdir()
+    told = wrist("export", "pi", "--gains", "1,2", "--out", tmp_path)
+    assert told.code == 2
+    assert "flexion_pi_law.c is a folder" in told.err.replace("\n", "")
+    assert [p.name for p in tmp_path.iterdir()] == ["flexion_pi_law.c"]
+
+
+def test_a_folder_that_cannot_be_written_to_is_refused_first(wrist, tmp_path):
+    (tmp_path / "file").write_text("")
+    told = wrist("export", "pi", "--gains", "1,2", "--out", tmp_path / "file")
+    assert told.code == 2
+    assert "--out" in told.err
+    assert (tmp_path / "file").read_text() == ""

@@ -1,0 +1,113 @@
+"""What is exported depends on the law alone, says what it is, and refuses what cannot be exported."""
+
+import re
+from pathlib import Path
+
+import pytest
+from c_target import GAINS, WRIST, exported
+
+from design.export.catalogue import CATALOGUE, part
+from design.export.fields import described
+from design.export.folder import contents
+from design.feedforward import Feedforward
+from design.lqi import LQI
+from design.memory_estimator import MemoryObserver
+from plants import InputError, Wrist
+from plants.effects import Creep
+
+TEXTS = ("h", "c", "README.md")
+
+
+def texts(kind):
+    """Header, source and README of a controller, by their suffix or name."""
+    made, folder = exported(kind)
+    return {
+        "h": (folder / f"{made.name}.h").read_text(),
+        "c": (folder / f"{made.name}.c").read_text(),
+        "law": (folder / f"{made.name}_law.c").read_text(),
+        "README.md": (folder / "README.md").read_text(),
+        "test": (folder / "test_vector.c").read_text(),
+    }
+
+
+@pytest.mark.parametrize("kind", ["pi", "mpc"])
+def test_the_same_law_gives_the_same_bytes(kind):
+    first, again = (
+        contents(part(kind, "flexion", Wrist.flexion(), GAINS[kind]), Wrist.flexion(), 50) for _ in range(2)
+    )
+    assert first == again
+    assert len(first) == 7
+
+
+@pytest.mark.parametrize("kind", GAINS)
+def test_no_date_and_no_path_of_the_machine(kind):
+    for name, text in texts(kind).items():
+        assert not re.search(r"\b20\d\d-\d\d|\b\d\d:\d\d\b|/home/|/root/|/tmp/|/work/", text), name
+        assert str(Path.cwd()) not in text
+
+
+@pytest.mark.parametrize("kind", GAINS)
+def test_every_setting_period_unit_and_member_is_told(kind):
+    made, found = exported(kind)[0], texts(kind)
+    assert f"#define {made.name.upper()}_PERIOD_S {made.period!r}\n" in found["h"]
+    for name, value in made.settings.items():
+        assert f"{name} = {value!r}" in found["h"]
+        assert f"| {name} | {value!r} |" in found["README.md"]
+    for f in (*made.inputs, *(f for _, f in made.kept)):
+        assert f"{f.declaration} /* {f.unit or 'no unit'}: {f.meaning} */" in found["h"]
+        assert f"| `{f.member}` | {f.unit or 'no unit'} | {f.meaning} |" in found["README.md"]
+    assert {"pi": 0.001, "mpc": 0.02}.get(kind, 0.001) == made.period
+
+
+def test_a_law_asks_only_for_what_it_reads():
+    assert [f.member for f in exported("pi")[0].inputs] == ["reference_deg", "angle_deg"]
+    assert [f.member for f in exported("feedforward")[0].inputs] == ["reference_deg"]
+    assert [f.member for f in exported("observer")[0].inputs] == ["angle_deg", "pressure_kPa"]
+    assert [f.member for f in exported("lqi")[0].inputs] == ["reference_deg", "angle_deg", "pressure_kPa"]
+
+
+def test_the_catalogue_builds_what_the_classes_build():
+    w = Wrist.deviation()
+    assert part("feedforward", "deviation", w).settings == vars(Feedforward.of(w))
+    assert part("observer", "deviation", w).settings == vars(MemoryObserver.of(w))
+    p, settings = w.hysteresis, part("lqi", "deviation", w, GAINS["lqi"]).settings
+    assert settings == vars(
+        LQI(600.0, -640.0, -70.0, 8.0, (p.a1 + p.a2) / 2, w.Tw, 45.0, gain=w.regulator.gain)
+    )
+
+
+@pytest.mark.parametrize(
+    ("kind", "gains", "words"),
+    [
+        ("pid", (1.0, 2.0), "no controller 'pid'"),
+        ("pi", None, "--gains: not given"),
+        ("pi", (1.0, -2.0), "not negative"),
+        ("pi", (0.0, 0.0), "both 0"),
+        ("pi", (1.0, 2.0, 3.0), "3 given"),
+        ("lqi", (0.0, 1.0, 1.0, 1.0, 1.0), "must be positive"),
+        ("feedforward", (0.0,), "must be positive"),
+        ("feedforward-pi", (1.0, 1.0, 0.6), "longer than 0.51 s"),
+        ("observer", (-1.0,), "not be negative"),
+        ("mpc", (1.0,), "takes no gains"),
+    ],
+)
+def test_bad_requests_are_refused_in_a_line(kind, gains, words):
+    with pytest.raises(InputError, match=re.escape(words)) as refused:
+        part(kind, "flexion", WRIST, gains)
+    assert "\n" not in str(refused.value)
+    assert kind in CATALOGUE or "mpc" in str(refused.value)
+
+
+def test_a_plant_that_has_no_inverse_is_refused():
+    with pytest.raises(InputError, match="no inverse of the effect creep"):
+        part("feedforward", "flexion", WRIST + Creep(0.1, 4.0))
+
+
+def test_a_state_that_nobody_has_described_is_refused():
+    from typing import NamedTuple
+
+    class Unknown(NamedTuple):
+        secret: float
+
+    with pytest.raises(InputError, match=r"Unknown\.secret"):
+        described(Unknown(1.0))

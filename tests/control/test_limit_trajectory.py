@@ -1,0 +1,86 @@
+"""Trajectories by optimal control come within 5 % of the bound, as the simulator, not the optimiser, says."""
+
+import numpy as np
+import pytest
+from limit_plant import iae, lanes, of_state, settled_at
+from scipy.optimize import fsolve
+
+from design.limit import bound, limit, limits_of, optimal, ratios, replay
+from design.loop import run
+from design.pi import PI
+from design.tasks import Scenario
+from plants import Wrist
+from plants.effects.dead_time import DeadTime
+
+
+@pytest.mark.parametrize(
+    ("motion", "start", "angle", "reference"),
+    [("flexion", "virgin", 0.0, 15.0), ("deviation", "line1", 15.0, 0.0)],
+)
+def test_within_five_percent_and_replayed_by_another_simulator(motion, start, angle, reference):
+    wrist = getattr(Wrist, motion)()
+    found = limit(Scenario(start, angle, reference, wrist), trajectory=True)
+    assert 0.0 <= found.gap <= 0.05
+    assert 0.0 <= found.iae_gap <= 0.05
+    assert found.commands is found.fastest.commands
+    for of, settles in ((found.fastest, found.achieved_s), (found.least, None)):
+        assert of.commands.min() >= 0.0
+        assert of.commands.max() <= 4.0
+        angles, _ = lanes(wrist.values, of_state(wrist.rest(start, angle)), of.commands[:-1, None])
+        assert np.abs(angles[:, 0] - of.angle).max() < 1e-9
+        assert settles is None or settled_at(angles, reference, angle)[0] == pytest.approx(settles)
+    assert iae(angles, reference)[0] == pytest.approx(found.iae_achieved)
+
+
+def test_behind_a_dead_time():
+    wrist = Wrist.deviation() + DeadTime(0.05)
+    found = bound(wrist, 15.0)
+    least = optimal(wrist, 15.0, wrist.rest(), found, "iae", 0.0)
+    assert 1.0 <= least.metrics.settling_time_s / found.settling_s <= 1.05
+    assert 1.0 <= least.metrics.iae_deg_s / found.iae <= 1.05
+
+
+def test_the_linear_cascade_is_not_slower_than_its_time_optimal_transfer():
+    """One rate, no loop: to come to rest at the reference takes one switch, whose time and end solve two
+    equations in exponentials; to stay in the band for good can only be quicker."""
+    wrist = Wrist.flexion().with_values(k_slow=9.0, s=0.36, w1=0.0, w2=0.0)
+    k, T, up, down = 9.0, wrist.Tw, 0.36 * 97.6, -0.36 * 100.0
+
+    def after(h, y, target, t):
+        """Both lags, exactly: h tends to the target, y follows h."""
+        e, f = np.exp(-k * t), np.exp(-t / T)
+        d = h - target
+        return target + d * e, target + (y - target) * f + d * (e - f) / (1.0 - k * T)
+
+    def missed(times):
+        return np.subtract(after(*after(0.0, 0.0, up, times[0]), down, times[1]), 15.0)
+
+    transfer = fsolve(missed, [0.2, 0.05])
+    assert np.abs(missed(transfer)).max() < 1e-9
+    state = wrist.rest("line1")
+    found = bound(wrist, 15.0, state)
+    achieved = float(optimal(wrist, 15.0, state, found, "settling", 0.0).metrics.settling_time_s)
+    assert found.settling_s <= achieved <= transfer.sum() + 0.001
+
+
+def test_replays_are_judged_as_by_a_plain_loop():
+    wrist = Wrist.flexion()
+    v = 2.0 + 0.4 * np.sin(np.arange(3000) / 100.0)
+    v = np.append(v, 3.2)
+    told = replay(wrist, v, 15.0, wrist.rest())
+    held = np.concatenate([v, np.full(10_000 - len(v), 3.2)])[:, None]
+    angles, _ = lanes(wrist.values, of_state(wrist.rest()), held[:-1])
+    assert float(told.metrics.settling_time_s) == pytest.approx(settled_at(angles, 15.0, 0.0)[0])
+    assert float(told.metrics.iae_deg_s) == pytest.approx(iae(angles, 15.0)[0])
+    assert float(told.metrics.overshoot_percent) == pytest.approx(max(angles.max() / 15.0 - 1.0, 0.0) * 100.0)
+
+
+def test_controllers_lie_above_the_limit():
+    wrist = Wrist.flexion()
+    of = limits_of(wrist)
+    assert len(of) == 10
+    judged, _, _ = run(wrist, PI(np.array([1.2, 6.0]), np.array([2.2, 8.0])), np.full(2, 15.0), wrist.rest())
+    found = ratios(judged, of["0 to +15 deg, virgin"])
+    assert (found.settling > 1.0).all()
+    assert (found.iae > 1.0).all()
+    assert found.iae[0] == pytest.approx(judged.iae_deg_s[0] / of["0 to +15 deg, virgin"].iae_bound)

@@ -1,0 +1,154 @@
+"""Each failure (infeasible, late, raised, no number from a sensor) takes the next rung of the ladder, without
+a jump of the command into the PI, and the loop recovers when the QP solves again."""
+
+from dataclasses import replace
+from itertools import count
+
+import numpy as np
+import pytest
+
+from design.controller import Measured
+from design.mpc import fallback, qp
+from design.mpc.fallback import BY_PI, HELD, SHIFTED, SOLVED, Fallback
+from design.mpc.linear import linear_mpc
+from design.mpc.loop import run
+from design.mpc.problem import Problem
+from design.mpc.real_time import real_time_mpc
+from plants import Wrist
+
+PROBLEM = Problem(Wrist.flexion())
+FAILURES = {
+    "infeasible": lambda x, active: qp.Solution(x, active, False, 3, "infeasible"),
+    "no number": lambda x, active: qp.Solution(x * np.nan, active, True, 3, ""),
+}
+
+
+class Broken:
+    """A solver that fails between two of its calls."""
+
+    def __init__(self, solve, first, last, how):
+        self.solve, self.first, self.last, self.how, self.calls = solve, first, last, how, 0
+
+    def __call__(self, H, f, low, high, active):
+        self.calls += 1
+        if self.first <= self.calls <= self.last:
+            return self.how(f, active)
+        return self.solve(H, f, low, high, active)
+
+
+def broken(make, first, last, how):
+    controller = make(PROBLEM)
+    if make is linear_mpc:
+        bad = Broken(controller.planner.solve, first, last, how)
+        return replace(controller, planner=controller.planner._replace(solve=bad))
+    return replace(controller, solve=Broken(controller.solve, first, last, how))
+
+
+def raises(f, active):
+    raise ValueError("out of order")
+
+
+@pytest.mark.parametrize("make", [linear_mpc, real_time_mpc])
+@pytest.mark.parametrize("how", [*FAILURES.values(), raises], ids=[*FAILURES, "raised"])
+def test_a_solver_that_fails_for_a_while_is_bridged(make, how):
+    play = run(Wrist.flexion(), broken(make, 5, 19, how), 15.0, duration=4.0)
+    rungs = [i.rung for i in play.periods]
+    assert rungs[:4] == [SOLVED] * 4
+    assert rungs[4:9] == [SHIFTED] * 5
+    assert rungs[9:19] == [BY_PI] * 10
+    assert rungs[19:] == [SOLVED] * (len(rungs) - 19)
+    assert all(i.reason for i in play.periods[4:19])
+    assert float(play.metrics.steady_state_error_deg[0]) < 1e-3
+
+
+def test_the_pi_takes_over_without_a_jump():
+    controller = broken(real_time_mpc, 20, 10**6, FAILURES["infeasible"])
+    play = run(Wrist.flexion(), controller, 15.0, duration=1.0, record=True)
+    rungs = [i.rung for i in play.periods]
+    first = rungs.index(BY_PI)
+    commands = play.trajectory.command[::20, 0]
+    # Bumpless: the first command of the PI is the one before it.
+    assert commands[first] == pytest.approx(commands[first - 1], abs=1e-12)
+    assert np.ptp(commands[first:-1]) > 1e-3
+
+
+def test_a_shifted_plan_is_what_was_planned():
+    """On the plant that is believed in, carrying on with the plan reaches where the plan said."""
+    good = real_time_mpc(PROBLEM)
+    state = good.init(Wrist.flexion().rest("line1"))
+    state, _, _ = good.step(state, Measured(15.0, 0.0, state.believed.plant.pressure))
+    ahead = state.plan
+    bad = replace(good, solve=Broken(good.solve, 1, 10**6, FAILURES["infeasible"]))
+    for k in range(3):
+        state, command, info = bad.step(state, Measured(15.0 - k, float(k), 130.0))
+        assert info.rung == SHIFTED
+        assert command == pytest.approx(ahead[k], abs=1e-12)
+
+
+@pytest.mark.parametrize("make", [linear_mpc, real_time_mpc])
+def test_a_late_answer_is_not_used(make):
+    slow = count(0, 30_000_000)  # every look at the clock, 30 ms have gone
+    controller = make(PROBLEM, Fallback(budget=0.01, patience=2, clock=lambda: next(slow)))
+    state = controller.init(Wrist.flexion().rest())
+    state, command, info = controller.step(state, Measured(5.0, 0.0, 100.0))
+    assert info.rung == BY_PI
+    assert info.reason == "late"
+    assert command == pytest.approx(100.0 / 49.4, abs=1e-12)
+    in_time = make(PROBLEM, Fallback(budget=0.01, patience=2, clock=lambda: 0))
+    assert in_time.step(state, Measured(5.0, 0.0, 100.0))[2].rung == SOLVED
+
+
+@pytest.mark.parametrize("make", [linear_mpc, real_time_mpc])
+@pytest.mark.parametrize("lost", ["angle", "pressure", "both"])
+def test_a_sensor_without_a_number_is_bridged(make, lost):
+    controller, wrist = make(PROBLEM), Wrist.flexion()
+    c, plant_state = wrist.sampled(), wrist.rest("line1")
+    state, rungs = controller.init(plant_state), []
+    from plants.wrist import step
+
+    for k in range(100):
+        P, y = float(plant_state.pressure), float(plant_state.angle)
+        gone = 10 <= k < 40
+        P = np.nan if gone and lost != "angle" else P
+        y = np.nan if gone and lost != "pressure" else y
+        state, command, info = controller.step(state, Measured(12.0 - y, y, P))
+        rungs.append(info.rung)
+        assert 0.0 <= command <= 4.0
+        for _ in range(20):
+            plant_state = step(plant_state, command, c)
+    below = BY_PI if lost == "pressure" else HELD
+    assert rungs == [SOLVED] * 10 + [SHIFTED] * 5 + [below] * 25 + [SOLVED] * 60
+    assert float(plant_state.angle) == pytest.approx(12.0, abs=1e-3)
+
+
+def test_the_command_keeps_range_and_rate_on_every_rung():
+    problem = Problem(Wrist.flexion(), rate=0.3)
+    controller = fallback_often(real_time_mpc(problem))
+    play = run(Wrist.flexion(), controller, 15.0, duration=2.0, record=True)
+    commands = np.concatenate([[100.0 / 49.4], play.trajectory.command[::20, 0]])
+    assert np.abs(np.diff(commands)).max() <= 0.3 + 1e-12
+    assert commands.min() >= 0.0
+    assert commands.max() <= 4.0
+    assert {i.rung for i in play.periods} == {SOLVED, SHIFTED, BY_PI}
+
+
+def fallback_often(controller):
+    every = count()
+
+    def solve(H, f, low, high, active):
+        if next(every) % 12 < 8:
+            return FAILURES["infeasible"](f, active)
+        return controller.solve(H, f, low, high, active)
+
+    return replace(controller, solve=solve)
+
+
+def test_a_step_changes_nothing_that_it_was_given():
+    controller = real_time_mpc(PROBLEM)
+    state = controller.init(Wrist.flexion().rest("line1"))
+    state, _, _ = controller.step(state, Measured(15.0, 0.0, 116.7))
+    first = controller.step(state, Measured(14.0, 1.0, 130.0))
+    controller.step(first[0], Measured(10.0, 5.0, 150.0))
+    again = controller.step(state, Measured(14.0, 1.0, 130.0))
+    assert again[1] == first[1]
+    assert again[2].rung == fallback.SOLVED

@@ -1,0 +1,64 @@
+"""The loop around an MPC is the plant of `design.loop`, sample by sample: same judge, same dead time."""
+
+import numpy as np
+import pytest
+
+from design.loop import run as run_pi
+from design.mpc.fallback import Info
+from design.mpc.fallback import State as MPCState
+from design.mpc.loop import Sensor, run
+from design.mpc.problem import Problem
+from design.pi import PI
+from plants import Wrist
+from plants.effects.dead_time import DeadTime, TubeDeadTime
+from plants.effects.load_step import LoadStep
+
+GAINS = PI(1.5, 4.0)
+
+
+class SampledPIAsMPC:
+    """A PI that acts once a sample, dressed as a periodic controller."""
+
+    problem = Problem(Wrist.flexion(), period=0.001)
+
+    def init(self, at_rest):
+        pressure = float(at_rest.pressure)
+        return MPCState(None, pressure / GAINS.gain, 0.0, None, None, None, 0, GAINS.holding(pressure))
+
+    def step(self, state, seen):
+        after, command = GAINS.sampled().act(state.pi, seen)
+        return state._replace(pi=after), float(command), Info("solved", "", 0, 0, 0, 0)
+
+
+@pytest.mark.parametrize(
+    "effects",
+    [(), (DeadTime(0.0374),), (TubeDeadTime(0.02, 0.03), LoadStep(1.0, 0.2))],
+    ids=["declared", "dead time", "tube and load"],
+)
+def test_a_pi_is_played_as_design_loop_plays_it(effects):
+    wrist = Wrist.flexion()
+    for effect in effects:
+        wrist = wrist + effect
+    play = run(wrist, SampledPIAsMPC(), 15.0, duration=0.7, record=True)
+    metrics, _, trajectory = run_pi(wrist, GAINS, 15.0, duration=0.7, record=True)
+    assert np.abs(play.trajectory.angle - trajectory.angle).max() < 1e-10
+    assert np.abs(play.trajectory.pressure - trajectory.pressure).max() < 1e-9
+    assert np.abs(play.trajectory.command - trajectory.command)[:-1].max() < 1e-10
+    for name, value in vars(metrics).items():
+        np.testing.assert_allclose(getattr(play.metrics, name), value, rtol=1e-9, atol=1e-9)
+
+
+def test_the_sensor_is_quantised_and_its_noise_repeats():
+    wrist, seen = Wrist.flexion(), []
+
+    class Spy(SampledPIAsMPC):
+        def step(self, state, measured):
+            seen.append(measured.angle)
+            return super().step(state, measured)
+
+    for _ in range(2):
+        run(wrist, Spy(), 15.0, duration=0.2, sensor=Sensor(0.2, 0.05, seed=3))
+    angles = np.array(seen).reshape(2, -1)
+    assert (angles[0] == angles[1]).all()
+    assert np.abs(angles / 0.05 - np.round(angles / 0.05)).max() < 1e-9
+    assert 0.1 < np.std(np.diff(angles[0])) / np.sqrt(2.0) < 0.4

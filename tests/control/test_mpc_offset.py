@@ -1,0 +1,37 @@
+"""No steady-state error: under a constant load, a wrong gain of the regulator, a loop of wrong width."""
+
+import pytest
+
+from design.mpc.linear import linear_mpc
+from design.mpc.loop import run
+from design.mpc.problem import nominal, robust
+from design.mpc.real_time import real_time_mpc
+from plants import Wrist
+from plants.effects.load_step import LoadStep
+
+WRISTS = {
+    "load": lambda w: w + LoadStep(2.0, 1.5),
+    "gain": lambda w: w.with_values(gain=0.96 * w.regulator.gain),
+    "wide and flat": lambda w: w.with_values(
+        w1=1.15 * w.hysteresis.w1, w2=1.15 * w.hysteresis.w2, a1=0.95 * w.hysteresis.a1
+    ),
+}
+
+
+@pytest.mark.parametrize("plant", WRISTS)
+@pytest.mark.parametrize("make", [linear_mpc, real_time_mpc])
+@pytest.mark.parametrize("setting", [nominal, robust])
+def test_the_angle_comes_to_rest_at_the_reference(plant, make, setting):
+    if setting is robust and make is linear_mpc:
+        pytest.skip("the robust setting is that of the nonlinear MPC")
+    wrist = WRISTS[plant](Wrist.flexion())
+    for reference in (10.0, -10.0):
+        play = run(wrist, make(setting(Wrist.flexion())), reference, duration=8.0)
+        assert float(play.metrics.steady_state_error_deg[0]) < 1e-2
+
+
+def test_the_load_is_what_the_observer_finds():
+    wrist = Wrist.deviation() + LoadStep(-1.5, 1.0)
+    play = run(wrist, real_time_mpc(nominal(Wrist.deviation())), 10.0, duration=5.0)
+    assert play.controller.believed.shift == pytest.approx(-1.5, abs=1e-6)
+    assert play.controller.believed.lack == pytest.approx(0.0, abs=1e-6)

@@ -1,0 +1,82 @@
+"""What the check outside the solver does not confirm is no certificate, whatever the solver says."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from design import convex
+from design.pi import PI
+from design.robustness.certificates.continuous import check, lmi, popov, quadratic
+from design.robustness.certificates.continuous.ladder import certifies, certify
+from design.robustness.certificates.continuous.search import search
+from design.robustness.loop_model import LoopModel
+from plants import Wrist
+
+LOOP = LoopModel.of(Wrist.flexion(), PI(1.2, 2.2))
+TIMID = LoopModel.of(Wrist.flexion(), PI(0.5, 0.5))
+
+
+@pytest.mark.parametrize("dead_time", [0.0, 0.05])
+@pytest.mark.parametrize(("rung", "model"), [(quadratic.RUNG, TIMID), (popov.RUNG, LOOP)])
+def test_a_form_that_was_tampered_with_is_refused(rung: str, model: LoopModel, dead_time: float) -> None:
+    form = search(model, rung, dead_time=dead_time).form
+    assert form is not None
+    assert check.margin(form, model, dead_time) > 0.0
+    flipped = form.P.copy()
+    flipped[0, 2] = flipped[2, 0] = -flipped[0, 2]
+    broken = [
+        replace(form, P=flipped),
+        replace(form, P=-form.P),
+        replace(form, P=form.P * np.nan),
+        replace(form, P=np.diag([1.0, 1.0, -1.0, *np.ones(form.order)])),
+        replace(form, decay=10.0),
+    ]
+    if form.open_law:
+        broken += [replace(form, popov=-form.popov), replace(form, popov=100.0 * form.popov)]
+        broken += [replace(form, multipliers=(0.0, 0.0)), replace(form, slopes=(0.1, 0.2))]
+    if form.order:
+        broken += [replace(form, S=0.0), replace(form, R=-form.R), replace(form, R=0.0)]
+    for other in broken:
+        assert not check.margin(other, model, dead_time) > check.CONFIRMED
+    assert check.margin(form, model, 0.05 - dead_time) < 0.0  # made for another number of moments
+
+
+def test_the_check_sees_a_loop_that_the_form_was_not_made_for() -> None:
+    form = search(LOOP, popov.RUNG).form
+    assert form is not None
+    assert check.margin(form, replace(LOOP, Ki=50.0), 0.0) < 0.0
+    assert check.margin(form, replace(LOOP, slopes={"transit": 0.0803, "line1": 2.0}), 0.0) < 0.0
+    assert check.margin(form, replace(LOOP, k_fast=90.0), 0.0) < 0.0
+
+
+def test_margins_are_shares_and_have_no_unit() -> None:
+    matrix = np.array([[2.0, 1.0], [1.0, 2.0]])
+    unit = np.diag([1.0, 1000.0])
+    assert check.positive(matrix) == pytest.approx(1.0 / 3.0)
+    assert check.positive(unit @ matrix @ unit) == pytest.approx(1.0 / 3.0)
+    assert check.negative(matrix) == -1.0
+    assert check.positive(np.array([[1.0, 2.0], [2.0, 1.0]])) < 0.0
+
+
+def test_a_solver_that_fails_is_named_and_nothing_is_claimed(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: object) -> str:
+        raise convex.Unsolved("CLARABEL: ran out of numbers; SCS: so did it")
+
+    monkeypatch.setattr(convex, "solve", fails)
+    for c in certify(LOOP, Wrist.flexion(), PI(1.2, 2.2)):
+        assert not c.holds
+        assert c.decay is c.margin is c.shape is None
+        assert "CLARABEL: ran out of numbers; SCS: so did it" in c.why
+    assert not certifies(LOOP, popov.RUNG)
+    assert "ran out of numbers" in quadratic.common_quadratic([-np.eye(2)]).why
+
+
+def test_a_solver_that_lies_is_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
+    def lies(*_: object) -> lmi.Solution:
+        return lmi.Solution(np.eye(3), {"popov": 1.0}, (1.0, 1.0), 0.5, "LIAR")
+
+    monkeypatch.setattr(lmi, "widest", lies)
+    found = search(LOOP, popov.RUNG)
+    assert found.form is None
+    assert found.why.startswith("not confirmed: LIAR claims one")

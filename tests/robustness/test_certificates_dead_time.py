@@ -1,0 +1,59 @@
+"""With dead time, a linear loop is certified up to its delay margin, and not beyond."""
+
+import numpy as np
+import pytest
+
+from design.pi import PI
+from design.robustness.certificates.continuous import popov, quadratic
+from design.robustness.certificates.continuous.search import search
+from design.robustness.certificates.continuous.signals import Signals
+from design.robustness.loop_model import LoopModel
+from plants import Wrist
+from plants.effects.dead_time import DeadTime
+
+TW = 0.16
+
+
+def delay_margin(Kp: float, Ki: float, slope: float, rate: float) -> float:
+    """By python-control: phase margin over its crossing frequency, the least over all crossings."""
+    import control
+
+    p = control.tf("s")
+    loop = (Kp + Ki / p) * rate / (p + rate) * slope / (TW * p + 1.0)
+    _, pm, _, _, wc, _ = control.stability_margins(loop, returnall=True)
+    return float(np.min(np.mod(np.radians(pm), 2.0 * np.pi) / wc))
+
+
+@pytest.mark.parametrize("rung", [quadratic.RUNG, popov.RUNG])
+@pytest.mark.parametrize(
+    ("Kp", "Ki", "slope", "rate"), [(3.13, 10.4, 0.36, 9.0), (6.0, 10.0, 0.36, 9.0), (2.0, 6.0, 0.36, 2.0)]
+)
+def test_a_linear_loop_is_certified_to_its_delay_margin(
+    Kp: float, Ki: float, slope: float, rate: float, rung: str
+) -> None:
+    model = LoopModel(Kp, Ki, {"only": slope}, rate, rate, TW)
+    margin = delay_margin(Kp, Ki, slope, rate)
+    assert search(model, rung, dead_time=0.99 * margin).form is not None
+    assert search(model, rung, dead_time=1.01 * margin).form is None
+
+
+def test_dead_time_of_the_plant_and_beside_it_add_up() -> None:
+    wrist = Wrist.flexion() + DeadTime(0.03)
+    late = search(LoopModel.of(wrist, PI(1.2, 2.2)), popov.RUNG, dead_time=0.02).form
+    same = search(LoopModel.of(Wrist.flexion(), PI(1.2, 2.2)), popov.RUNG, dead_time=0.05).form
+    assert late is not None
+    assert same is not None
+    assert np.allclose(late.P, same.P)
+
+
+def test_moments_move_as_the_transport_says() -> None:
+    """Z_k of z = exp(p t) in closed form of Legendre's polynomials, by quadrature."""
+    model, tau, p = LoopModel(2.0, 3.0, {"only": 0.36}, 2.0, 2.0, TW), 0.2, -1.3
+    signals = Signals.of(model, tau, open_law=False, order=4)
+    s, w = np.polynomial.legendre.leggauss(40)
+    z = np.exp(-p * tau * (s + 1.0) / 2.0)
+    Z = np.array([0.5 * np.sum(w * z * np.polynomial.legendre.Legendre.basis(k)(s)) for k in range(4)])
+    x0 = 1.0 / model.Ki  # so that z = Ki x0 is 1 now
+    vector = np.concatenate([[x0, 0.0, 0.0], Z, [np.exp(-p * tau)]])
+    # The derivative of the first four moments of an exponential is p times themselves.
+    assert np.allclose((signals.rate(0.36, 2.0) @ vector)[3:], p * Z, atol=1e-12)

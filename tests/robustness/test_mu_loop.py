@@ -1,0 +1,247 @@
+"""The wrist's loop with constant parameters: bounds of mu about its exact radius, form M-Delta, bad input."""
+
+from itertools import product
+
+import control
+import numpy as np
+import pytest
+
+from design.pi import PI
+from design.robustness.box import box_of
+from design.robustness.certificates.constant import mu_sweep
+from design.robustness.certificates.constant import robust_stability as whole
+from design.robustness.certificates.constant.robust_stability import (
+    robust_stability,
+    robust_stability_everywhere,
+    statements,
+)
+from design.robustness.certificates.constant.uncertain_loop import (
+    ORDER,
+    REACH,
+    UncertainLoop,
+    pade_error,
+    pade_response,
+    systems,
+)
+from design.robustness.certificates.constant.uncertain_search import slack
+from design.robustness.loop_model import LoopModel
+from plants.effects import DeadTime
+from plants.errors import InputError
+from plants.linear import BRANCHES, RATES
+from plants.quantities import built_in
+
+FLEXION = built_in("flexion")
+NARROW = box_of(FLEXION)
+WIDE = box_of(
+    FLEXION, given={"Tw": (0.08, 0.4), "gain": (44.0, 55.0), "k_slow": (0.3, 0.8), "k_fast": (5, 13)}
+)
+GAINS = [(1.2, 2.2), (3.13, 10.4), (9.0, 27.0), (20.0, 40.0), (1.0, 12.0)]
+
+
+def excess(loop, p):
+    """Positive where s^3 + (k + l) s^2 + k l (1 + a g Kp) s + a g k l Ki is stable, parameters positive."""
+    a, k, lag, g = p
+    return (k + lag) * (1.0 + a * g * loop.Kp) - a * g * loop.Ki
+
+
+def exact_growth(loop):
+    """Affine in each parameter, so that its least over a box is at a corner; halved on the growth."""
+    c, r = np.array(loop.centre), np.array(loop.radius)
+    zero = np.min(c[r > 0.0] / r[r > 0.0])
+    corners = np.array(list(product((-1.0, 1.0), repeat=4)))
+
+    def stable(size):
+        return min(excess(loop, c + size * r * corner) for corner in corners) > 0.0
+
+    low, high = 0.0, zero
+    if stable(zero * (1.0 - 1e-12)):
+        return zero
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if stable(middle) else (low, middle)
+    return high
+
+
+@pytest.mark.parametrize("gains", GAINS)
+@pytest.mark.parametrize("box", [NARROW, WIDE], ids=["narrow", "wide"])
+def test_the_bounds_hold_the_exact_radius_between_them(box, gains):
+    rows = robust_stability_everywhere(box, PI(*gains))
+    assert [(r.branch, r.rate) for r in rows] == list(product(BRANCHES, RATES))
+    for r in rows:
+        exact = 1.0 / exact_growth(r.loop)
+        assert r.certified, r.why
+        assert r.lower <= exact <= r.upper
+        assert r.lower == pytest.approx(exact, rel=2e-4)
+        assert r.upper <= 1.03 * exact
+        assert r.intervals > 1
+        assert r.margin > 0.0
+
+
+def test_the_destabilising_parameters_are_unstable_and_within_the_grown_box():
+    for gains in GAINS:
+        r = robust_stability(WIDE, PI(*gains), "line1", "slow")
+        p = np.array(list(r.destabilising.parameters.values()))
+        a, k, lag, g = p
+        roots = np.roots([1.0, k + lag, k * lag * (1.0 + a * g * gains[0]), a * g * k * lag * gains[1]])
+        assert roots.real.max() > 0.0
+        assert np.min(np.abs(roots - r.destabilising.root)) < 1e-6 * np.abs(roots).max()
+        grown = np.array(r.loop.radius) * r.destabilising.growth
+        assert np.all(np.abs(p - r.loop.centre) <= grown * (1.0 + 1e-12))
+
+
+@pytest.mark.parametrize(("branch", "rate"), list(product(BRANCHES, RATES)))
+def test_closed_with_delta_the_form_is_the_loop_model(branch, rate):
+    rng = np.random.default_rng(3)
+    loop = UncertainLoop.of(WIDE, PI(3.0, 7.0), branch, rate)
+    (system,) = systems(loop)
+    for _ in range(5):
+        delta = rng.uniform(-1.0, 1.0, 4)
+        slope, k, lag, g = loop.at(delta)
+        D = np.diag(delta)
+        closed = system.A + system.B @ D @ np.linalg.solve(np.eye(4) - system.E @ D, system.C)
+        model = LoopModel(3.0 * g, 7.0 * g, {branch: slope}, k, k, 1.0 / lag)
+        expected = np.linalg.eigvals(model.matrix(slope, k))
+        np.testing.assert_allclose(
+            np.sort_complex(np.linalg.eigvals(closed)), np.sort_complex(expected), rtol=1e-9
+        )
+        np.testing.assert_allclose(loop.matrix(loop.at(delta)), model.matrix(slope, k), rtol=1e-12)
+
+
+@pytest.mark.parametrize("part", [0, 1])
+def test_with_a_dead_time_the_form_is_singular_where_the_loop_has_a_root(part):
+    # det(I - M Delta) times what the centre has of it is the loop's own 1 + L, up to a factor.
+    rng = np.random.default_rng(4)
+    loop = UncertainLoop.of(WIDE, PI(3.0, 7.0), "line1", "fast", 0.05)
+    system = systems(loop)[part]
+    omega = {0: 40.0, 1: 400.0}[part]
+    s, late = 1j * omega, np.exp(-0.05j * omega)
+    approximant = pade_response(0.05, np.array(omega))
+    last = (late / approximant - 1.0) / pade_error(REACH) if part == 0 else late
+    assert abs(last) <= 1.0 + 1e-12
+
+    def characteristic(p, delay):
+        a, k, lag, g = p
+        return s * (s + k) * (s + lag) + a * g * k * lag * (loop.Kp * s + loop.Ki) * delay
+
+    M = system.response(omega)
+    for _ in range(5):
+        delta = rng.uniform(-1.0, 1.0, 4)
+        found = np.linalg.det(np.eye(5) - M * np.append(delta, last))
+        centre = characteristic(loop.centre, approximant if part == 0 else 0.0)
+        assert found == pytest.approx(characteristic(loop.at(delta), late) / centre, rel=1e-8)
+
+
+def test_the_approximant_of_a_dead_time_is_within_its_bound():
+    x = np.linspace(0.0, REACH, 4001)
+    error = np.abs(pade_response(0.05, x / 0.05) - np.exp(-1j * x))
+    assert error.max() <= pade_error(REACH) < 2e-4
+    assert error.max() > 0.02 * pade_error(REACH)  # no bound of another order of magnitude
+    small = x[1:4001:40]
+    for order in (2, 4):
+        error = np.abs(pade_response(1.0, small, order) - np.exp(-1j * small))
+        assert np.all(error <= [pade_error(v, order) for v in small])
+    num, den = control.pade(0.05, ORDER)
+    s = 1j * np.array([1.0, 30.0, 90.0])
+    np.testing.assert_allclose(
+        pade_response(0.05, s.imag), np.polyval(num, s) / np.polyval(den, s), rtol=1e-7
+    )
+
+
+def delay_margin(loop, p):
+    """By python-control: phase margin over the crossing; infinite where the loop is small throughout."""
+    a, k, lag, g = p
+    c = a * k * lag * g
+    L = control.tf([c * loop.Kp, c * loop.Ki], np.polymul([1.0, k, 0.0], [1.0, lag]))
+    _, phase, _, at = control.margin(L)
+    return np.deg2rad(phase) / at
+
+
+@pytest.mark.parametrize("gains", [(1.2, 2.2), (9.0, 27.0), (12.0, 25.0)])
+def test_with_a_dead_time_the_bounds_agree_with_delay_margins_of_python_control(gains):
+    rng = np.random.default_rng(5)
+    for branch in ("transit", "line1"):
+        r = robust_stability(NARROW, PI(*gains), branch, "fast", 0.05)
+        assert r.certified
+        assert r.dead_time == 0.05
+        assert r.lower <= r.upper <= 1.03 * r.lower
+        for _ in range(30):
+            p = r.loop.at(np.sign(rng.uniform(-1.0, 1.0, 4)) * rng.uniform(0.9, 1.0, 4) / r.upper)
+            assert delay_margin(r.loop, p) > 0.05
+        p = np.array(list(r.destabilising.parameters.values()))
+        assert delay_margin(r.loop, p) < 0.05
+        assert r.destabilising.root.real > 0.0
+        assert r.destabilising.root.imag == pytest.approx(r.worst, rel=0.1)
+
+
+def test_slack_has_the_sign_of_eigenvalues_and_of_delay_margins():
+    rng = np.random.default_rng(6)
+    loop = UncertainLoop(2.0, 14.0, (1.0,) * 4, (0.0,) * 4)
+    p = np.exp(rng.normal(size=(500, 4)))
+    stable = np.linalg.eigvals(loop.matrix(p)).real.max(axis=-1) < 0.0
+    assert 50 < stable.sum() < 450
+    np.testing.assert_array_equal(slack(loop, p) > 0.0, stable)
+    late = UncertainLoop(2.0, 14.0, (1.0,) * 4, (0.0,) * 4, 0.02)
+    few = p[stable][:40]
+    expected = [delay_margin(loop, q) > 0.02 for q in few]
+    assert 0 < sum(expected) < 40
+    np.testing.assert_array_equal(slack(late, few) > 0.0, expected)
+
+
+def test_statements_say_what_is_proved_refuted_and_only_predicted(monkeypatch):
+    proved = statements([robust_stability(NARROW, PI(9.0, 27.0), "line1", "fast", 0.05)])[0]
+    assert (proved.kind, proved.holds, proved.branch) == ("certificate", True, "line1, fast regulator rate")
+    assert proved.statement.endswith("with up to 50 ms of dead time")
+    assert proved.value == pytest.approx(1.0 / proved.evidence["mu_upper"])
+    box = box_of(FLEXION, given={"k_fast": (4.0, 40.0), "Tw": (0.05, 0.3)})
+    refuted = statements([robust_stability(box, PI(9.0, 27.0), "line1", "fast", 0.05)])[0]
+    assert (refuted.kind, refuted.holds) == ("certificate", False)
+    assert refuted.value < 1.0
+    monkeypatch.setattr(whole, "MOST_LMIS", 3)
+    predicted = statements([robust_stability(NARROW, PI(9.0, 27.0), "line1", "fast", 0.05)])[0]
+    assert predicted.kind == "prediction"
+    assert predicted.evidence["certified"] is False
+    assert "left a gap" in predicted.because
+
+
+def test_a_certificate_that_the_check_refutes_is_none(monkeypatch):
+    # Intervals without ends: the inequality is not what it should be at the frequencies looked at again.
+    monkeypatch.setattr(mu_sweep, "crossings", lambda *args: np.array([]))
+    r = robust_stability(NARROW, PI(9.0, 27.0), "line1", "slow")
+    assert not r.certified
+    assert statements([r])[0].kind == "prediction"
+
+
+def test_a_loop_that_only_extra_dead_time_destabilises_is_a_finding():
+    r = robust_stability(NARROW, PI(20.0, 40.0), "line1", "fast", 0.05)
+    assert (r.growth, r.holds) == (0.0, False)
+    s = statements([r])[0]
+    assert (s.kind, s.holds, s.value, s.evidence["mu_upper"]) == ("certificate", False, 0.0, None)
+
+
+def test_the_plants_own_dead_time_counts_at_its_largest():
+    plant = FLEXION.revised([DeadTime], {"dead-time.delay": 0.03}, {}, "a step")
+    box = box_of(plant, given={"dead-time.delay": (0.02, 0.05)})
+    own = robust_stability(box, PI(9.0, 27.0), "line1", "fast")
+    extra = robust_stability(NARROW, PI(9.0, 27.0), "line1", "fast", 0.05)
+    assert own.dead_time == 0.05
+    assert own.upper == pytest.approx(extra.upper, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("gains", "words"),
+    [
+        ((0.1, 120.0), "transit, slow regulator rate"),
+        ((2.0, 0.0), "unstable at the centre"),
+        ((0.0, 0.0), "Kp = 0"),
+    ],
+)
+def test_unstable_gains_are_refused_in_one_line_that_names_the_branch(gains, words):
+    with pytest.raises(InputError, match=words) as error:
+        robust_stability_everywhere(NARROW, PI(*gains))
+    assert "\n" not in str(error.value)
+
+
+def test_unknown_branches_and_negative_dead_times_are_refused():
+    for arguments in [("virgin", "slow"), ("line1", "medium"), ("line1", "slow", -0.1)]:
+        with pytest.raises(InputError, match="robustness: "):
+            robust_stability(NARROW, PI(1.2, 2.2), *arguments)

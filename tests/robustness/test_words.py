@@ -1,0 +1,103 @@
+"""Words bound the joint spectral radius from below, and with forms from both sides."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from design.robustness.certificates.sampled.lifted import radius_bounds
+from design.robustness.certificates.sampled.switched import continuous, discrete
+from design.robustness.certificates.sampled.words import discrete_word, necklaces, search_word
+
+GOLDEN = [np.array([[1.0, 1.0], [0.0, 1.0]]), np.array([[1.0, 0.0], [1.0, 1.0]])]
+
+
+def test_bounds_enclose_the_golden_ratio() -> None:
+    bounds = radius_bounds(GOLDEN, 2)
+    ratio = (1.0 + np.sqrt(5.0)) / 2.0
+    assert bounds.lower == pytest.approx(ratio, rel=1e-12)
+    assert bounds.upper == pytest.approx(ratio, rel=1e-6)
+    assert bounds.lower <= bounds.upper
+    assert bounds.word.letters == (0, 1)
+
+
+def test_radius_of_commuting_and_of_normal_matrices_is_the_largest_of_their_own() -> None:
+    turned, _ = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))
+    commuting = [turned @ np.diag(d) @ turned.T for d in ([0.9, -0.2, 0.1], [0.3, -0.95, 0.2])]
+    other, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))
+    normal = [commuting[0], other @ np.diag([0.5, -0.7, 0.1]) @ other.T]
+    for matrices, radius in ((commuting, 0.95), (normal, 0.9)):
+        bounds = radius_bounds(matrices, 2, length=4)
+        assert bounds.lower == pytest.approx(radius, rel=1e-9)
+        assert bounds.upper == pytest.approx(radius, rel=1e-5)
+
+
+def test_published_bounds_of_three_matrices() -> None:
+    """Parrilo & Jadbabaie 2008, example 5.4: word 8.9149 (cut off), quadratic bound 9.761, quartic 8.92."""
+    matrices = [
+        np.array([[0.0, 1, 7, 4], [1, 6, -2, -3], [-1, -1, -2, -6], [3, 0, 9, 1]]),
+        np.array([[-3.0, 3, 0, -2], [-2, 1, 4, 9], [4, -3, 1, 1], [1, -5, -1, -2]]),
+        np.array([[1.0, 4, 5, 10], [0, 5, 1, -4], [0, -1, 4, 6], [-1, 5, 0, 1]]),
+    ]
+    quadratic, quartic = radius_bounds(matrices, 2, length=4), radius_bounds(matrices, 4, length=4)
+    assert quadratic.lower == pytest.approx(8.91495, abs=5e-5)
+    assert quadratic.word.letters == (0, 2)
+    assert quadratic.upper == pytest.approx(9.761, abs=1e-3)
+    assert quartic.upper == pytest.approx(8.92, abs=5e-3)
+
+
+@pytest.mark.parametrize(("letters", "length"), [(2, 6), (3, 4), (4, 3)])
+def test_necklaces_are_one_of_each_class_of_rotations(letters: int, length: int) -> None:
+    words = product(range(letters), repeat=length)
+    smallest = {min(w[k:] + w[:k] for k in range(length)) for w in words}
+    assert sorted(smallest) == list(necklaces(letters, length))
+
+
+def test_powers_of_letters_are_found() -> None:
+    """A pair whose best word holds a letter for two steps, by trying every word of up to eight."""
+    a, b = np.array([[0.3, 1.2], [-1.1, 0.2]]), np.array([[1.0, 0.4], [0.0, 0.5]])
+    every = []
+    for n in range(1, 9):
+        for w in product((a, b), repeat=n):
+            total = np.linalg.multi_dot([*w, np.eye(2)]) if n > 1 else w[0]
+            every.append(np.max(np.abs(np.linalg.eigvals(total))) ** (1.0 / n))
+    word = discrete_word([a, b], 8)
+    assert word.radius_per_time == pytest.approx(max(every), rel=1e-9)
+
+
+def test_dwell_times_of_a_word_come_out_as_the_exact_ones() -> None:
+    """Two turns along ellipses lying across each other: an even turn of one by a quarter, then of the
+    other, multiplies by -diag(a^2, 1/a^2); each quarter takes pi/2 (Liberzon 2003, Switching in Systems
+    and Control, section 2.1)."""
+    a = 2.0
+    spins = [np.array([[0.0, a], [-1.0 / a, 0.0]]), np.array([[0.0, 1.0 / a], [-a, 0.0]])]
+    system = continuous([s - 0.3 * np.eye(2) for s in spins])
+    word = search_word(system, 0.05, 4.0, letters=2)
+    quarter = np.pi / 2.0
+    exact = np.log(a**2) / (2.0 * quarter) - 0.3
+    # The best dwell times grow no slower than quarters do, and are near to them.
+    assert word.growth >= exact - 1e-9
+    total = expm(word.dwells[1] * system.generators[word.letters[1]]) @ expm(
+        word.dwells[0] * system.generators[word.letters[0]]
+    )
+    assert np.max(np.abs(np.linalg.eigvals(total))) == pytest.approx(word.radius, rel=1e-9)
+    assert word.dwells[0] == pytest.approx(word.dwells[1], rel=0.05)
+
+
+def test_sampled_words_hold_whole_samples_and_agree_with_continuous_ones() -> None:
+    modes = [np.array([[-1.0, -1.0], [1.0, -1.0]]), np.array([[-1.0, -13.0], [1.0 / 13.0, -1.0]])]
+    dt = 0.01
+    sampled = search_word(discrete([expm(dt * m) for m in modes], dt), 0.05, 5.0, letters=2)
+    free = search_word(continuous(modes), 0.05, 5.0, letters=2)
+    assert all(abs(d / dt - round(d / dt)) < 1e-9 for d in sampled.dwells)
+    assert sampled.growth == pytest.approx(free.growth, rel=0.02)
+    assert sampled.growth <= free.growth + 1e-9
+    assert free.grows
+
+
+def test_same_seed_same_word() -> None:
+    system = continuous([np.array([[-1.0, -1.0], [1.0, -1.0]]), np.array([[-1.0, -9.0], [1.0 / 9.0, -1.0]])])
+    first = search_word(system, 0.05, 5.0, letters=2, seed=5)
+    assert first == search_word(system, 0.05, 5.0, letters=2, seed=5)
+    assert not first.grows
