@@ -157,9 +157,9 @@ def lines(found: "Assessment") -> list[Any]:
 
     from design.robustness.disagreement import disagreements
     from design.robustness.verdict import verdict
-    from reports.robust_words import summary
+    from reports.robust_words import remarks, summary
 
-    said: list[Any] = [Text(s) for s in summary(found)]
+    said: list[Any] = [Text(s) for s in (*summary(found), *remarks(found))]
     for kind, words in KINDS.items():
         statements = [s for s in verdict(found) if s.kind == kind]
         table = Table(title=words, title_justify="left", box=None, pad_edge=False)

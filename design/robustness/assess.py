@@ -30,6 +30,7 @@ from design.robustness.samples.monte_carlo import Samples
 from design.robustness.samples.worst import Worst
 from design.robustness.statement import Statement
 from design.tasks import STEP
+from plants.effects.load_step import LoadStep
 from plants.errors import InputError
 from plants.wrist import Wrist
 
@@ -119,16 +120,19 @@ def assess(
     rungs, word = _ladder(wrist, controller, stable, tell)
     tell("constant parameters", 0.0)
     fixed = _constant(box, controller)
+    # A plant with a load step of its own keeps it, in the search as in the samples.
+    load = 0.0 if any(e.NAME == LoadStep.NAME for e in wrist.effects) else conditions.load
     worst = worst_case(
-        box, controller, limits=limits, dead_time=conditions.dead_time, load=conditions.load, seed=seed,
+        box, controller, limits=limits, dead_time=conditions.dead_time, load=load, seed=seed,
         jobs=jobs, progress=tell, budget=budget,
     )  # fmt: skip
     tell("done", 1.0)
+    left_out = LoopModel.of(wrist, controller).left_out
     proved = [s for s in fixed if s.kind == "certificate"]
     predicted = [s for s in fixed if s.kind == "prediction"]
     return Assessment(
         box, controller, limits, conditions,
-        (*of_ladder(rungs), *of_step(rungs, STEP), *_virgin(wrist, controller), *proved),
+        (*of_ladder(rungs, left_out), *of_step(rungs, STEP), *_virgin(wrist, controller), *proved),
         (*margins.statements(rows, limits), *cycles.statements(found, swings), *predicted),
         tuple(carlo.statements(cases)),
         tuple(rungs), word, tuple(rows), tuple(found), cases, worst,

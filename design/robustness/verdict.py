@@ -27,10 +27,10 @@ def verdict(a: Assessment) -> list[Statement]:
     with the largest decay, of branches the worst."""
     rungs = {s.evidence["rung"] for s in a.certificates if "rung" in s.evidence}
     others = [s for s in a.certificates if s.evidence.get("rung") not in rungs]
-    return [*_switching(a.ladder), *_worst(others), *_worst(a.predictions), *a.samples]
+    return [*_switching(a.ladder, a.left_out), *_worst(others), *_worst(a.predictions), *a.samples]
 
 
-def _switching(rungs: Iterable[Certificate]) -> list[Statement]:
+def _switching(rungs: Iterable[Certificate], left_out: tuple[str, ...]) -> list[Statement]:
     found = []
     for dead_time in dict.fromkeys(c.dead_time for c in rungs):
         for words, about in CLASSES.items():
@@ -38,7 +38,7 @@ def _switching(rungs: Iterable[Certificate]) -> list[Statement]:
             if not of:
                 continue
             best = max(of, key=lambda c: (c.holds, c.decay or 0.0))
-            (told,) = of_ladder([best])
+            (told,) = of_ladder([best], left_out)
             because = f"{best.rung.removeprefix(SAMPLED)}, {told.because}" if best.holds else _none(of)
             found.append(replace(told, statement=words + late(best), because=because))
     return found

@@ -151,3 +151,22 @@ def test_the_help_names_the_example():
     from design.cli import robust
 
     assert Path("build/robust").as_posix() in robust.EXAMPLE
+
+
+def test_what_is_proved_of_a_revised_plant_says_what_it_leaves_out(wrist, tmp_path):
+    from plants.effects import Creep
+    from plants.quantities import built_in, dump
+
+    values = {"creep.gain": 0.1, "creep.time_constant": 4.0}
+    plant = built_in("flexion").revised([Creep], values, {n: 0.1 * v for n, v in values.items()}, "a rig")
+    dump(plant, tmp_path / "revised.toml")
+    outcome = wrist(
+        "robust", "--gains", "1.2,2.2", "--plant", tmp_path / "revised.toml", *QUICK, "--json", "-"
+    )
+    record = outcome.json
+    assert record["left_out_of_certificates"] == ["creep"]
+    held = [c for c in record["certificates"] if "rung" in c and c["holds"]]
+    assert held
+    assert all("without creep" in c["because"] for c in held)
+    assert "creep.gain" in record["box"]
+    assert "The plant has effects that the certificates know nothing of" in " ".join(outcome.err.split())

@@ -33,6 +33,7 @@ def found(**changes):
         "conditions": SimpleNamespace(dead_time=0.05),
         "worst": SimpleNamespace(violated=()),
         "cycles": (),
+        "left_out": (),
     }
     return SimpleNamespace(**{**agreeing, **changes})
 

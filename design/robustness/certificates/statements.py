@@ -7,21 +7,24 @@ from design.robustness.certificates.continuous.virgin import VirginBounds
 from design.robustness.statement import Statement
 
 
-def of_ladder(rungs: Sequence[Certificate]) -> list[Statement]:
-    """One statement a rung; `value` is the decay rate [1/s] that was certified.
+def of_ladder(rungs: Sequence[Certificate], left_out: Sequence[str] = ()) -> list[Statement]:
+    """One statement a rung; `value` is the decay rate [1/s] that was certified; left_out: effects of the
+    plant that the loops of the rungs do not have.
 
     A rung that found nothing says so (`holds` is None): a larger class of loops may be unstable, or a
     better function may exist; neither tells that the loop itself is unstable.
     """
-    return [_statement(c) for c in rungs]
+    return [_statement(c, left_out) for c in rungs]
 
 
-def _statement(c: Certificate) -> Statement:
+def _statement(c: Certificate, left_out: Sequence[str]) -> Statement:
     because = c.why
     if c.holds:
         because = f"found by {c.solver}, confirmed outside it"
         if c.margin is not None:
             because += f" with a margin of {c.margin:.2g}"
+        if left_out:
+            because += f"; of the wrist without {', '.join(left_out)}"
     evidence = {"rung": c.rung, "dead_time_s": c.dead_time, "solver": c.solver, "margin": c.margin}
     return Statement(
         "certificate", f"{c.rung}{late(c)}: {c.claim}", True if c.holds else None,
