@@ -83,14 +83,14 @@ def unstable(model: LoopModel) -> str:
 def claim_of(model: LoopModel, rung: str) -> str:
     """What a rung proves, in words."""
     (low, high), (shallow, steep) = rates(model), slopes(model)
-    among = f"slope {shallow:g} to {steep:g} deg/kPa changing at any time"
+    among = f"slope {shallow:.4g} to {steep:.4g} deg/kPa changing at any time"
     if rung == popov.RUNG:
         law = "growing with q" if popov.monotone(model) else "without memory"
         return (
-            f"dies away for every fixed law k(q) q of the regulator, k from {low:g} to {high:g} 1/s and "
-            f"k(q) q - {low:g} q {law}, and {among}"
+            f"dies away for every fixed law k(q) q of the regulator, k from {low:.4g} to {high:.4g} 1/s and "
+            f"k(q) q - {low:.4g} q {law}, and {among}"
         )
-    return f"dies away for a regulator rate {low:g} to {high:g} 1/s and a {among}"
+    return f"dies away for a regulator rate {low:.4g} to {high:.4g} 1/s and a {among}"
 
 
 def _certificate(
