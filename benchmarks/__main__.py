@@ -13,7 +13,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from benchmarks import commands, native, others, rollouts
+from benchmarks import commands, monte_carlo, mpc, native, others, rollouts
 from plants.files import write_atomically
 from plants.simulate import default_jobs
 
@@ -32,6 +32,14 @@ MEANING = {
     "rollouts.scalar_c_ms": "ms per rollout, one thread",
     "rollouts.python_control_ms": "ms per rollout, response not judged",
     "rollouts.do_mpc_ms": "ms per rollout, response not judged; 1 s simulated, times 10",
+    "monte_carlo.rollouts_per_s": "cases per s, box and memories varying, from draw to interval, two threads",
+    "monte_carlo.share_of_kernel": "its rate / the bare kernel's on the same cases, both two threads",
+    "monte_carlo.share_of_kernel_with_noise": "the same with 100 Hz sensor noise; the kernel without",
+    "monte_carlo.dead_time_and_load_share_of_their_kernel": "with dead time and load / kernel with both",
+    "monte_carlo.dead_time_and_load_share_of_declared_kernel": "the same / the declared wrist's kernel",
+    "monte_carlo.all_conditions_rollouts_per_s": "cases per s, dead time, load, noise and quantum too",
+    "monte_carlo.all_conditions_share_of_declared_kernel": "its rate / the declared wrist's kernel",
+    **mpc.MEANING,
     "cli.help_s": "s, `wrist --help`, a process",
     "cli.second_start_s": "s, `wrist simulate`, a second process",
     "tune.warm_s": "s, `wrist tune`, a second process",
@@ -77,7 +85,9 @@ def table(figures: dict[str, float | None], why: dict[str, str], about: dict[str
         f"{machine['processor']}, {machine['processors_usable']} processors, "
         f"load {machine['load_before']} before",
         "Rollouts: closed loop and metrics, 10 s at 1 ms, steps of +-15 deg; plants and gains by lane;",
-        f"  {rollouts.LANES} lanes beside C, {others.LANES} beside python-control and do-mpc.",
+        f"  {rollouts.LANES} lanes beside C, {others.LANES} beside python-control and do-mpc;",
+        f"  Monte Carlo: {monte_carlo.LANES} cases of the flexion's box, 10 s each.",
+        "MPC: 15 deg, both motions and signs, every starting memory; period 20 ms, horizon 30.",
         "Ratios: medians of ratios of neighbouring measurements, the order alternating, over "
         f"{about['rounds']} rounds",
         f"  ({OTHERS_ROUNDS} beside python-control and do-mpc); times: medians.",
@@ -101,6 +111,8 @@ def main() -> int:
         with tempfile.TemporaryDirectory() as folder:
             figures = rollouts.measure(Path(folder), options.rounds)
         figures |= others.measure(OTHERS_ROUNDS)
+        figures |= monte_carlo.measure(options.rounds)
+        figures |= mpc.measure(OTHERS_ROUNDS)
     except native.NoCompiler as missing:
         print(missing, file=sys.stderr)
         return 2
