@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from plants.effects import EFFECTS
 from plants.measured.residual.examine import Examination, examine
+from plants.measured.trace.likelihood import demanded, log_likelihood
 from plants.measured.trace.model import Model
 from plants.measured.trace.remainders import remainders
 from plants.measured.trace.screening import Ranked, Screen, screen
@@ -18,10 +19,6 @@ Array = NDArray[np.float64]
 WORTH = 0.05
 """Least fall of chi-square per row that an effect must bring.  With tens of thousands of rows far
 smaller ones are beyond doubt, but they are imperfections of a form as often as effects."""
-
-COLOURED = 25.0
-"""Chi-square above which even a remainder without structure is looked into: it may be slow noise whose
-floor was taken too low, or an effect in recordings too short for the tests to see it."""
 
 SHARE = 0.25
 """Least share of what chi-square has above 1 that an effect must take away."""
@@ -62,12 +59,15 @@ class Candidate:
         """What its remainder shows."""
         return examine(remainders(self.model))
 
+    @cached_property
+    def log_likelihood(self) -> float:
+        """Of what it leaves, as noise of a colour of its own."""
+        return log_likelihood(self.model)
+
     @property
     def lacks_something(self) -> bool:
-        """Whether its remainder is large enough to look further, and more than stationary noise, which
-        flexible effects could follow for a while."""
-        large = self.model.chi2 > COLOURED
-        return self.model.chi2 > 1.0 + WORTH and (large or self.examined.structured)
+        """Whether its remainder is large enough to look further."""
+        return self.model.chi2 > 1.0 + WORTH
 
 
 @dataclass(frozen=True)
@@ -159,9 +159,25 @@ def reformed(now: Candidate) -> Candidate:
 
 
 def worth_it(before: Candidate, after: Candidate, declared: Candidate) -> bool:
-    """Whether an effect earns its place on the blocks that were left out."""
-    gain, so_far = before.held_out - after.held_out, declared.held_out - before.held_out
-    return gain > max(WORTH, SHARE * (before.held_out - 1.0), TRIFLE * so_far)
+    """Whether an effect earns its place.
+
+    In a remainder that has structure, on the blocks that were left out.  One without may be slow noise
+    whose floor was taken too low, or an effect in recordings too short for the tests to see it: then
+    it has to take a good part away and to make the rest likelier as noise, of any colour, by more than
+    following slow noise for a while would.  Blocks left out say nothing there, since slow noise upsets
+    the declared parameters on half of the data as much as a missing effect.
+    """
+    if before.examined.structured:
+        return _enough(before.held_out, after.held_out, declared.held_out)
+    if not _enough(before.model.chi2, after.model.chi2, declared.model.chi2):
+        return False
+    more = max(1, len(after.model.names) - len(before.model.names))
+    return after.log_likelihood - before.log_likelihood > demanded(more)
+
+
+def _enough(before: float, after: float, declared: float) -> bool:
+    """Whether a chi-square per row falls by enough to be an effect and no imperfection of a form."""
+    return before - after > max(WORTH, SHARE * (before - 1.0), TRIFLE * (declared - before))
 
 
 def shortlist(ranking: Sequence[Ranked]) -> list[Ranked]:

@@ -16,6 +16,7 @@ from plants.measured.fit import Fit, fit_campaign
 from plants.measured.playback import Playback
 from plants.measured.problem import first_begin, measured
 from plants.measured.trace.choose import search
+from plants.measured.trace.declared import LOWER, driven, refitted
 from plants.measured.trace.errors import free_run_errors, intervals, squares
 from plants.measured.trace.experiments import sentence, separate
 from plants.measured.trace.judge import alternatives, explained, logs_other, unexcited
@@ -27,13 +28,9 @@ from plants.measured.trace.stage import Stage
 from plants.measured.trace.suspect import check
 from plants.measured.trace.two_rigs import rigs_differ
 from plants.quantities import ParameterSet
-from plants.simulate import open_loop
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
-NEARLY = 1.05
-"""A regulator whose chi-square per row is above this is not simulated well enough to drive the wrist."""
-
 SLOW_NOISE = 100.0
 """Chi-square up to which a remainder without structure, of which no effect takes a good part away, is
 slow noise whose floor was taken too low."""
@@ -69,11 +66,8 @@ def _trace(campaign: Campaign, start: ParameterSet, seed: int, tell: Callable[[s
     for stage in _stages(campaign, fit):
         share = 0.15 + 0.4 * len(traced)
         declared = Model(stage, start, values, fixed=_fixed(stage, fit))
-        if stage.name == "wrist":
-            stage = replace(stage, drives=_drives(stage, traced, values))
-            declared = replace(declared, stage=stage)
-        if declared.chi2 > NEARLY:  # by least squares, and for the pressure that drives the wrist now
-            declared = declared.fitted()
+        declared = driven(declared, traced[0]) if stage.name == "wrist" else refitted(declared)
+        fit = _once_more(campaign, start, fit, declared, seed)
         found = _trace_stage(declared, fit, _part(tell, share), seed)
         values |= {n: found.model.values[n] for n in found.model.names}
         traced.append(found)
@@ -105,29 +99,15 @@ def _fixed(stage: Stage, fit: Fit) -> tuple[str, ...]:
     return tuple(n for n in fit.undetermined if n in stage.declared)
 
 
-def _drives(stage: Stage, traced: Sequence[StageTrace], values: Mapping[str, float]) -> tuple[Array, ...]:
-    """Pressure [kPa] of every ms that drives the wrist: as simulated, and where that does not quite
-    reach the noise, with what it leaves put back, smoothed."""
-    regulator = traced[0]
-    wrist = Wrist.from_values(values, regulator.model.forms)
-    drives = []
-    for i, playback in enumerate(stage.playbacks):
-        begin = None if stage.begins is None else stage.begins[i]
-        pressure = open_loop(
-            wrist, playback.commands, begun(wrist, begin), begin=float(playback.recording.time[0])
-        ).pressure
-        if regulator.model.chi2 > NEARLY and playback.recording.pressure is not None:
-            left = playback.recording.pressure - pressure[playback.rows]
-            pressure = pressure + np.interp(np.arange(len(pressure)), playback.rows, _smooth(left))
-        drives.append(pressure)
-    return tuple(drives)
-
-
-def _smooth(left: Array) -> Array:
-    from scipy.signal import savgol_filter
-
-    smooth: Array = savgol_filter(left, 15, 2) if len(left) > 15 else left
-    return smooth
+def _once_more(campaign: Campaign, start: ParameterSet, fit: Fit, declared: Model, seed: int) -> Fit:
+    """The fit, from the values of a declared model that found a lower minimum if there is one."""
+    channel = declared.stage.channel
+    error, noise = fit.fit_rmse[channel], declared.stage.noise
+    if error is None or declared.chi2 >= LOWER * (error / noise) ** 2:
+        return fit
+    moved = {n: replace(p, value=declared.values[n]) for n, p in start.parameters.items()}
+    again = fit_campaign(campaign, replace(start, parameters=moved), 1, seed)
+    return again if (again.fit_rmse[channel] or 0.0) ** 2 < LOWER * error**2 else fit
 
 
 def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: int) -> StageTrace:
