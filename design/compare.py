@@ -1,39 +1,58 @@
-"""Controllers x tasks -> one table: the tuned PI beside the paper's and the textbook rules.
+"""Controllers x tasks -> one table: the tuned PI beside the paper's, textbook rules and other designs.
 
-Everything is simulated under the same command range and sampling, from the
-same states.  The paper's gains are a stand-in, so its rows carry the range that
-the metrics take over the range of those gains, and no verdict is given that
-would change within it.
+The other designs (`design.alternatives`) are made under the limits and on the scenarios that the tuned PI
+was tuned on.  Everything is simulated under the same command range and sampling, from the same states,
+and stands beside the lower bound of its task (`design.limit`).  The paper's gains are a stand-in, so its
+rows carry the range that the metrics take over the range of those gains, and no verdict is given that
+would change within it.  What happens on other plants is `design.contest`'s business.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from design.alternatives import Design, design_others, design_record
+from design.compare_tasks import (
+    METRICS,
+    bounds_on_tasks,
+    later,
+    on_tasks,
+    played_on_tasks,
+    task_scenarios,
+    together,
+)
+from design.controller import Controller
+from design.feedforward import Feedforward, FeedforwardPI
+from design.feedforward_course import no_inverse
+from design.limit import Limit, ratios
 from design.loop import Trajectory, run
-from design.margins import by_python_control
+from design.lqi import LQI
+from design.lqi_loop import Broken
+from design.margins import branch_responses, by_python_control
 from design.metrics import Metrics
 from design.pi import PI
-from design.requirements import Limits
+from design.requirements import Limits, default_problem
 from design.rules import baselines, paper_range
-from design.tasks import STEP, Scenario
-from plants import tree
-from plants.wrist import STARTS, Wrist
+from design.tasks import STEP
+from plants.wrist import Wrist
 
-HOLD = 5.0
-"""How long the first angle of a return step is held [s]."""
+__all__ = [
+    "METRICS", "PAPER", "TUNED", "Comparison", "Row", "Standing", "compare", "controllers", "on_tasks",
+    "row_record", "task_scenarios", "together", "verdicts",
+]  # fmt: skip
 
 TUNED = "tuned"
 PAPER = "paper"
-METRICS = tuple(f.name for f in fields(Metrics))
+FORWARD = "feedforward"
 
 
 @dataclass(frozen=True)
 class Row:
     """One controller on one task.  `low` and `high` bound each metric over the range of the
-    paper's gains; they equal `metrics` for every other controller."""
+    paper's gains; they equal `metrics` for every other controller.  The ratios are those of `metrics` to
+    the lower bounds of the task, None where there is no such bound."""
 
     motion: str
     task: str
@@ -41,85 +60,77 @@ class Row:
     metrics: Mapping[str, float]
     low: Mapping[str, float]
     high: Mapping[str, float]
+    settling_ratio: float | None = None
+    iae_ratio: float | None = None
 
 
 @dataclass(frozen=True)
 class Standing:
-    """A controller's margins on one motion: gains, the worst over branches and rates by
-    python-control, and which of the limits it breaks (margins, and overshoot on the tasks)."""
+    """A controller's margins on one motion, the worst over branches and rates, of a PI by python-control
+    (a feedforward stands outside the loop: alone it has no margin to lose), and which of the limits it
+    breaks (margins, and overshoot on the tasks).
+
+    Kp, Ki: None of a controller that has others; settings: all of its settings by name; design: what was
+    designed, of one that neither tuning nor a rule gave; worst ratios to the lower bounds over the tasks.
+    """
 
     motion: str
     controller: str
-    Kp: float
-    Ki: float
+    Kp: float | None
+    Ki: float | None
     Ms: float
     delay_margin_s: float
     worst_overshoot_percent: float
     worst_settling_s: float
     worst_iae_deg_s: float
     breaks: tuple[str, ...]
+    settings: Mapping[str, float] = field(default_factory=dict)
+    design: Mapping[str, Any] = field(default_factory=dict)
+    worst_settling_ratio: float | None = None
+    worst_iae_ratio: float | None = None
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Rows of the table, standings, and the step of each motion and controller for drawing."""
+    """Rows of the table, standings, and the step of each motion and controller for drawing; the other
+    designs by motion and name, and why one is lacking."""
 
     rows: tuple[Row, ...]
     standings: tuple[Standing, ...]
     steps: Mapping[tuple[str, str], Trajectory]
     limits: Limits
     verdicts: tuple[str, ...]
+    designs: Mapping[tuple[str, str], Design | str] = field(default_factory=dict)
 
 
-def task_scenarios(wrist: Wrist) -> list[Scenario]:
-    """The 15 degree steps of one motion: both signs, from every starting memory."""
-    return [Scenario(start, 0.0, sign * STEP, wrist) for sign in (1, -1) for start in STARTS]
-
-
-def controllers(wrist: Wrist, tuned: PI) -> dict[str, list[PI]]:
-    """Controllers by name, each a list: one PI, or the range of the paper's, the stand-in first."""
-    named = {TUNED: [tuned], **{name: [pi] for name, pi in baselines(wrist).items()}}
+def controllers(
+    wrist: Wrist,
+    tuned: PI,
+    designs: Mapping[str, Design | str] | None = None,
+    more: Mapping[str, Controller] | None = None,
+) -> dict[str, list[Controller]]:
+    """Controllers by name, each a list: one, or the range of the paper's, the stand-in first.  A
+    feedforward is among them where the wrist has an inverse; `more`: further ones."""
+    named: dict[str, list[Controller]] = {TUNED: [tuned]}
+    named |= {n: [c] for n, c in (more or {}).items()}
+    named |= {n: [d.controller] for n, d in (designs or {}).items() if not isinstance(d, str)}
+    named |= {FORWARD: [Feedforward.of(wrist)]} if no_inverse(wrist) is None else {}
+    named |= {name: [pi] for name, pi in baselines(wrist).items()}
     named[PAPER] = [
         PI(Kp, Ki, wrist.regulator.gain, wrist.hysteresis.rest_pressure) for Kp, Ki in paper_range()
     ]
     return named
 
 
-def on_tasks(wrist: Wrist, pis: list[PI]) -> dict[str, list[Metrics]]:
-    """Metrics by task, one for each PI."""
-    gains = PI(
-        np.array([c.Kp for c in pis]), np.array([c.Ki for c in pis]), pis[0].gain, pis[0].rest_pressure
-    )
-    found: dict[str, list[Metrics]] = {}
-    for s in task_scenarios(wrist):
-        state = tree.like(
-            wrist.rest(), [np.full(len(pis), x) for x in tree.leaves(wrist.rest(s.start, s.angle))]
-        )
-        judged, _, _ = run(wrist, gains, np.full(len(pis), s.reference), state)
-        found[f"0 to {s.reference:+g} deg, {s.start}"] = [judged[i] for i in range(len(pis))]
-    for sign in (1, -1):
-        there = np.full(len(pis), sign * STEP)
-        _, held, _ = run(wrist, gains, there, duration=HOLD)
-        judged, _, _ = run(wrist, gains, np.zeros(len(pis)), held.plant, held.controller, begin=HOLD)
-        found[f"return from {sign * STEP:+g} to 0 deg"] = [judged[i] for i in range(len(pis))]
-    return found
-
-
-def together(one: Metrics, other: Metrics) -> Metrics:
-    """Metrics of both motions at once: the later time, the larger overshoot and error, and the
-    integrals and the travel of both added up.  The declared wrist couples the motions nowhere."""
-    largest = ("rise_time_s", "settling_time_s", "overshoot_percent", "steady_state_error_deg")
-    pairs = ((n, getattr(one, n), getattr(other, n)) for n in METRICS)
-    return Metrics(*(max(a, b) if n in largest else a + b for n, a, b in pairs))
-
-
-def _row(motion: str, task: str, name: str, judged: list[Metrics]) -> Row:
+def _row(motion: str, task: str, name: str, judged: list[Metrics], bound: Limit | None) -> Row:
     table = {n: [float(getattr(m, n)) for m in judged] for n in METRICS}
+    to_bound = ratios(judged[0], bound) if bound else None
     return Row(
         motion, task, name,
         {n: v[0] for n, v in table.items()},
         {n: min(v) for n, v in table.items()},
         {n: max(v) for n, v in table.items()},
+        *((float(to_bound.settling), float(to_bound.iae)) if to_bound else (None, None)),
     )  # fmt: skip
 
 
@@ -128,48 +139,88 @@ def compare(
     tuned: Mapping[str, PI],
     limits: Limits | None = None,
     refusals: Mapping[str, str] | None = None,
+    designs: Mapping[str, Mapping[str, Design | str]] | None = None,
+    more: Mapping[str, Mapping[str, Controller]] | None = None,
+    periodic: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> Comparison:
     """Run every controller on every task of each motion, and of two motions at once.
 
     `wrists` and `tuned` map a motion's name to its wrist and its tuned PI; `refusals`
     gives the reason for a motion that could not be tuned within the limits, whose
-    PI is then only the nearest there is.
+    PI is then only the nearest there is.  `designs` are what `design_others` made of each
+    motion; they are made here, on the declared scenarios, where not given.  `more`: further controllers
+    of each motion, by name; `periodic`: those that act once a period, such as an MPC.
     """
     limits = limits or Limits()
+    if designs is None:
+        designs = {m: design_others(default_problem(w, limits)) for m, w in wrists.items()}
     rows: list[Row] = []
     standings: list[Standing] = []
     steps: dict[tuple[str, str], Trajectory] = {}
     judged: dict[tuple[str, str], dict[str, list[Metrics]]] = {}
+    bounds: dict[tuple[str, str], dict[str, Limit]] = {}
     for motion, wrist in wrists.items():
-        for name, pis in controllers(wrist, tuned[motion]).items():
-            tasks = judged[motion, name] = on_tasks(wrist, pis)
-            rows += [_row(motion, task, name, m) for task, m in tasks.items()]
-            standings.append(_standing(motion, name, wrist, pis[0], tasks, limits))
-            _, _, trajectory = run(wrist, pis[0], STEP, record=True)
+        others = designs.get(motion, {})
+        for name, alike in controllers(wrist, tuned[motion], others, (more or {}).get(motion)).items():
+            tasks = judged[motion, name] = on_tasks(wrist, alike)
+            bound = bounds[motion, name] = bounds_on_tasks(wrist, alike[0])
+            own = [_row(motion, task, name, m, bound.get(task)) for task, m in tasks.items()]
+            made = design_record(others[name]) if name in others else {}
+            standings.append(_standing(motion, name, wrist, alike[0], own, limits, made))
+            rows += own
+            _, _, trajectory = run(wrist, alike[0], STEP, record=True)
             assert trajectory is not None
             steps[motion, name] = trajectory
+        for name, mpc in (periodic or {}).get(motion, {}).items():
+            tasks, bound, steps[motion, name] = played_on_tasks(wrist, mpc)
+            judged[motion, name], bounds[motion, name] = tasks, bound
+            own = [_row(motion, task, name, m, bound.get(task)) for task, m in tasks.items()]
+            standings.append(_standing(motion, name, wrist, mpc, own, limits, {}))
+            rows += own
     if len(wrists) == 2:
         one, other = wrists
-        for name in {n: None for _, n in judged}:
+        for name in (n for m, n in judged if m == one and (other, n) in judged):
             for sign in (1, -1):
                 task = f"0 to {sign * STEP:+g} deg, virgin"
                 both = [
                     together(a, b)
                     for a, b in zip(judged[one, name][task], judged[other, name][task], strict=True)
                 ]
-                rows.append(_row("both at once", task, name, both))
+                slowest = later([bounds[m, name].get(task) for m in (one, other)])
+                rows.append(_row("both at once", task, name, both, slowest))
     return Comparison(
-        tuple(rows), tuple(standings), steps, limits, tuple(verdicts(rows, standings, refusals))
-    )
+        tuple(rows), tuple(standings), steps, limits, tuple(verdicts(rows, standings, refusals)),
+        {(m, n): d for m, of in designs.items() for n, d in of.items()},
+    )  # fmt: skip
+
+
+def _margins(wrist: Wrist, controller: Controller) -> tuple[float, float]:
+    """Ms and delay margin [s] at the command, the worst over branches and rates."""
+    if isinstance(controller, FeedforwardPI):
+        return _margins(wrist, controller.pi)
+    if isinstance(controller, Feedforward):
+        return 1.0, float("inf")
+    if isinstance(controller, PI):
+        rows = by_python_control(wrist, controller)
+        return max(r["Ms"] for r in rows), min(r["delay_margin_s"] for r in rows)
+    if isinstance(controller, LQI):
+        branches = branch_responses(wrist, 1500)
+        found = Broken.at_command(wrist, controller, branches).margins(branches)
+        return float(found.Ms), float(found.delay_margin_s)
+    return float("nan"), float("nan")  # no linear loop to take margins of
 
 
 def _standing(
-    motion: str, name: str, wrist: Wrist, pi: PI, tasks: dict[str, list[Metrics]], limits: Limits
+    motion: str,
+    name: str,
+    wrist: Wrist,
+    controller: Controller,
+    rows: Sequence[Row],
+    limits: Limits,
+    design: Mapping[str, Any],
 ) -> Standing:
-    margins = by_python_control(wrist, pi)
-    worst = {n: max(float(getattr(m[0], n)) for m in tasks.values()) for n in METRICS}
-    Ms = max(m["Ms"] for m in margins)
-    delay = min(m["delay_margin_s"] for m in margins)
+    Ms, delay = _margins(wrist, controller)
+    worst = {n: max(r.metrics[n] for r in rows) for n in METRICS}
     held = {
         "overshoot_percent": worst["overshoot_percent"],
         "Ms": Ms,
@@ -180,10 +231,23 @@ def _standing(
     breaks = [n for n, v in held.items() if n in limits.named and v > limits.named[n] * 1.0005]
     if "delay_margin_s" in limits.named and delay < limits.named["delay_margin_s"] / 1.0005:
         breaks.append("delay_margin_s")
+    Kp, Ki = (controller.Kp, controller.Ki) if isinstance(controller, PI | FeedforwardPI) else (None, None)
+    ratios_ = [[getattr(r, n) for r in rows] for n in ("settling_ratio", "iae_ratio")]
     return Standing(
-        motion, name, float(pi.Kp), float(pi.Ki), Ms, delay, worst["overshoot_percent"],
-        worst["settling_time_s"], worst["iae_deg_s"], tuple(breaks),
+        motion, name, Kp, Ki, Ms, delay, worst["overshoot_percent"], worst["settling_time_s"],
+        worst["iae_deg_s"], tuple(breaks), _settings(controller), design,
+        *(None if None in values else max(values) for values in ratios_),
     )  # fmt: skip
+
+
+def _settings(controller: Any) -> dict[str, float]:
+    """Settings by name: all of a controller's, and of an MPC those of its problem that are numbers."""
+    of = controller.problem if hasattr(controller, "problem") else controller
+    found = dict(vars(of))
+    for part in ("weights", "observer"):
+        if part in found:
+            found |= {f"{part}.{n}": v for n, v in vars(found[part]).items()}
+    return {n: float(v) for n, v in found.items() if isinstance(v, int | float | np.number | np.ndarray)}
 
 
 def verdicts(
@@ -232,4 +296,6 @@ def row_record(row: Row) -> dict[str, Any]:
         record[n] = finite(row.metrics[n])
     for n in METRICS:
         record[f"{n}_low"], record[f"{n}_high"] = finite(row.low[n]), finite(row.high[n])
+    for name, ratio in (("settling_ratio", row.settling_ratio), ("iae_ratio", row.iae_ratio)):
+        record[name] = None if ratio is None else finite(ratio)
     return record

@@ -7,18 +7,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from design.compare import Comparison
+from design.contest import Contest
+from design.contest.words import sentences
 from design.metrics import SETTLING_BAND
 from design.tasks import STEP
 from design.tuning import Tuning
-from plants.quantities import ParameterSet, built_in
+from plants.quantities import Fitted, ParameterSet, built_in
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
+from reports import comparison_contest as broad
 from reports import comparison_tables as tables
 from reports import comparison_words as words
 from reports import figures, paper
+from reports.comparison_designs import budgets, designs
 from reports.fitted import Fit, draw_fit
 from reports.gain_map import COST_WORDS
 from reports.html import Made, markup, render
-from reports.records import comparison_record, csv_text
+from reports.records import comparison_record, contest_csv_text, csv_text
 from reports.style import save, svg
 from reports.tables import number
 
@@ -42,12 +46,14 @@ def comparison_page(
     sets: Mapping[str, ParameterSet],
     fits: Mapping[str, Fit],
     made: Made,
+    contest: Contest | None = None,
 ) -> str:
     """The whole comparison as one self-contained HTML text.
 
     `tunings`, `sets` and `fits` go by motion; `fits` may lack motions that were not fitted.
     """
-    return _page(comparison, tunings, sets, fits, made, main_figures(comparison, tunings, sets, fits))
+    drawn = main_figures(comparison, tunings, sets, fits, contest)
+    return _page(comparison, tunings, sets, fits, made, drawn, contest)
 
 
 def write_comparison(
@@ -57,19 +63,23 @@ def write_comparison(
     sets: Mapping[str, ParameterSet],
     fits: Mapping[str, Fit],
     made: Made,
+    contest: Contest | None = None,
 ) -> Path:
-    """Write comparison.html, .json and .csv and the main figures as PNG into a folder, each complete
-    or not at all.  Returns the path of the page; raises InputError where it cannot be written."""
+    """Write comparison.html, .json and .csv, contest.csv where there was a contest, and the main figures
+    as PNG into a folder, each complete or not at all.  Returns the path of the page; raises InputError
+    where it cannot be written."""
     from plants.files import json_text, write_atomically
 
     folder = Path(folder)
-    drawn = main_figures(comparison, tunings, sets, fits)
-    page = _page(comparison, tunings, sets, fits, made, drawn)
+    drawn = main_figures(comparison, tunings, sets, fits, contest)
+    page = _page(comparison, tunings, sets, fits, made, drawn, contest)
     for name, figure in drawn.items():
         save(figure, folder / f"{name}.png")
-    record = comparison_record(comparison, tunings, sets, fits, made)
+    record = comparison_record(comparison, tunings, sets, fits, made, contest)
     write_atomically(folder / "comparison.json", json_text(record))
     write_atomically(folder / "comparison.csv", csv_text(comparison))
+    if contest:
+        write_atomically(folder / "contest.csv", contest_csv_text(contest))
     write_atomically(folder / "comparison.html", page)
     return folder / "comparison.html"
 
@@ -79,6 +89,7 @@ def main_figures(
     tunings: Mapping[str, Tuning],
     sets: Mapping[str, ParameterSet],
     fits: Mapping[str, Fit],
+    contest: Contest | None = None,
 ) -> dict[str, "Figure"]:
     """The figures of the comparison by the names of their files."""
     wrists = {m: Wrist.of(s) for m, s in sets.items()}
@@ -87,6 +98,8 @@ def main_figures(
         "loops": figures.loop_trajectories(comparison, wrists),
     }
     found |= {f"steps-{slug(m)}": figures.step_responses(comparison, m) for m in _motions(comparison)}
+    if contest:
+        found["differences"] = broad.differences_figure(contest)
     found |= {f"gains-{slug(m)}": figures.gain_map(t) for m, t in tunings.items()}
     return found | {f"fit-{slug(m)}": draw_fit(f) for m, f in fits.items()}
 
@@ -111,6 +124,7 @@ def _page(
     fits: Mapping[str, Fit],
     made: Made,
     drawn: Mapping[str, "Figure"],
+    contest: Contest | None,
 ) -> str:
     def shown(name: str, caption: str) -> Shown:
         return Shown(markup(svg(drawn[name], name, caption)), caption)
@@ -122,7 +136,7 @@ def _page(
     responses.append(shown("loops", words.LOOPS_CAPTION))
     return render(
         "comparison.html",
-        title=f"Holding {STEP:g} degrees: the tuned PI beside the paper's and the textbook rules",
+        title=f"Holding {STEP:g} degrees: the tuned PI beside the paper's, textbook rules and other designs",
         summary=words.summary(comparison, sets, fits),
         step=STEP, sample_ms=1000.0 * SAMPLE_TIME, command_range=COMMAND_RANGE, window=figures.WINDOW,
         band=100.0 * SETTLING_BAND, tasks=_tasks(comparison),
@@ -131,13 +145,28 @@ def _page(
         plants=[_plant(m, s, fits.get(m), shown) for m, s in sets.items()],
         cost=" and ".join(COST_WORDS.get(c, c) for c in sorted(costs)),
         tunings=[_tuning(m, t, shown) for m, t in tunings.items()],
+        designs=[(figures.title_of(m), designs(comparison, m)) for m in motions if comparison.designs],
         standings=tables.standings_table(comparison), worst=shown("worst-values", words.WORST_CAPTION),
         all_tasks=tables.task_table(comparison), row_count=len(comparison.rows),
         paper_note=tables.paper_note(),
+        contest=_contest(comparison, tunings, contest, shown) if contest else None,
         responses=responses, paper=_paper(sets),
         assumed=assumed, assumed_count=sum(len(g.rows) for g in assumed.groups), further=words.FURTHER,
         made=made,
     )  # fmt: skip
+
+
+def _contest(
+    comparison: Comparison, tunings: Mapping[str, Tuning], contest: Contest, shown: Any
+) -> dict[str, Any]:
+    overshoot = comparison.limits.overshoot_percent
+    return {
+        "said": [s[:1].upper() + s[1:] for s in sentences(contest)],
+        "how": [*broad.how(contest), budgets(comparison, tunings)],
+        "main": broad.main_table(contest, overshoot),
+        "further": broad.further_tables(contest, overshoot),
+        "figure": shown("differences", broad.CAPTION),
+    }
 
 
 def _tasks(comparison: Comparison) -> list[str]:
@@ -153,7 +182,9 @@ def _tasks(comparison: Comparison) -> list[str]:
 def _plant(motion: str, s: ParameterSet, fit: Fit | None, shown: Any) -> dict[str, Any]:
     title = figures.title_of(motion)
     if fit is None:
-        note = f"{s.title}. No recordings were given for this motion: the parameters are as declared."
+        measured = any(isinstance(p.provenance, Fitted) for p in s.parameters.values())
+        as_is = "as given" if s.effects or measured else "as declared"
+        note = f"{s.title}. No recordings were given for this motion: the parameters are {as_is}."
         none = {"errors": None, "misfit": "", "judged_on": "", "figure": None}
         return {"title": title, "words": note, "parameters": tables.parameter_table(s), **none}
     apart = any(r.role == "validate" for r in fit.runs)

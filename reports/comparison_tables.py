@@ -1,6 +1,7 @@
 """The tables of a comparison page."""
 
 from collections.abc import Mapping
+from math import isnan
 
 from design.compare import METRICS, PAPER, TUNED, Comparison, Row
 from design.metrics import UNITS
@@ -121,12 +122,13 @@ def standings_table(comparison: Comparison) -> Table:
         for s in of:
             tasks = [r for r in comparison.rows if (r.motion, r.controller) == (motion, s.controller)]
             rows.append(row(
-                name_of(s.controller), fixed(s.Kp, 2), fixed(s.Ki, 2),
+                name_of(s.controller), *("–" if k is None else fixed(k, 2) for k in (s.Kp, s.Ki)),
                 _worst(tasks, "settling_time_s", "settling_time_s" in s.breaks),
                 _worst(tasks, "overshoot_percent", "overshoot_percent" in s.breaks),
                 _worst(tasks, "iae_deg_s", False),
-                Cell(fixed(s.Ms, 2), "", "Ms" in s.breaks),
-                Cell(fixed(1000.0 * s.delay_margin_s, 0), "", "delay_margin_s" in s.breaks),
+                _ratio(s.worst_settling_ratio), _ratio(s.worst_iae_ratio),
+                Cell(_known(s.Ms, 2), "", "Ms" in s.breaks),
+                Cell(_known(1000.0 * s.delay_margin_s, 0), "", "delay_margin_s" in s.breaks),
                 Cell(", ".join(limit_name(b) for b in s.breaks) or "none", "", bool(s.breaks)),
             ))  # fmt: skip
         groups.append(
@@ -135,9 +137,20 @@ def standings_table(comparison: Comparison) -> Table:
     columns = (
         Column("Controller", number=False), Column("Kp", "kPa/deg"), Column("Ki", "kPa/(deg s)"),
         Column("Worst settling", "s"), Column("Worst overshoot", "%"), Column("Worst IAE", "deg s"),
-        Column("Ms"), Column("Delay margin", "ms"), Column("Limits broken", number=False),
+        Column("Settling / bound"), Column("IAE / bound"), Column("Ms"),
+        Column("Delay margin", "ms"), Column("Limits broken", number=False),
     )  # fmt: skip
     return Table(columns, tuple(groups))
+
+
+def _known(value: float, decimals: int) -> str:
+    """A number, or that there is none, such as a margin of a controller without a linear loop."""
+    return "–" if isnan(value) else fixed(value, decimals)
+
+
+def _ratio(value: float | None) -> str:
+    """A ratio to a lower bound, where there is one."""
+    return "–" if value is None else fixed(value, 2 if value < 10.0 else 1)
 
 
 def _worst(tasks: list[Row], metric: str, broken: bool) -> Cell:
@@ -159,12 +172,20 @@ def task_table(comparison: Comparison) -> Table:
     found = []
     for (motion, task), rows in groups.items():
         cells = tuple(
-            row(name_of(r.controller), *(_ranged(m, r.low[m], r.metrics[m], r.high[m]) for m in METRICS))
+            row(
+                name_of(r.controller),
+                *(_ranged(m, r.low[m], r.metrics[m], r.high[m]) for m in METRICS),
+                _ratio(r.settling_ratio),
+                _ratio(r.iae_ratio),
+            )
             for r in rows
         )
         strong = tuple(i for i, r in enumerate(rows) if r.controller == TUNED)
         found.append(Group(f"{title_of(motion)}: {task}", cells, strong))
-    columns = (Column("Controller", number=False), *(Column(HEADINGS[m], UNITS[m]) for m in METRICS))
+    columns = (
+        Column("Controller", number=False), *(Column(HEADINGS[m], UNITS[m]) for m in METRICS),
+        Column("Settling / bound"), Column("IAE / bound"),
+    )  # fmt: skip
     return Table(columns, tuple(found))
 
 

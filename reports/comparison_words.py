@@ -4,6 +4,8 @@ from collections.abc import Mapping
 
 from design.answer import refusal
 from design.compare import TUNED, Comparison
+from design.convex_concave import NOISE_GAIN
+from design.lqi_design import WASHOUT
 from design.rules import PAPER_FACTOR, PAPER_GAINS
 from design.tasks import HEADROOM, STEP
 from design.tuning import ACTIVE, Tuning
@@ -18,15 +20,25 @@ from reports.tables import number
 FURTHER = (
     "The law by which the regulator's P gain varies: dP/dt = k(e) e with "
     "k(e) = k_slow + (k_fast − k_slow) e² / (e² + e0²).",
-    "The form of the controller: command = (rest pressure + Kp e + Ki ∫e dt) / gain, on kilopascals, the "
+    "The form of a PI: command = (rest pressure + Kp e + Ki ∫e dt) / gain, on kilopascals, the "
     "integrator stopped while the command is clipped, unless the error drives it back.",
     f"The paper's gains: Kp = {PAPER_GAINS[0]:g} kPa/deg, Ki = {PAPER_GAINS[1]:g} kPa/(deg s) stand in for "
     f"the lost ones, with a factor of {PAPER_FACTOR:g} either way, because a PI with them is as slow as the "
     "paper reads.",
     "How far the corners of the plant lie that gains are tuned on: loop width ±20 %, slopes ±10 %, Tw ±20 % "
     "unless set otherwise.",
+    f"How much noise the other designs may pass on: at most {NOISE_GAIN:g} V of command per degree of noise "
+    "of the angle, at any frequency; the peak of the complementary sensitivity is limited like that of the "
+    "sensitivity.",
+    "The robust LQI measures the pressure and observes the static angle from it: moved by the measured "
+    "pressure times the mean slope of the lines, corrected by the measured angle. On a branch of another "
+    "slope that is wrong in proportion to the speed of the pressure, so that feedback and observer cannot be "
+    "designed apart; the loop with the observer is what is simulated, and its poles and margins are taken on "
+    f"every branch. What the regulator's gain is off by it unlearns at {WASHOUT:g} rad/s.",
     "One pressure stands for a motion, its antagonist mirrored about the rest pressure; the two motions do "
-    "not act on each other.",
+    "not act on each other, except where both are played at once on other plants.",
+    "In the contest on other plants: the noise and the quantum of the sensor, the coupling of the motions, "
+    "and the size of the load and of each effect that no model has.",
 )
 """What is assumed besides the values of parameters."""
 
@@ -85,7 +97,7 @@ def fit_caption(motion: str, fit: Fit) -> str:
 def found(t: Tuning) -> str:
     """Cost at the tuned gains, where it is taken, and what keeps it from being lower."""
     unit = COST_WORDS.get(t.problem.cost, "").partition("[")[2].rstrip("]")
-    where = t.problem.scenarios[int(t.at.cost_at[0])].name
+    where = t.problem.place("cost", int(t.at.cost_at[0]))
     words = f"Worst cost {number(float(t.at.cost[0]))} {unit}, on {where}."
     no = refusal(t)
     if no:

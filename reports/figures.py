@@ -73,7 +73,7 @@ def step_responses(comparison: Comparison, motion: str) -> "Figure":
         axes[5].set_xlim(SOON, WINDOW)
         axes[5].text(9.9, COMMAND_RANGE[1] - 0.12, "range", fontsize=8, color=GREY, ha="right", va="top")
         axes[4].set_ylim(COMMAND_RANGE[0] - 0.2, COMMAND_RANGE[1] + 0.2)
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
 
 
@@ -151,9 +151,10 @@ def worst_values(comparison: Comparison) -> "Figure":
         ("settling_time_s", f"Worst settling time [s], of {WINDOW:g} s watched", None),
         ("overshoot_percent", "Worst overshoot [% of the step]", comparison.limits.overshoot_percent),
     )
+    most = max(sum(s.motion == m for s in comparison.standings) for m in motions)
     with styled():
         figure, axes = new_figure(
-            len(motions), 2, height=0.75 + 1.75 * len(motions), sharey="row", sharex="col"
+            len(motions), 2, height=0.75 + (0.4 + 0.27 * most) * len(motions), sharey="row", sharex="col"
         )
         for row, motion in enumerate(motions):
             for column, (metric, label, limit) in enumerate(columns):

@@ -4,10 +4,13 @@ import csv
 import io
 from collections.abc import Mapping
 from dataclasses import asdict
+from math import isfinite
 from typing import Any
 
 from design.answer import tuning_record
 from design.compare import Comparison, row_record
+from design.contest import Contest, contest_record
+from design.contest.words import sentences
 from design.tuning import Tuning
 from plants.quantities import Fitted, ParameterSet
 from reports.fitted import Fit
@@ -20,11 +23,13 @@ def comparison_record(
     sets: Mapping[str, ParameterSet],
     fits: Mapping[str, Fit],
     made: Made,
+    contest: Contest | None = None,
 ) -> dict[str, Any]:
     """The comparison as dictionaries, lists, numbers and text, for `plants.files.json_text`.
 
     Keys: verdicts, limits, standings, rows (see `design.compare.row_record`), tunings, plants,
-    fits (these three by motion) and made.
+    fits (these three by motion), contest (see `design.contest.contest_record`; None where there was
+    none) and made.
     """
     return {
         "verdicts": list(comparison.verdicts),
@@ -34,13 +39,26 @@ def comparison_record(
         "tunings": {m: tuning_record(t, m) for m, t in tunings.items()},
         "plants": {m: s.record for m, s in sets.items()},
         "fits": {m: fit_record(f) for m, f in fits.items()},
+        "contest": contest_record(contest) | {"said": sentences(contest)} if contest else None,
         "made": asdict(made),
     }
 
 
 def csv_text(comparison: Comparison) -> str:
     """The rows of the table as CSV; what is infinite is an empty cell."""
-    records = [row_record(r) for r in comparison.rows]
+    return _csv([row_record(r) for r in comparison.rows])
+
+
+def contest_csv_text(contest: Contest) -> str:
+    """The scores of a contest as CSV, as in `design.contest.contest_record`; infinite is an empty cell."""
+    records = [
+        {k: None if isinstance(v, float) and not isfinite(v) else v for k, v in record.items()}
+        for record in contest_record(contest)["scores"]
+    ]
+    return _csv(records)
+
+
+def _csv(records: list[dict[str, Any]]) -> str:
     text = io.StringIO()
     writer = csv.DictWriter(text, fieldnames=list(records[0]) if records else ["motion"], lineterminator="\n")
     writer.writeheader()

@@ -38,6 +38,14 @@ CONTROLLER_LINES: Mapping[str, dict[str, Any]] = {
     "SIMC": {"color": ORANGE, "linestyle": DASH_DOT},
     "AMIGO": {"color": GREEN, "linestyle": LONG},
     "Ziegler-Nichols": {"color": PURPLE, "linestyle": DOTTED, "linewidth": 1.9},
+    "convex-concave PI": {"color": VERMILLION, "linestyle": (0, (3, 1, 1, 1, 1, 1))},
+    "robust LQI": {"color": SKY, "linestyle": (0, (2.4, 0.9)), "linewidth": 2.0},
+    "PI + feedforward": {"color": VERMILLION, "linestyle": (0, (12, 1.0)), "linewidth": 2.2},
+    "feedforward": {"color": GREY, "linestyle": (0, (4, 1.2)), "linewidth": 1.8},
+    "robust PI": {"color": GREEN, "linestyle": (0, (5, 1, 1, 1))},
+    "linear MPC": {"color": PURPLE, "linestyle": (0, (1, 0.7)), "linewidth": 2.0},
+    "real-time MPC": {"color": ORANGE, "linestyle": (0, (10, 1.5, 1, 1.5)), "linewidth": 2.0},
+    "robust MPC": {"color": SKY, "linestyle": (0, (2, 2)), "linewidth": 2.0},
 }
 
 WIDTH = 6.9

@@ -5,17 +5,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from design.cli.common import JobsOption, JsonOption, SeedOption, console, progress, seconds, write_json
+from design.cli.common import JobsOption, JsonOption, SeedOption, console, progress, write_json
 
 if TYPE_CHECKING:
-    from design.compare import Comparison
+    from design.controller import Controller
     from design.pi import PI
     from design.tuning import Tuning
     from plants.measured.fit import Fit
     from plants.quantities import ParameterSet
 
 NAME = "compare"
-HELP = "Compare the tuned PI with the paper's and the textbook rules on 15 degree tasks; write a report."
+HELP = "Compare the tuned PI with the paper's, the textbook rules and other designs; write a report."
 EXAMPLE = "Example: wrist compare plants/measured/examples/flexion --out build/compare"
 
 
@@ -38,24 +38,48 @@ def command(
     out: Annotated[Path, typer.Option("--out", help="Folder for the report.")] = Path("build/compare"),
     json: JsonOption = None,
     points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 40,
+    samples: Annotated[
+        int, typer.Option(help="Perturbed plants of each motion, at least 10; 0 leaves them out.", min=0)
+    ] = 50,
+    mpc_plants: Annotated[
+        int, typer.Option(help="Of these, plants that the MPCs meet too, which takes seconds each.", min=0)
+    ] = 5,
+    robust_gains: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Gains Kp,Ki of a robust PI to compare as well; of one motion alone as flexion=Kp,Ki. "
+            "May be given again."
+        ),
+    ] = None,
     seed: SeedOption = 0,
     jobs: JobsOption = None,
 ) -> None:
     import sys
 
+    from design.alternatives import design_others
     from design.answer import refusal
-    from design.compare import compare
+    from design.cli.compare_tables import contest_table, table
+    from design.compare import compare, controllers
+    from design.contest import contest
+    from design.contest.statistics import FEWEST
+    from design.contest.words import sentences
     from design.requirements import default_problem
     from design.tuning import Region, tune
+    from plants.errors import InputError
     from plants.wrist import Wrist
     from reports.comparison import write_comparison
     from reports.html import Made
     from reports.records import comparison_record
 
+    if 0 < samples < FEWEST:
+        raise InputError(
+            f"--samples {samples}: too few for an interval; give at least {FEWEST}, or 0 for none"
+        )
     said = console(json)
     folders = list(campaigns or []) + (example_campaigns() if example else [])
     fits, sets = _plants(folders, plant or [], seed, said)
     wrists = {name: Wrist.of(s) for name, s in sets.items()}
+    more = robust(robust_gains or [], wrists)
     tunings: dict[str, Tuning] = {}
     for name, wrist in wrists.items():
         with progress(f"tune {name}") as tell:
@@ -67,9 +91,31 @@ def command(
     for name, no in refusals.items():
         said.print(f"{name}: {no}")
     tuned = {n: _tuned(t) for n, t in tunings.items()}
-    comparison = compare(wrists, tuned, refusals=refusals)
+    designs = {}
+    mpcs = _mpcs(wrists, said) if mpc_plants else {}
+    for name, t in tunings.items():
+        with progress(f"other designs for {name}") as tell:
+            tell("convex programs", 0.0)
+            designs[name] = design_others(t.problem)
+    comparison = compare(wrists, tuned, refusals=refusals, designs=designs, more=more, periodic=mpcs)
     for line in table(comparison):
         said.print(line)
+    broad = None
+    bare = {n: s for n, s in sets.items() if not s.effects}
+    if samples and bare:
+        named = {n: controllers(wrists[n], tuned[n], designs[n], more.get(n)) for n in bare}
+        with progress("other plants") as tell:
+            broad = contest(
+                bare, {n: {c: alike[0] for c, alike in of.items()} for n, of in named.items()},
+                count=samples, seed=seed, jobs=jobs, progress=tell,
+                periodic=mpcs, periodic_count=mpc_plants,
+            )  # fmt: skip
+        for line in contest_table(broad):
+            said.print(line)
+        for sentence in sentences(broad):
+            said.print(sentence)
+    for name in set(sets) - set(bare) if samples else ():
+        said.print(f"{name}: has effects of its own, so that no perturbed plants are drawn of it")
     made = Made.now(
         command="wrist " + " ".join(sys.argv[1:]),
         seed=seed,
@@ -79,11 +125,11 @@ def command(
         if example
         else "",
     )
-    written = write_comparison(out, comparison, tunings, sets, fits, made)
+    written = write_comparison(out, comparison, tunings, sets, fits, made, broad)
     for verdict in comparison.verdicts:
         said.print(verdict)
     said.print(f"report in {written}")
-    write_json(json, comparison_record(comparison, tunings, sets, fits, made))
+    write_json(json, comparison_record(comparison, tunings, sets, fits, made, broad))
     if refusals:
         raise typer.Exit(1)
 
@@ -95,6 +141,38 @@ def example_campaigns() -> list[Path]:
     return sorted(
         p.parent for p in (Path(plants.measured.__file__).parent / "examples").glob("*/campaign.toml")
     )
+
+
+def _mpcs(wrists: Any, said: Any) -> dict[str, Any]:
+    """The MPCs of each motion; none, and why, where their solver is not installed."""
+    from design.alternatives import design_mpcs
+    from plants.errors import InputError
+
+    try:
+        return {name: design_mpcs(wrist) for name, wrist in wrists.items()}
+    except InputError as error:
+        said.print(f"MPCs are left out: {error}")
+        return {}
+
+
+def robust(gains: list[str], wrists: Any) -> "dict[str, dict[str, Controller]]":
+    """The robust PI of each motion that gains were given for, ``Kp,Ki`` for all or ``motion=Kp,Ki``."""
+    from design.cli.common import numbers
+    from design.pi import PI
+    from plants.errors import InputError
+
+    found: dict[str, dict[str, Controller]] = {}
+    for text in gains:
+        motion, given, pair = text.rpartition("=")
+        if given and motion not in wrists:
+            raise InputError(f"--robust-gains {text}: no motion {motion!r}; one of {', '.join(wrists)}")
+        values = numbers(pair, "--robust-gains", "2.1,5.4")
+        for name in [motion] if given else list(wrists):
+            w = wrists[name]
+            found[name] = {
+                "robust PI": PI(values[0], values[1], w.regulator.gain, w.hysteresis.rest_pressure)
+            }
+    return found
 
 
 def _tuned(tuning: "Tuning") -> "PI":
@@ -144,34 +222,3 @@ def _plants(
             sets[axis] = built_in(axis)
     order = sorted(sets, key=lambda name: (name != "flexion", name))
     return fits, {name: sets[name] for name in order}
-
-
-def table(comparison: "Comparison") -> list[object]:
-    """A table for each motion, one row a controller; what breaks a limit carries a mark."""
-    from rich.table import Table
-
-    parts: list[object] = []
-    for motion in {s.motion: None for s in comparison.standings}:
-        one = Table(
-            title=f"{motion}: gains, worst values over the tasks, and margins",
-            title_justify="left",
-            box=None,
-            pad_edge=False,
-        )
-        for heading in ("controller", "Kp", "Ki", "settles", "overshoot", "IAE deg s", "Ms", "delay"):
-            one.add_column(heading, justify="left" if heading == "controller" else "right", no_wrap=True)
-        for s in comparison.standings:
-            if s.motion != motion:
-                continue
-            cells = {
-                "": f"{s.Kp:.3g}",
-                " ": f"{s.Ki:.3g}",
-                "steady_error_percent": seconds(s.worst_settling_s),
-                "overshoot_percent": f"{s.worst_overshoot_percent:.2g} %",
-                "  ": f"{s.worst_iae_deg_s:.3g}",
-                "Ms": f"{s.Ms:.3g}",
-                "delay_margin_s": f"{1000 * s.delay_margin_s:.0f} ms",
-            }
-            one.add_row(s.controller, *(text + ("!" if n in s.breaks else " ") for n, text in cells.items()))
-        parts += [one, ""]
-    return [*parts, "! beyond its limit"]

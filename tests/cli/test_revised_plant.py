@@ -63,7 +63,21 @@ def test_tune_says_no_behind_an_end_stop(wrist, tmp_path):
 
 def test_compare_puts_the_revised_plant_beside_the_other_motion(wrist, revised, tmp_path):
     out = tmp_path / "report"
-    outcome = wrist("compare", "--plant", revised, "--points", "6", "--out", out, "--json", "-")
+    outcome = wrist(
+        "compare",
+        "--plant",
+        revised,
+        "--points",
+        "6",
+        "--samples",
+        "0",
+        "--mpc-plants",
+        "0",
+        "--out",
+        out,
+        "--json",
+        "-",
+    )
     assert outcome.code in (0, 1), outcome.err
     record = json.loads((out / "comparison.json").read_text())
     assert record["plants"]["flexion"]["dead-time.delay"]["value"] == 0.1

@@ -6,7 +6,9 @@ from functools import cache
 import numpy as np
 import pytest
 
+from design.alternatives import CONVEX, FORWARD_PI, LQI_NAME, design_others, design_record
 from design.compare import (
+    FORWARD,
     METRICS,
     PAPER,
     TUNED,
@@ -21,20 +23,32 @@ from design.compare import (
     verdicts,
 )
 from design.loop import run
+from design.margins import by_python_control
 from design.metrics import Metrics
+from design.mpc import loop
+from design.mpc.linear import linear_mpc
+from design.mpc.problem import Problem as Problem_of_MPC
 from design.pi import PI
-from design.requirements import Limits
+from design.requirements import Limits, Problem
 from design.rules import baselines, paper_range
 from plants import Wrist
+from plants.effects import Creep
 
 WRISTS = {"flexion": Wrist.flexion(), "deviation": Wrist.deviation()}
 GAINS = {"flexion": PI(3.0, 9.0), "deviation": PI(6.0, 18.0)}
-NAMES = {TUNED, PAPER, "SIMC", "AMIGO", "Ziegler-Nichols"}
+NAMES = {TUNED, PAPER, "SIMC", "AMIGO", "Ziegler-Nichols", CONVEX, LQI_NAME, FORWARD_PI, FORWARD}
+DESIGNS = (CONVEX, LQI_NAME, FORWARD_PI)
+
+
+@cache
+def designs() -> dict[str, dict]:
+    """The other designs of both motions, made on the tasks alone."""
+    return {m: design_others(Problem.of(w, task_scenarios(w), duration=5.0)) for m, w in WRISTS.items()}
 
 
 @cache
 def both() -> Comparison:
-    return compare(WRISTS, GAINS)
+    return compare(WRISTS, GAINS, designs=designs())
 
 
 @pytest.fixture
@@ -90,7 +104,8 @@ def test_what_is_known_has_no_range(comparison):
 @pytest.mark.parametrize("motion", WRISTS)
 def test_a_row_is_the_run_that_it_names(comparison, motion):
     w = WRISTS[motion]
-    for name, pi in {**baselines(w), TUNED: GAINS[motion]}.items():
+    others = {n: d.controller for n, d in designs()[motion].items()}
+    for name, pi in {**baselines(w), TUNED: GAINS[motion], **others}.items():
         for s in task_scenarios(w)[::3]:
             judged, _, _ = run(w, pi, s.reference, w.rest(s.start, s.angle))
             found = row(comparison, motion, f"0 to {s.reference:+g} deg, {s.start}", name)
@@ -125,7 +140,7 @@ def test_one_that_never_settles_keeps_both_from_settling():
 
 
 def test_one_motion_alone_has_no_rows_for_both():
-    found = compare({"flexion": WRISTS["flexion"]}, {"flexion": GAINS["flexion"]})
+    found = compare({"flexion": WRISTS["flexion"]}, {"flexion": GAINS["flexion"]}, designs={})
     assert {r.motion for r in found.rows} == {"flexion"}
     assert len(found.verdicts) == 1
 
@@ -141,10 +156,104 @@ def test_standings_tell_which_limits_are_broken(comparison):
     assert any(s.breaks for s in comparison.standings)
 
 
+def test_no_controller_beats_the_lower_bound_of_any_task(comparison):
+    for r in comparison.rows:
+        assert r.settling_ratio >= 1.0
+        assert r.iae_ratio >= 1.0
+
+
+@pytest.mark.parametrize("start", ["virgin", "line1", "line2", "inside"])
+def test_a_ratio_is_the_metric_over_the_bound_of_full_throttle(comparison, start):
+    w = WRISTS["deviation"]
+    found = row(comparison, "deviation", f"0 to +15 deg, {start}", TUNED)
+    angle = w.simulate([4.0] * 3000, w.rest(start)).angle
+    first = int(np.argmax(angle > 15.0 * 0.98))
+    assert found.settling_ratio == pytest.approx(found.metrics["settling_time_s"] / (first * 1e-3), rel=0.02)
+    least = float(np.maximum(15.0 - angle[:-1], 0.0).sum()) * 1e-3
+    assert found.iae_ratio == pytest.approx(found.metrics["iae_deg_s"] / least, rel=1e-6)
+
+
+def test_standings_carry_the_worst_ratios_over_the_tasks(comparison):
+    for s in comparison.standings:
+        own = [r for r in comparison.rows if (r.motion, r.controller) == (s.motion, s.controller)]
+        assert s.worst_settling_ratio == max(r.settling_ratio for r in own)
+        assert s.worst_iae_ratio == max(r.iae_ratio for r in own)
+
+
+def test_a_wrist_without_a_known_bound_has_no_ratios():
+    w = WRISTS["flexion"] + Creep(-0.05, 5.0)
+    found = compare({"flexion": w}, {"flexion": GAINS["flexion"]}, designs={})
+    assert {(r.settling_ratio, r.iae_ratio) for r in found.rows} == {(None, None)}
+    assert FORWARD not in {s.controller for s in found.standings}  # nor an inverse
+
+
+def test_a_feedforward_adds_nothing_to_the_loop_that_margins_are_of(comparison):
+    for s in comparison.standings:
+        if s.controller == FORWARD:
+            assert (s.Ms, s.delay_margin_s) == (1.0, np.inf)
+        if s.controller == FORWARD_PI:
+            w = WRISTS[s.motion]
+            rows = by_python_control(w, PI(s.Kp, s.Ki, w.regulator.gain, w.hysteresis.rest_pressure))
+            assert s.Ms == max(r["Ms"] for r in rows)
+
+
+def test_an_MPC_stands_in_the_table_without_margins_that_it_has_not():
+    w = WRISTS["deviation"]
+    mpc = linear_mpc(Problem_of_MPC(w))
+    found = compare(
+        {"deviation": w}, {"deviation": GAINS["deviation"]}, designs={}, periodic={"deviation": {"MPC": mpc}}
+    )
+    (s,) = (s for s in found.standings if s.controller == "MPC")
+    assert np.isnan([s.Ms, s.delay_margin_s]).all()
+    assert s.settings["horizon"] == 30.0
+    assert s.settings["weights.move"] == mpc.problem.weights.move
+    rows = [r for r in found.rows if r.controller == "MPC"]
+    assert len(rows) == 10
+    assert all(r.settling_ratio >= 1.0 and r.iae_ratio >= 1.0 for r in rows)
+    played = loop.run(w, mpc, -15.0, w.rest("line2"))
+    found_ = row(found, "deviation", "0 to -15 deg, line2", "MPC")
+    assert found_.metrics == {n: float(getattr(played.metrics, n)[0]) for n in METRICS}
+    assert ("deviation", "MPC") in found.steps
+
+
 def test_without_limits_none_is_broken():
     none = Limits(None, None, None, None, None)
-    found = compare({"flexion": WRISTS["flexion"]}, {"flexion": GAINS["flexion"]}, none)
+    found = compare({"flexion": WRISTS["flexion"]}, {"flexion": GAINS["flexion"]}, none, designs={})
     assert not any(s.breaks for s in found.standings)
+
+
+def test_the_other_designs_stand_in_the_table_with_the_settings_that_they_have(comparison):
+    for s in comparison.standings:
+        if s.controller in (LQI_NAME, FORWARD):
+            assert (s.Kp, s.Ki) == (None, None)
+        else:
+            assert (s.Kp, s.Ki) == (s.settings["Kp"], s.settings["Ki"])
+        assert bool(s.design) == (s.controller in DESIGNS)
+        if s.design:
+            assert s.settings == vars(designs()[s.motion][s.controller].controller)
+            assert s.design["breaks"] == []
+            assert not s.breaks
+
+
+def test_the_tuned_PI_is_the_one_that_is_compared_with_the_paper(comparison):
+    rows = [r for r in comparison.rows if r.controller not in (*DESIGNS, FORWARD)]
+    standings = [s for s in comparison.standings if s.controller not in (*DESIGNS, FORWARD)]
+    assert comparison.verdicts == tuple(verdicts(rows, standings))
+
+
+def test_a_design_that_cannot_be_made_is_lacking_with_its_reason():
+    w = WRISTS["flexion"]
+    strict = Limits(Ms=0.9)
+    others = design_others(Problem.of(w, task_scenarios(w)[:2], strict, duration=3.0))
+    assert others[CONVEX] == "Ms = 0.9: a peak of a sensitivity is limited to more than 1"
+    assert design_record(others[CONVEX]) == {"none": others[CONVEX]}
+    found = compare({"flexion": w}, {"flexion": GAINS["flexion"]}, strict, designs={"flexion": others})
+    names = {s.controller for s in found.standings}
+    assert CONVEX not in names
+    assert LQI_NAME in names
+    (lqi,) = (s for s in found.standings if s.controller == LQI_NAME)
+    assert "Ms" in lqi.breaks
+    assert "Ms" in lqi.design["breaks"]
 
 
 def made_up(ours: float, low: float, high: float) -> str:
@@ -182,5 +291,5 @@ def test_a_record_is_flat_and_has_no_infinity(comparison):
     r = row(comparison, "flexion", "0 to +15 deg, virgin", PAPER)
     record = row_record(replace(r, high={**r.high, "settling_time_s": np.inf}))
     assert record["settling_time_s_high"] is None
-    assert len(record) == 3 + 3 * len(METRICS)
+    assert len(record) == 3 + 3 * len(METRICS) + 2
     assert all(v is None or isinstance(v, str) or np.isfinite(v) for v in record.values())

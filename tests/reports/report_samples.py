@@ -5,7 +5,9 @@ from functools import cache
 
 import numpy as np
 
+from design.alternatives import design_others
 from design.compare import Comparison, compare
+from design.contest import Contest, contest
 from design.pi import PI
 from design.requirements import Problem
 from design.tasks import tuning_scenarios
@@ -51,11 +53,22 @@ def small_fit(motion: str) -> Fit:
 
 
 @cache
+def small_contest() -> Contest:
+    """The tuned PI and a timid one on a dozen plants."""
+    sets = {m: built_in(m) for m in ("flexion", "deviation")}
+    given = {"tuned": PI(3.0, 10.0), "paper": PI(1.2, 2.2)}
+    return contest(sets, dict.fromkeys(sets, given), count=12)
+
+
+@cache
 def compare_both() -> Compared:
     """Both motions compared with given gains; one of them tuned on a coarse map, and fitted."""
     sets = {m: built_in(m) for m in ("flexion", "deviation")}
     wrists = {m: Wrist.from_values(s.values) for m, s in sets.items()}
-    comparison = compare(wrists, {"flexion": PI(3.0, 10.0), "deviation": PI(6.5, 19.0)})
-    problem = Problem.of(wrists["flexion"], tuning_scenarios(wrists["flexion"])[:10], duration=6.0)
+    problems = {m: Problem.of(w, tuning_scenarios(w)[:10], duration=6.0) for m, w in wrists.items()}
+    tuned = {"flexion": PI(3.0, 10.0), "deviation": PI(6.5, 19.0)}
+    designs = {m: design_others(p) for m, p in problems.items()}
+    comparison = compare(wrists, tuned, designs=designs)
+    problem = problems["flexion"]
     tunings = {"flexion": tune(problem, Region(points=8), starts=2)}
     return Compared(comparison, tunings, sets, wrists, {"flexion": small_fit("flexion")})

@@ -2,17 +2,24 @@
 
 import csv
 import json
+from dataclasses import replace
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
-from report_samples import Compared, compare_both
+from report_samples import Compared, compare_both, small_contest
 
 from design.compare import row_record
+from design.contest.words import sentences
+from design.lqi_design import RobustLQI
 from plants import InputError
+from plants.effects import DeadTime
 from plants.files import json_text
 from reports.comparison import comparison_page, write_comparison
+from reports.comparison_designs import designs
 from reports.html import Made, commit, render
 from reports.records import comparison_record
+from reports.tables import number
 
 VOID = {"meta", "br", "hr", "img", "link", "input", "wbr"}
 
@@ -62,7 +69,7 @@ def made(compared):
 def folder(compared, made, tmp_path_factory):
     place = tmp_path_factory.mktemp("compare") / "new"
     c = compared
-    path = write_comparison(place, c.comparison, c.tunings, c.sets, c.fits, made)
+    path = write_comparison(place, c.comparison, c.tunings, c.sets, c.fits, made, small_contest())
     assert path == place / "comparison.html"
     return place
 
@@ -91,13 +98,44 @@ def test_links_within_the_page_lead_somewhere_and_ids_are_unique(page):
 
 
 def test_the_page_names_every_controller_limit_task_and_assumption(page, compared):
-    for words in ("tuned PI", "paper's PI (stand-in)", "SIMC", "AMIGO", "Ziegler-Nichols"):
+    names = ("tuned PI", "paper's PI (stand-in)", "SIMC", "AMIGO", "Ziegler-Nichols")
+    for words in (*names, "convex-concave PI", "robust LQI"):
         assert words in page.text
     for words in ("Overshoot", "Ms", "Delay margin", "return from -15 to 0 deg", "0 to +15 deg, line2"):
         assert words in page.text
     for s in compared.sets.values():
         for name in s.assumed:
             assert s.parameters[name].provenance.why in page.text
+
+
+def test_the_page_tells_how_the_other_designs_were_found(page, compared):
+    for (_, name), d in compared.comparison.designs.items():
+        assert f"{name[:1].upper()}{name[1:]}:" in page.text
+        assert number(float(d.at.cost[0])) in page.text
+    for words in ("convex programs", "active: ", "observer", "designed apart", "every limit held"):
+        assert words in page.text
+
+
+def test_a_design_that_is_lacking_or_breaks_a_limit_is_said_so(compared):
+    (key, lqi), *_ = (kd for kd in compared.comparison.designs.items() if isinstance(kd[1], RobustLQI))
+    beyond = replace(lqi, at=replace(lqi.at, excess={**lqi.at.excess, "noise_gain": np.array([0.3])}))
+    shown = replace(
+        compared.comparison, designs={key: beyond, (key[0], "convex-concave PI"): "no solver came to an end"}
+    )
+    said = " ".join(designs(shown, key[0]))
+    assert "it breaks the noise gain." in said
+    assert "Convex-concave PI: none: no solver came to an end." in said
+
+
+def test_a_revised_set_is_given_not_declared(compared, made, page):
+    c = compared
+    revised = c.sets["flexion"].revised([DeadTime], {"dead-time.delay": 0.05}, {}, "rig 7")
+    text = Page(comparison_page(c.comparison, c.tunings, {**c.sets, "flexion": revised}, {}, made)).text
+    assert f"{revised.title}. No recordings were given for this motion: the parameters are as given." in text
+    declared = (
+        f"{c.sets['deviation'].title}. No recordings were given for this motion: the parameters are as "
+    )
+    assert f"{declared}declared." in page.text
 
 
 def test_the_page_opens_with_at_most_three_sentences_among_them_the_verdicts(page, compared):
@@ -109,7 +147,7 @@ def test_the_page_opens_with_at_most_three_sentences_among_them_the_verdicts(pag
 
 def test_nine_figures_of_the_paper_and_those_of_the_comparison_are_inside(page):
     figures = [a for t, a in page.tags if t == "svg"]
-    assert len(figures) == 9 + 2 + 2 + 1 + 1  # paper, steps, worst and loops, one map, one fit
+    assert len(figures) == 9 + 2 + 2 + 1 + 1 + 1  # paper, steps, worst and loops, map, fit, differences
     assert all(a.get("aria-label") and "viewbox" in a for a in figures)
     assert page.text.count("of the paper, redrawn:") == 9
 
@@ -150,10 +188,51 @@ def test_csv_agrees_with_the_rows(folder, compared):
                 assert got[key] == "" if value is None else float(got[key]) == value
 
 
+def test_the_broad_comparison_stands_on_the_page_with_its_intervals_and_ties(page):
+    for s in sentences(small_contest()):
+        assert s[1:] in page.text
+    for words in (
+        "perturbed plants, steps (12 plants)",
+        "coupled, 0.02 deg/kPa",
+        "dead time 50 ms",
+        "1 to 2",
+    ):
+        assert words in page.text
+    i = small_contest().of("flexion", "perturbed plants", "steps")[1].against["iae_deg_s"]
+    assert f"+{i.mean:.2f} {i.low:.2f} to {i.high:.2f}" in page.text
+
+
+def test_the_contest_in_csv_is_that_in_json(folder):
+    with (folder / "contest.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    scores = json.loads((folder / "comparison.json").read_text(encoding="utf-8"))["contest"]["scores"]
+    assert len(rows) == len(scores)
+    for got, expected in zip(rows, scores, strict=True):
+        for key, value in expected.items():
+            same = got[key] == ("" if value is None else value) if isinstance(value, str | None) else None
+            assert same if same is not None else float(got[key]) == value
+
+
+def test_without_a_contest_the_page_does_without(compared, made):
+    c = compared
+    text = Page(comparison_page(c.comparison, c.tunings, c.sets, c.fits, made)).text
+    assert "On other plants and tasks" not in text
+    assert comparison_record(c.comparison, c.tunings, c.sets, c.fits, made)["contest"] is None
+
+
+def test_ratios_to_the_lower_bound_stand_beside_every_controller(page, compared):
+    assert "Settling / bound" in page.text
+    for s in compared.comparison.standings:
+        shown = f"{s.worst_iae_ratio:.2f}" if s.worst_iae_ratio < 10.0 else f"{s.worst_iae_ratio:.1f}"
+        assert shown in page.text
+
+
 def test_json_agrees_with_the_comparison(folder, compared, made):
     found = json.loads((folder / "comparison.json").read_text(encoding="utf-8"))
     c = compared
-    assert found == json.loads(json_text(comparison_record(c.comparison, c.tunings, c.sets, c.fits, made)))
+    assert found == json.loads(
+        json_text(comparison_record(c.comparison, c.tunings, c.sets, c.fits, made, small_contest()))
+    )
     assert found["rows"] == [row_record(r) for r in c.comparison.rows]
     assert found["verdicts"] == list(c.comparison.verdicts)
     assert [s["Kp"] for s in found["standings"]] == [s.Kp for s in c.comparison.standings]
@@ -166,9 +245,9 @@ def test_pictures_lie_beside_the_page_and_nothing_half_written(folder):
     names = {p.name for p in folder.iterdir()}
     pictures = {
         "steps-flexion.png", "steps-deviation.png", "gains-flexion.png", "fit-flexion.png", "loops.png",
-        "worst-values.png",
+        "worst-values.png", "differences.png",
     }  # fmt: skip
-    assert names == pictures | {"comparison.html", "comparison.json", "comparison.csv"}
+    assert names == pictures | {"comparison.html", "comparison.json", "comparison.csv", "contest.csv"}
     assert all((folder / p).read_bytes().startswith(b"\x89PNG") for p in pictures)
 
 

@@ -46,7 +46,8 @@ def test_outer_axes_are_labelled_with_units_and_hold_data(compared):
 
 def test_steps_show_every_controller_until_the_end_of_the_window(compared):
     figure = figures.step_responses(compared.comparison, "deviation")
-    assert {"tuned PI", "paper's PI (stand-in)", "SIMC", "AMIGO", "Ziegler-Nichols"} <= set(texts(figure))
+    names = {"tuned PI", "paper's PI (stand-in)", "SIMC", "AMIGO", "Ziegler-Nichols"}
+    assert names | {"convex-concave PI", "robust LQI"} <= set(texts(figure))
     assert figure.axes[-1].get_xlim()[1] == 10.0
     lines = [line for line in figure.axes[0].lines if not line.get_label().startswith("_")]
     assert len({str(line._dash_pattern) for line in lines}) == len(lines)  # told apart without colour

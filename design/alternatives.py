@@ -1,0 +1,86 @@
+"""Designs beside the tuned PI, made under its limits and on its scenarios, for a comparison.
+
+A PI by convex-concave optimisation (`design.convex_concave`), which asks for the largest integral gain,
+a robust LQI (`design.lqi_design`), which sees the pressure as well, and a PI with a feedforward by the
+inverse (`design.feedforward_design`).
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from design.convex import Unsolved
+from design.convex_concave import ConvexConcave, convex_concave
+from design.feedforward_design import FeedforwardDesign, design_feedforward
+from design.lqi_design import RobustLQI, design_lqi
+from design.requirements import Problem
+from plants.wrist import Wrist
+
+CONVEX = "convex-concave PI"
+LQI_NAME = "robust LQI"
+FORWARD_PI = "PI + feedforward"
+
+Design = ConvexConcave | RobustLQI | FeedforwardDesign
+MAKERS: dict[str, Callable[[Problem], Design]] = {
+    CONVEX: convex_concave,
+    LQI_NAME: design_lqi,
+    FORWARD_PI: design_feedforward,
+}
+
+
+def design_others(problem: Problem) -> dict[str, Design | str]:
+    """The other designs for a tuning problem, by name; of one that cannot be made, the reason."""
+    found: dict[str, Design | str] = {}
+    for name, design in MAKERS.items():
+        try:
+            found[name] = design(problem)
+        except (Unsolved, ValueError) as error:
+            found[name] = str(error)
+    return found
+
+
+def design_mpcs(wrist: Wrist) -> dict[str, Any]:
+    """The MPCs of a comparison, by name, whose model is the wrist without its effects: linear and real-time
+    iteration in the fast setting, and the latter in the one that is made for an unknown dead time.
+
+    Their weights are those of `design.mpc.problem`: they are not tuned on a plant's scenarios.  Raises
+    InputError where their solver is not installed.
+    """
+    from design.mpc.linear import linear_mpc
+    from design.mpc.problem import nominal, robust
+    from design.mpc.real_time import real_time_mpc
+
+    bare = replace(wrist, effects=())
+    return {
+        "linear MPC": linear_mpc(nominal(bare)),
+        "real-time MPC": real_time_mpc(nominal(bare)),
+        "robust MPC": real_time_mpc(robust(bare)),
+    }
+
+
+def design_record(design: Design | str) -> dict[str, Any]:
+    """What a design rests on, for JSON: solver, what is active or guaranteed, cost and limits on the
+    scenarios that it was made on, and which limits it breaks there."""
+    if isinstance(design, str):
+        return {"none": design}
+    record: dict[str, Any] = {
+        "worst_iae_deg_s" if design.problem.cost == "iae" else "worst_cost": float(design.at.cost[0]),
+        "values": {n: float(v[0]) for n, v in design.at.values.items()},
+        "breaks": list(design.breaks),
+    }
+    if isinstance(design, ConvexConcave):
+        shaped = design.shaped
+        return record | {
+            "solver": shaped.solver, "iterations": shaped.iterations, "active": list(shaped.active),
+            "Kp_before": shaped.Kp, "Ki_before": shaped.Ki, "share": design.share,
+            "linear_limits": vars(design.shape),
+        }  # fmt: skip
+    if isinstance(design, FeedforwardDesign):
+        c = design.controller
+        return record | {"tried": design.tried, "speed": c.speed, "Kp": c.Kp, "Ki": c.Ki}
+    feedback = design.choice.feedback
+    return record | {
+        "solver": feedback.solver, "weights": vars(design.choice.weights), "tried": design.tried,
+        "guaranteed_decay_1_s": feedback.decay, "certificate_margin": feedback.margin,
+        "worst_pole": design.pole,
+    }  # fmt: skip

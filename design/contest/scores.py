@@ -1,0 +1,286 @@
+"""Controllers x plants x tasks -> scores with paired intervals, and ranks no finer than they support."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.contest import statistics
+from design.contest.coupled import run_coupled
+from design.contest.periodic import Periodic, play_periodic
+from design.contest.plants import (
+    COUPLING,
+    NOISE,
+    PLANTS,
+    RIGS,
+    SHARE,
+    Field,
+    day_to_day,
+    first,
+    nominal,
+    perturbed,
+    rig,
+)
+from design.contest.run import METRICS, Result, lanes_of, rests, run
+from design.contest.statistics import FEWEST, Interval
+from design.contest.tasks import DURATION, FAMILIES, Task, course, tasks
+from design.controller import Controller
+from design.metrics import SETTLING_BAND
+from design.robustness.samples.conditions import Conditions
+from design.robustness.samples.draws import generator
+from design.robustness.samples.noisy_loop import HOLD, sensor
+from design.tasks import STEP
+from plants.quantities import ParameterSet
+from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
+
+Array = NDArray[np.float64]
+Tell = Callable[[str, float], None]
+
+CHUNK = 480
+"""Runs that go side by side: a multiple of `plants.compiled.LANES`, few enough for their noise to fit."""
+
+JUDGED = ("iae_deg_s", "settling_time_s", "total_variation_V")
+"""Metrics whose differences get an interval; ranks are given of the first two."""
+
+WORST = ("settling_time_s", "unsettled", "overshoot_percent")
+"""Metrics of which a plant's value is the worst over the tasks of a family; the mean of the others."""
+
+BOTH = "both at once"
+
+BESIDE = ", MPC beside"
+"""What a field is called on which controllers that act once a period are played too."""
+
+
+@dataclass(frozen=True)
+class Score:
+    """One controller on one family of tasks in one field of plants.
+
+    mean: of each metric over the plants, where a plant's value is the mean over the tasks, or the worst
+    (settling, overshoot, unsettled: share of the plants on which something did not settle); settling_q95
+    [s]: 95 % quantile over the plants; against: paired differences to the reference controller; ranks:
+    best and worst that the pairs support, of the error and of the settling time.
+    """
+
+    motion: str
+    field: str
+    family: str
+    controller: str
+    plants: int
+    mean: Mapping[str, float]
+    settling_q95: float
+    against: Mapping[str, Interval]
+    ranks: Mapping[str, tuple[int, int]]
+
+
+@dataclass(frozen=True)
+class Contest:
+    """Scores, the name of the reference controller, what the sensor was like, plants set aside by motion
+    and field, the share of the spread from day to day that each motion's plants have, and the seed."""
+
+    scores: tuple[Score, ...]
+    reference: str
+    conditions: Conditions
+    set_aside: Mapping[tuple[str, str], int]
+    spread: Mapping[str, float]
+    plants: int
+    seed: int
+
+    def of(self, motion: str, field: str, family: str) -> list[Score]:
+        """The scores of one table, in the order of the controllers."""
+        return [s for s in self.scores if (s.motion, s.field, s.family) == (motion, field, family)]
+
+    @property
+    def tables(self) -> list[tuple[str, str, str]]:
+        """Motion, field and family of each table."""
+        return list({(s.motion, s.field, s.family): None for s in self.scores})
+
+
+def contest(
+    plants: Mapping[str, ParameterSet],
+    controllers: Mapping[str, Mapping[str, Controller]],
+    reference: str = "tuned",
+    count: int = PLANTS,
+    seed: int = 0,
+    jobs: int | None = None,
+    progress: Tell | None = None,
+    periodic: Mapping[str, Mapping[str, Periodic]] | None = None,
+    periodic_count: int = FEWEST,
+) -> Contest:
+    """Play all controllers of each motion on the perturbed plants and the rigs, and of two motions at once.
+
+    `controllers`: by motion and name, `reference` among them; `count`: plants that are drawn; `periodic`:
+    controllers that act once a period and are slow to simulate, so that they meet the plant as it is, with
+    and without the effects of the rigs, and the first `periodic_count` of the drawn ones, on the steps
+    from the virgin state; all others are played there once more beside them.  Raises
+    InputError as `perturbed` and for a plant with effects of its own.
+    """
+    tell = progress or (lambda stage, share: None)
+    conditions, scores, aside = Conditions(dead_time=0.0, load=0.0), list[Score](), {}
+    fields: dict[str, Field] = {m: perturbed(p, count, seed) for m, p in plants.items()}
+    for number, (motion, drawn) in enumerate(fields.items()):
+        given = tasks()
+        steps = [t for t in given if t.family == "steps"]
+        slow = (periodic or {}).get(motion, {})
+        declared = nominal(Wrist.of(plants[motion]))
+        met: list[tuple[Field, list[Task], bool]] = [(declared, given, True), (drawn, given, False)]
+        met += [(rig(name, drawn), steps, False) for name in RIGS]
+        if slow:
+            virgin = [t for t in steps if t.start == "virgin"]
+            met += [(first(drawn, periodic_count, f"{drawn.name}{BESIDE}"), virgin, True)]
+            met += [(rig(n, declared, 1, f"{n}{BESIDE}"), virgin, True) for n in RIGS]
+        for place, (field, asked, all_) in enumerate(met):
+            tell(f"{motion}, {field.name}", place / len(met))
+            aside[motion, field.name] = field.set_aside
+            entrants: dict[str, Controller | Periodic] = {**controllers[motion], **(slow if all_ else {})}
+            played = play(field, entrants, asked, conditions, 10 * seed + number, jobs)
+            for family in dict.fromkeys(t.family for t in asked):
+                here = [i for i, t in enumerate(asked) if t.family == family]
+                values = {n: by_plant(r, here) for n, r in played.items()}
+                scores += scored(motion, field.name, family, values, reference, seed)
+    if len(plants) == 2:
+        tell(BOTH, 0.0)
+        scores += coupled_scores(fields, controllers, conditions, reference, seed, jobs)
+    spread = {m: day_to_day(p)[1] for m, p in plants.items()}
+    return Contest(tuple(scores), reference, conditions, aside, spread, count, seed)
+
+
+def play(
+    field: Field,
+    controllers: Mapping[str, Controller | Periodic],
+    asked: list[Task],
+    conditions: Conditions,
+    seed: int,
+    jobs: int | None = None,
+) -> dict[str, Result]:
+    """Every controller on every plant of a field and every task, leaves of shape (plants, tasks).
+
+    All controllers meet the same plants, rests and noise.
+    """
+    parts: dict[str, list[Result]] = {n: [] for n in controllers}
+    pairs = [(i, j) for i in range(field.count) for j in range(len(asked))]
+    for number, begin in enumerate(range(0, len(pairs), CHUNK)):
+        piece = pairs[begin : begin + CHUNK]
+        lanes = lanes_for(
+            field, [i for i, _ in piece], [asked[j] for _, j in piece], conditions, seed, number
+        )
+        for name, controller in controllers.items():
+            if isinstance(controller, Periodic):
+                parts[name].append(play_periodic(controller=controller, **lanes))
+            else:
+                parts[name].append(run(controller=controller, jobs=jobs, **lanes)[0])
+    shape = (field.count, len(asked))
+    return {
+        n: Result(*(np.concatenate([getattr(r, m) for r in of]).reshape(shape) for m in METRICS))
+        for n, of in parts.items()
+    }
+
+
+def lanes_for(
+    field: Field, which: list[int], asked: list[Task], conditions: Conditions, seed: int, chunk: int
+) -> dict[str, Any]:
+    """What `design.contest.run.run` takes beside the controller, for plants and tasks lane by lane."""
+    wrist = lanes_of(field.wrist, np.array(which, dtype=np.intp))
+    state = rests(wrist, [t.start for t in asked], [t.angle for t in asked])
+    loads = {
+        "load-step.shift": np.array([t.load for t in asked]),
+        "load-step.moment": np.array([t.judged_from for t in asked]),
+    }
+    rows = round(DURATION / SAMPLE_TIME) // HOLD
+    noise = generator(seed, chunk, NOISE).standard_normal((rows, len(which)))
+    return {
+        "wrist": wrist.with_values(**loads), "state": state, "asked": course(asked),
+        "sensor": sensor(conditions.noise, conditions.quantum), "noise": noise,
+    }  # fmt: skip
+
+
+def by_plant(played: Result, tasks_: list[int]) -> dict[str, Array]:
+    """Each metric of each plant over some tasks, (plants,): the mean, or the worst."""
+    found = {}
+    for name in METRICS:
+        values = getattr(played, name)[:, tasks_]
+        found[name] = values.max(axis=1) if name in WORST else values.mean(axis=1)
+    return found
+
+
+def scored(
+    motion: str, field: str, family: str, values: Mapping[str, Mapping[str, Array]], reference: str, seed: int
+) -> list[Score]:
+    """Scores of the controllers of one table, from each metric of each plant by controller."""
+    count = len(next(iter(values.values()))["iae_deg_s"])
+    against: dict[str, dict[str, Interval]] = {n: {} for n in values}
+    for metric in JUDGED:
+        differences = np.array([v[metric] - values[reference][metric] for v in values.values()])
+        for name, interval in zip(values, statistics.intervals(differences, seed=seed), strict=True):
+            against[name][metric] = interval
+    ranks = {m: statistics.ranks({n: v[m] for n, v in values.items()}, seed=seed) for m in JUDGED[:2]}
+    return [
+        Score(
+            motion, field, family, name, count,
+            {m: float(v[m].mean()) for m in METRICS},
+            float(np.quantile(v["settling_time_s"], 0.95)),
+            against[name], {m: r[name] for m, r in ranks.items()},
+        )
+        for name, v in values.items()
+    ]  # fmt: skip
+
+
+def coupled_scores(
+    fields: Mapping[str, Field],
+    controllers: Mapping[str, Mapping[str, Controller]],
+    conditions: Conditions,
+    reference: str,
+    seed: int,
+    jobs: int | None,
+) -> list[Score]:
+    """Steps of both motions at once, all four pairs of signs, from rest, on some of the perturbed plants
+    with coupling: the later settling, errors and travels added up."""
+    one, two = fields
+    count = min(f.count for f in fields.values())
+    pick = np.arange(0, count, SHARE)
+    virgin = [t for t in tasks() if t.family == "steps" and t.start == "virgin"]
+    pairs = [(i, a, b) for i in range(pick.size) for a in (0, 1) for b in (0, 1)]
+    lanes = []
+    for me, motion in enumerate((one, two)):
+        gains = {"cross-coupling.gain": np.full(pick.size, COUPLING)}
+        wrist = lanes_of(fields[motion].wrist, pick).with_values(**gains)
+        field = Field(motion, wrist, pick.size)
+        asked = [virgin[p[1 + me]] for p in pairs]
+        lanes.append(lanes_for(field, [p[0] for p in pairs], asked, conditions, seed, 1000 + me))
+    values = {}
+    for name in (n for n in controllers[one] if n in controllers[two]):
+        (a, b), _ = run_coupled((controllers[one][name], controllers[two][name]), (lanes[0], lanes[1]), jobs)
+        joined = Result(*(
+            (np.maximum(getattr(a, m), getattr(b, m)) if m in WORST else getattr(a, m) + getattr(b, m))
+            .reshape(pick.size, 4) for m in METRICS
+        ))  # fmt: skip
+        values[name] = by_plant(joined, [0, 1, 2, 3])
+    return scored(BOTH, f"coupled, {COUPLING:g} deg/kPa", "steps", values, reference, seed)
+
+
+def contest_record(found: Contest) -> dict[str, Any]:
+    """A contest for JSON: how it was played, and every score flat."""
+    scores = []
+    for s in found.scores:
+        record = {n: getattr(s, n) for n in ("motion", "field", "family", "controller", "plants")}
+        record |= {**s.mean, "settling_q95_s": s.settling_q95}
+        for metric, interval in s.against.items():
+            record |= {f"{metric}_difference{end}": v for end, v in
+                       (("", interval.mean), ("_low", interval.low), ("_high", interval.high))}  # fmt: skip
+        for metric, (best, worst) in s.ranks.items():
+            record |= {f"{metric}_rank_best": best, f"{metric}_rank_worst": worst}
+        scores.append(record)
+    return {
+        "reference": found.reference,
+        "interval": f"paired, {100 * statistics.LEVEL:g} % BCa bootstrap of the mean over plants; ranks "
+        "hold together at this level (Bonferroni over the pairs of a table)",
+        "plants_drawn": found.plants, "seed": found.seed, "duration_s": DURATION,
+        "band_deg": SETTLING_BAND * STEP, "sample_s": SAMPLE_TIME, "command_range_V": list(COMMAND_RANGE),
+        "sensor": {"noise_deg": found.conditions.noise, "noise_held_s": HOLD * SAMPLE_TIME,
+                   "quantum_deg": found.conditions.quantum},
+        "share_of_the_day_to_day_spread": dict(found.spread),
+        "families": dict(FAMILIES), "rigs": RIGS, "coupling_deg_per_kPa": COUPLING,
+        "set_aside": [{"motion": m, "field": f, "plants": n} for (m, f), n in found.set_aside.items() if n],
+        "scores": scores,
+    }  # fmt: skip
