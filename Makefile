@@ -6,7 +6,7 @@ ENV := .venv/.installed
 .PHONY: compare test suite bench lint env clean
 
 compare: $(ENV)
-	$(BIN)/wrist compare --example --out build/compare
+	$(BIN)/wrist compare --example --samples 0 --mpc-plants 0 --out build/compare
 
 test: $(ENV)
 	$(BIN)/python -m pytest -n 2
