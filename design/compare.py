@@ -33,7 +33,7 @@ from design.lqi_loop import Broken
 from design.margins import branch_responses, by_python_control
 from design.metrics import Metrics
 from design.pi import PI
-from design.requirements import Limits, default_problem
+from design.requirements import ROUNDING, Limits, default_problem
 from design.rules import baselines, paper_range
 from design.tasks import STEP
 from plants.wrist import Wrist
@@ -227,9 +227,8 @@ def _standing(
         "total_variation_V": worst["total_variation_V"],
         "steady_error_percent": 100.0 * worst["steady_state_error_deg"] / STEP,
     }
-    # A tuned optimum lies on its limit: half a per mille keeps rounding from breaking it.
-    breaks = [n for n, v in held.items() if n in limits.named and v > limits.named[n] * 1.0005]
-    if "delay_margin_s" in limits.named and delay < limits.named["delay_margin_s"] / 1.0005:
+    breaks = [n for n, v in held.items() if n in limits.named and v > limits.named[n] * ROUNDING]
+    if "delay_margin_s" in limits.named and delay < limits.named["delay_margin_s"] / ROUNDING:
         breaks.append("delay_margin_s")
     Kp, Ki = (controller.Kp, controller.Ki) if isinstance(controller, PI | FeedforwardPI) else (None, None)
     ratios_ = [[getattr(r, n) for r in rows] for n in ("settling_ratio", "iae_ratio")]

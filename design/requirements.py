@@ -50,6 +50,9 @@ class Limits:
 NOMINAL = replace(Limits(), delay_margin_s=None)
 """Limits for a rig without dead time, which no real one is."""
 
+ROUNDING = 1.0005
+"""A tuned optimum lies on its limit; half a per mille keeps rounding from breaking it."""
+
 LIMIT_UNITS = {
     "overshoot_percent": "%", "Ms": "1", "delay_margin_s": "s", "total_variation_V": "V",
     "steady_error_percent": "%", "command_range": "V",

@@ -14,7 +14,7 @@ from design.answer import UNITS, refusal
 from design.loop import run
 from design.metrics import SETTLING_BAND
 from design.pi import PI
-from design.requirements import Limits, Problem, default_problem, evaluate, out_of_range
+from design.requirements import ROUNDING, Limits, Problem, default_problem, evaluate, out_of_range
 from design.tasks import STEP, hindrance
 from design.tuning import Region, Tuning, tune
 from plants.quantities import ParameterSet
@@ -34,9 +34,6 @@ ON_REVISED = "the revised plant, since only data is at hand"
 
 ON_FITTED = "the fitted plant, since only data is at hand"
 """The same where nothing was revised."""
-
-ROUNDING = 1.0005
-"""A tuned optimum lies on its limit; half a per mille keeps rounding from breaking it."""
 
 
 class Signals(Protocol):

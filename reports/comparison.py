@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +20,7 @@ from reports import figures, paper
 from reports.comparison_designs import budgets, designs
 from reports.fitted import Fit, draw_fit
 from reports.gain_map import COST_WORDS
-from reports.html import Made, markup, render
+from reports.html import Made, Shown, markup, render
 from reports.records import comparison_record, contest_csv_text, csv_text
 from reports.style import save, svg
 from reports.tables import number
@@ -30,14 +29,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["comparison_page", "write_comparison"]
-
-
-@dataclass(frozen=True)
-class Shown:
-    """A figure in a page: SVG ready to be put in, and the words beneath."""
-
-    svg: Any
-    caption: str
 
 
 def comparison_page(

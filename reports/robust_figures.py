@@ -45,7 +45,6 @@ MARKERS = ("*", "D", "s", "^", "v", "o")
 def draw_gain_plane(plane: GainPlane, limits: Limits, marks: Mapping[str, tuple[float, float]]) -> "Figure":
     """Regions of the gains: unstable on some branch (grey), certified by each rung (filled), the limits
     on Ms, overshoot and delay margin as lines, the gains that were chosen as marks."""
-    from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     with styled():
@@ -72,7 +71,6 @@ def draw_gain_plane(plane: GainPlane, limits: Limits, marks: Mapping[str, tuple[
         axes.set(xlim=(plane.Kp[0], plane.Kp[-1]), ylim=(plane.Ki[0], plane.Ki[-1]))
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_formatter(lambda v, _: f"{v:g}")
-        assert all(isinstance(h, (Patch, Line2D)) for h in handles)
         figure.legend(handles=handles, loc="outside lower center", ncols=2)
     return figure
 

@@ -4,11 +4,10 @@ from collections.abc import Iterable
 from dataclasses import fields
 
 from design.metrics import UNITS, Metrics
-from design.requirements import Limits
+from design.requirements import ROUNDING, Limits
 from design.robustness.assess import Assessment
 from design.robustness.box import Box
 from design.robustness.predictions.limit_cycles import LimitCycle
-from design.robustness.predictions.margins import ON_IT
 from design.robustness.samples.monte_carlo import QUANTILES, Samples
 from design.robustness.statement import Statement
 from design.robustness.verdict import verdict
@@ -70,8 +69,8 @@ def margin_table(assessment: Assessment) -> Table:
         if not m["stable"]:
             rows.append(row(m["branch"], m["rate"], Cell("unstable", broken=True), *("–" for _ in range(5))))
             continue
-        late = "delay_margin_s" in limits and m["delay_margin_s"] < limits["delay_margin_s"] / ON_IT
-        high = "Ms" in limits and m["Ms"] > limits["Ms"] * ON_IT
+        late = "delay_margin_s" in limits and m["delay_margin_s"] < limits["delay_margin_s"] / ROUNDING
+        high = "Ms" in limits and m["Ms"] > limits["Ms"] * ROUNDING
         rows.append(
             row(
                 m["branch"], m["rate"], number(m["gain_margin"]), number(m["phase_margin_deg"]),

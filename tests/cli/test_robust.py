@@ -1,7 +1,6 @@
 """``wrist robust`` answers in three kinds of statement, and refuses bad input in one line."""
 
 import json
-from pathlib import Path
 
 import pytest
 
@@ -145,12 +144,6 @@ def test_a_place_that_cannot_be_written_to_is_found_first(wrist, tmp_path):
 def test_an_interval_that_is_given_twice_is_refused():
     with pytest.raises(InputError, match="given twice"):
         intervals(["a1=0.3:0.4", "a1=0.3:0.5"])
-
-
-def test_the_help_names_the_example():
-    from design.cli import robust
-
-    assert Path("build/robust").as_posix() in robust.EXAMPLE
 
 
 def test_what_is_proved_of_a_revised_plant_says_what_it_leaves_out(wrist, tmp_path):

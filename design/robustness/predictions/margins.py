@@ -5,16 +5,12 @@ from typing import Any
 
 from design.margins import by_python_control
 from design.pi import PI
-from design.requirements import Limits
+from design.requirements import ROUNDING, Limits
 from design.robustness.statement import Statement
 from plants.wrist import Wrist
 
 STEEPEST = "steepest"
 """The rate of small motions about the error at which k(e) e is steepest."""
-
-ON_IT = 1.0005
-"""A tuned optimum lies on its limit; half a per mille keeps rounding from breaking it, as in the
-comparison of controllers."""
 
 Row = dict[str, Any]
 
@@ -103,7 +99,7 @@ def _worst(
         claim = f"{words} on every branch"
         return Statement("prediction", claim, None, value, unit, branch, because + "; no limit is set")
     shown = f"{1e3 * limit:g} ms" if unit == "s" else f"{limit:g}"
-    holds = value <= limit * ON_IT if sense == "at most" else value >= limit / ON_IT
+    holds = value <= limit * ROUNDING if sense == "at most" else value >= limit / ROUNDING
     return Statement(
         "prediction", f"{words} {sense} {shown} on every branch", holds, value, unit, branch, because
     )

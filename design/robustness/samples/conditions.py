@@ -5,14 +5,13 @@ from typing import Any
 
 import numpy as np
 
+from design.burden import burdened
 from plants.effects.dead_time import DeadTime
 from plants.effects.load_step import LoadStep
 from plants.errors import InputError
 from plants.wrist import Wrist
 
 Number = Any
-EVER = -1.0
-"""Moment [s] of a load that is there before the run starts, and when the wrist is put to rest."""
 
 
 @dataclass(frozen=True)
@@ -74,8 +73,6 @@ def added(wrist: Wrist, conditions: Conditions, dead_time: Number, load: Number)
     """The wrist behind a tube of a dead time [s] and under a load [deg], one entry per lane, as far as the
     conditions ask for them and the wrist has none of its own."""
     own = {e.NAME for e in wrist.effects}
-    if conditions.dead_time > 0.0 and DeadTime.NAME not in own:
-        wrist = wrist + DeadTime(dead_time)
-    if conditions.load > 0.0 and LoadStep.NAME not in own:
-        wrist = wrist + LoadStep(load, EVER)
-    return wrist
+    late = conditions.dead_time > 0.0 and DeadTime.NAME not in own
+    loaded = conditions.load > 0.0 and LoadStep.NAME not in own
+    return burdened(wrist, dead_time if late else None, load if loaded else None)
