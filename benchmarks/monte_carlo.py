@@ -9,8 +9,8 @@ import numpy as np
 from benchmarks.rollouts import Disagreement
 from benchmarks.timing import duel
 from design import loop, metrics
+from design.controllers.pi import PI
 from design.metrics import Metrics
-from design.pi import PI
 from design.robustness.box import box_of
 from design.robustness.samples.conditions import NONE, Conditions
 from design.robustness.samples.draws import CHUNK, Draw, Task, draw

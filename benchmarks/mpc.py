@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from benchmarks.rollouts import Disagreement
 from benchmarks.timing import duel
-from design.controller import Measured
+from design.controllers.controller import Measured
 from design.mpc import hybrid, linear, observer, real_time
 from design.mpc.converged import converged_mpc
 from design.mpc.fallback import Info

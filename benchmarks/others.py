@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from benchmarks.rollouts import DURATION, SAMPLES, TOLERANCE, Case, Disagreement, case
 from benchmarks.timing import duel
-from design import pi
+from design.controllers import pi
+from design.controllers.pi import PIState
 from design.loop import Loop, SampledLoop, run
-from design.pi import PIState
 from plants import tree
 from plants import wrist as plant
 from plants.wrist import SAMPLE_TIME, State

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from benchmarks import native
 from benchmarks.timing import duel
 from design import metrics
+from design.controllers.pi import PI
 from design.loop import Loop, SampledLoop, holding, run
 from design.metrics import Metrics
-from design.pi import PI
 from plants import Wrist, tree
 from plants.wrist import SAMPLE_TIME
 

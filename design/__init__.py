@@ -12,7 +12,7 @@ from importlib import import_module
 from typing import Any
 
 _HOME = {
-    "PI": "design.pi",
+    "PI": "design.controllers.pi",
     "Metrics": "design.metrics",
     "Trajectory": "design.loop",
     "run": "design.loop",

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design.controller import Controller, Measured
+from design.controllers.controller import Controller, Measured
 from design.loop import run
 from design.metrics import Metrics
 from design.tasks import HEADROOM, STEP, Scenario, corner, unreachable
@@ -164,8 +164,8 @@ def break_even(
     given.  All cases of one controller run as lanes of one batch, those with a dead time of another.
     Raises InputError for a wrist with effects, an unknown kind of error, and a grid without 0.
 
-    >>> from design.feedforward import Feedforward
-    >>> from design.pi import PI
+    >>> from design.controllers.feedforward import Feedforward
+    >>> from design.controllers.pi import PI
     >>> wrist = Wrist.flexion()
     >>> tried = {"loop width": np.array([0.0, 0.1])}
     >>> found = break_even(wrist, PI(3.13, 10.4), {"feedforward": Feedforward.of(wrist)}, tried, duration=4.0)

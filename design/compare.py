@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from design.alternatives import Design, design_others, design_record
+from design.alternatives.designs import Design, design_others, design_record
+from design.alternatives.lqi_loop import Broken
 from design.compare_tasks import (
     METRICS,
     bounds_on_tasks,
@@ -23,16 +24,15 @@ from design.compare_tasks import (
     task_scenarios,
     together,
 )
-from design.controller import Controller
-from design.feedforward import Feedforward, FeedforwardPI
-from design.feedforward_course import no_inverse
+from design.controllers.controller import Controller
+from design.controllers.feedforward import Feedforward, FeedforwardPI
+from design.controllers.feedforward_course import no_inverse
+from design.controllers.lqi import LQI
+from design.controllers.pi import PI
 from design.limit import Limit, ratios
 from design.loop import Trajectory, run
-from design.lqi import LQI
-from design.lqi_loop import Broken
 from design.margins import branch_responses, by_python_control
 from design.metrics import Metrics
-from design.pi import PI
 from design.requirements import ROUNDING, Limits, default_problem
 from design.rules import baselines, paper_range
 from design.tasks import STEP

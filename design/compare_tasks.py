@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from design.controller import Controller, stacked
+from design.controllers.controller import Controller, stacked
 from design.limit import Limit, limit, limits_of
 from design.loop import Trajectory, run
 from design.metrics import Metrics

@@ -1,6 +1,6 @@
 """The closed loop: controller and wrist, sampled together, judged while it runs.
 
-The controller, any that `design.controller` describes, sees what the sensors show; the judge sees the
+The controller, any that `controllers.controller` describes, sees what the sensors show; the judge sees the
 joint.  The two differ where the wrist has effects that sit in its sensor, such as a drift.
 """
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design import metrics
-from design.controller import Controller, Measured
+from design.controllers.controller import Controller, Measured
 from design.metrics import Metrics, Tally, Yardstick
 from plants import tree
 from plants import wrist as plant
@@ -95,7 +95,7 @@ def run(
     from the last state of another starts with its last command everywhere in the tube.
 
     >>> from plants import Wrist
-    >>> from design.pi import PI
+    >>> from design.controllers.pi import PI
     >>> judged, _, _ = run(Wrist.flexion(), PI(1.2, 2.2), 15.0)
     >>> float(judged.settling_time_s[0].round(2)), float(judged.overshoot_percent[0].round(2))
     (5.59, 0.58)

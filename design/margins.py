@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design.pi import PI
+from design.controllers.pi import PI
 from plants.linear import BRANCHES, RATES, branch_ss, responses
 from plants.wrist import SAMPLE_TIME, Wrist
 

@@ -7,10 +7,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from design.controllers.pi import PI
 from design.loop import run
 from design.margins import BranchResponse, branch_responses, margins
 from design.metrics import Metrics
-from design.pi import PI
 from design.sequence import Sequence as Adverse
 from design.sequence import play, repeated
 from design.sequence import stack as stack_adverse

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.answer import UNITS, refusal
+from design.controllers.pi import PI
 from design.loop import run
 from design.metrics import SETTLING_BAND
-from design.pi import PI
 from design.requirements import ROUNDING, Limits, Problem, default_problem, evaluate, out_of_range
 from design.tasks import STEP, hindrance
 from design.tuning import Region, Tuning, tune

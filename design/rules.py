@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design.pi import PI
+from design.controllers.pi import PI
 from plants.rest import at_pressure
 from plants.wrist import SAMPLE_TIME, Wrist
 

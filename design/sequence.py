@@ -11,11 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from design import metrics, pi
+from design import metrics
 from design.burden import at_rest, burdened
+from design.controllers import pi
+from design.controllers.pi import PI, PIState, SampledPI
 from design.loop import Trajectory, holding
 from design.metrics import Metrics, Tally, Yardstick
-from design.pi import PI, PIState, SampledPI
 from design.tasks import STEP
 from plants import tree
 from plants import wrist as plant

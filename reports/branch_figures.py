@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from design.controllers.pi import PI
 from design.margins import OpenLoop, open_loops, winds_not
-from design.pi import PI
 from design.requirements import Limits
 from design.robustness.predictions.describing_function import (
     centre_of,

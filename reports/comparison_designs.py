@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from math import log
 
-from design.alternatives import Design
+from design.alternatives.convex_concave import ConvexConcave
+from design.alternatives.designs import Design
+from design.alternatives.feedforward_design import FeedforwardDesign
+from design.alternatives.lqi_design import RobustLQI
 from design.compare import TUNED, Comparison
-from design.convex_concave import ConvexConcave
-from design.feedforward_design import FeedforwardDesign
-from design.lqi_design import RobustLQI
 from design.tuning import Tuning
 from plants.wrist import SAMPLE_TIME
 from reports.comparison_tables import limit_name

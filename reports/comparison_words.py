@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 
+from design.alternatives.convex_concave import NOISE_GAIN
+from design.alternatives.lqi_design import WASHOUT
 from design.answer import refusal
 from design.compare import TUNED, Comparison
-from design.convex_concave import NOISE_GAIN
-from design.lqi_design import WASHOUT
 from design.rules import PAPER_FACTOR, PAPER_GAINS
 from design.tasks import HEADROOM, STEP
 from design.tuning import ACTIVE, Tuning

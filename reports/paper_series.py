@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from design.controllers.pi import PI
 from design.loop import run
-from design.pi import PI
 from design.rules import paper_range
 from design.tasks import STEP
 from plants import hysteresis

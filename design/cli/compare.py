@@ -8,8 +8,8 @@ import typer
 from design.cli.common import JobsOption, JsonOption, SeedOption, console, progress, write_json
 
 if TYPE_CHECKING:
-    from design.controller import Controller
-    from design.pi import PI
+    from design.controllers.controller import Controller
+    from design.controllers.pi import PI
     from design.tuning import Tuning
     from plants.measured.fit import Fit
     from plants.quantities import ParameterSet
@@ -56,7 +56,7 @@ def command(
 ) -> None:
     import sys
 
-    from design.alternatives import design_others
+    from design.alternatives.designs import design_others
     from design.answer import refusal
     from design.cli.compare_tables import contest_table, table
     from design.compare import compare, controllers
@@ -145,7 +145,7 @@ def example_campaigns() -> list[Path]:
 
 def _mpcs(wrists: Any, said: Any) -> dict[str, Any]:
     """The MPCs of each motion; none, and why, where their solver is not installed."""
-    from design.alternatives import design_mpcs
+    from design.alternatives.designs import design_mpcs
     from plants.errors import InputError
 
     try:
@@ -158,7 +158,7 @@ def _mpcs(wrists: Any, said: Any) -> dict[str, Any]:
 def robust(gains: list[str], wrists: Any) -> "dict[str, dict[str, Controller]]":
     """The robust PI of each motion that gains were given for, ``Kp,Ki`` for all or ``motion=Kp,Ki``."""
     from design.cli.common import numbers
-    from design.pi import PI
+    from design.controllers.pi import PI
     from plants.errors import InputError
 
     found: dict[str, dict[str, Controller]] = {}

@@ -22,7 +22,7 @@ from design.cli.common import (
 from design.cli.places import check_places
 
 if TYPE_CHECKING:
-    from design.pi import PI
+    from design.controllers.pi import PI
     from design.robustness.assess import Assessment
     from design.robustness.statement import Statement
     from plants.wrist import Wrist
@@ -139,7 +139,7 @@ def intervals(texts: list[str]) -> dict[str, tuple[float, float]]:
 
 def controller(gains: str, wrist: "Wrist") -> "PI":
     """The PI of ``--gains``; raises InputError for gains that are not both above zero."""
-    from design.pi import PI
+    from design.controllers.pi import PI
     from plants.errors import InputError
 
     Kp, Ki = numbers(gains, "--gains", "1.2,2.2")

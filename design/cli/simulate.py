@@ -140,8 +140,8 @@ def _closed(
 ) -> dict[str, Any]:
     import math
 
+    from design.controllers.pi import PI
     from design.loop import run
-    from design.pi import PI
     from plants.errors import InputError
 
     if not math.isfinite(step) or step == 0.0:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.contest.run import Result, run
-from design.controller import Controller
+from design.controllers.controller import Controller
 from plants.errors import InputError
 
 Array = NDArray[np.float64]

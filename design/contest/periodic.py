@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from design.contest.run import Result, Tally, at, finish, judge, start_of
 from design.contest.tasks import DURATION, Course
-from design.controller import Measured
+from design.controllers.controller import Measured
 from design.robustness.samples.noisy_loop import HOLD, Sensor, rounded
 from plants import tree
 from plants import wrist as plant

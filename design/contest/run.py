@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.contest.tasks import DURATION, Course
-from design.controller import Controller, Measured
+from design.controllers.controller import Controller, Measured
 from design.loop import holding
 from design.metrics import SETTLING_BAND
 from design.robustness.samples.noisy_loop import HOLD, Sensor, rounded

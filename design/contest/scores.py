@@ -26,7 +26,7 @@ from design.contest.plants import (
 from design.contest.run import METRICS, Result, lanes_of, rests, run
 from design.contest.statistics import FEWEST, Interval
 from design.contest.tasks import DURATION, FAMILIES, Task, course, tasks
-from design.controller import Controller
+from design.controllers.controller import Controller
 from design.metrics import SETTLING_BAND
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.draws import generator

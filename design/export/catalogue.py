@@ -5,14 +5,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from design.controller import Controller
+from design.controllers.controller import Controller
+from design.controllers.feedforward import Feedforward, FeedforwardPI
+from design.controllers.lqi import LQI
+from design.controllers.memory_estimator import MemoryObserver
+from design.controllers.pi import PI
 from design.export.mpc import of_linear_mpc
 from design.export.part import Part, of_controller, of_observer
-from design.feedforward import Feedforward, FeedforwardPI
-from design.lqi import LQI
-from design.memory_estimator import MemoryObserver
 from design.mpc.problem import Problem, nominal, robust
-from design.pi import PI
 from plants.delay import LONGEST
 from plants.errors import InputError
 from plants.wrist import SAMPLE_TIME, Wrist
@@ -44,7 +44,7 @@ def _pi(wrist: Wrist, g: Numbers) -> Controller:
 def _lqi(wrist: Wrist, g: Numbers) -> Controller:
     p = wrist.hysteresis
     Ke, Kd, Kq, jump, bandwidth = g
-    slope = 0.5 * float(p.a1 + p.a2)  # as `design.lqi_design` completes a feedback
+    slope = 0.5 * float(p.a1 + p.a2)  # as `design.alternatives.lqi_design` completes a feedback
     return LQI(Ke, Kd, Kq, jump, slope, float(wrist.Tw), bandwidth, gain=float(wrist.regulator.gain))
 
 

@@ -73,7 +73,7 @@ def described(state: Any) -> tuple[Field, ...]:
 
     Raises InputError for a field that `DESCRIBED` lacks.
 
-    >>> from design.pi import PIState
+    >>> from design.controllers.pi import PIState
     >>> [f.declaration for f in described(PIState(0.0))]
     ['double integral_kPa;']
     """

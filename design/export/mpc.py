@@ -20,11 +20,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from design.controller import Measured
+from design.controllers.controller import Measured
+from design.controllers.memory_estimator import memory_at_rest
 from design.export.fields import COMMAND, Field, described
 from design.export.mpc_source import mpc_source
 from design.export.part import SEEN, Part, Seen
-from design.memory_estimator import memory_at_rest
 from design.mpc import linear, observer
 from design.mpc.prediction import coefficients
 from design.mpc.problem import Believed, Problem

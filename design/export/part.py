@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from design.controller import Controller, Measured
+from design.controllers.controller import Controller, Measured
+from design.controllers.memory_estimator import MemoryObserver, init
+from design.controllers.memory_estimator import step as observe
 from design.export.fields import ANGLE, COMMAND, PRESSURE, REFERENCE, Field, described, lines_of
-from design.memory_estimator import MemoryObserver, init
-from design.memory_estimator import step as observe
 from plants import tree
 from plants.compiled import baked, c_source, graph, used
 from plants.delay import SampledDelay
@@ -78,7 +78,7 @@ class Part:
 
 
 def of_controller(name: str, title: str, controller: Controller, period: float = SAMPLE_TIME) -> Part:
-    """Any controller that `design.controller` describes and whose law is made of NumPy ufuncs.
+    """Any controller that `design.controllers.controller` describes and whose law is made of NumPy ufuncs.
 
     Its sensors' names are those of `Seen`; of these it asks for what its law depends on.
     """

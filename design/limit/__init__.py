@@ -131,7 +131,7 @@ def ratios(metrics: Metrics, of: Limit) -> Ratios:
     where it, or anything, does not settle.
 
     >>> from design.loop import run
-    >>> from design.pi import PI
+    >>> from design.controllers.pi import PI
     >>> wrist = Wrist.flexion()
     >>> judged, _, _ = run(wrist, PI(1.2, 2.2), 15.0)
     >>> found = ratios(judged, limit(Scenario("virgin", 0.0, 15.0, wrist)))

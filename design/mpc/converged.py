@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from design.controller import Measured
+from design.controllers.controller import Measured
 from design.mpc import fallback, nlp, observer
 from design.mpc.fallback import Attempt, Fallback, Info
 from design.mpc.fallback import State as MPCState

@@ -19,11 +19,11 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from design import pi
-from design.controller import Measured
+from design.controllers import pi
+from design.controllers.controller import Measured
+from design.controllers.pi import PI, PIState
 from design.mpc import observer, qp
 from design.mpc.problem import Believed, Problem
-from design.pi import PI, PIState
 from plants.errors import InputError
 from plants.wrist import State as WristState
 

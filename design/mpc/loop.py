@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design import metrics
-from design.controller import Measured
+from design.controllers.controller import Measured
 from design.loop import Trajectory
 from design.metrics import Metrics, Tally, Yardstick
 from design.mpc.fallback import Info

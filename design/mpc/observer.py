@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from design.controller import Measured
+from design.controllers.controller import Measured
 from design.mpc.prediction import STATES, indented, inlined
 from design.mpc.problem import Believed, Problem
 from plants import tree, wrist

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from design.pi import PI
+from design.controllers.pi import PI
 from design.requirements import Limits
 from design.robustness.box import Box
 from design.robustness.certificates.certificate import Certificate

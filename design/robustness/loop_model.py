@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from design.pi import PI
+from design.controllers.pi import PI
 from plants import lag, regulator
 from plants.linear import BRANCHES, branch_slope
 from plants.wrist import SAMPLE_TIME, Wrist
@@ -54,7 +54,7 @@ class LoopModel:
         """The model of a wrist under a PI, whose idea of the regulator's gain may be off.
 
         >>> from plants import Wrist
-        >>> from design.pi import PI
+        >>> from design.controllers.pi import PI
         >>> LoopModel.of(Wrist.flexion(), PI(1.2, 2.2)).slopes
         {'transit': 0.0803, 'line1': 0.36, 'line2': 0.36}
         """
@@ -76,7 +76,7 @@ class LoopModel:
         """The slopes without repetition, by the names of the branches that have them.
 
         >>> from plants import Wrist
-        >>> from design.pi import PI
+        >>> from design.controllers.pi import PI
         >>> LoopModel.of(Wrist.flexion(), PI(1.2, 2.2)).distinct_slopes
         {'transit': 0.0803, 'line1 and line2': 0.36}
         """

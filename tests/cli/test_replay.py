@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from design.pi import PI
+from design.controllers.pi import PI
 from design.robustness.box import box_of
 from design.robustness.samples.adversary import worst_case
 from design.robustness.samples.scenario_file import save

@@ -86,8 +86,8 @@ def test_the_worst_scenario_can_be_replayed_to_the_same_figures(assessed, wrist)
 
 
 def test_the_predictions_are_those_of_the_comparison(assessed):
+    from design.controllers.pi import PI
     from design.margins import by_python_control
-    from design.pi import PI
     from plants import Wrist
 
     record, _ = assessed

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from design.controllers.pi import PI
 from design.loop import run
-from design.pi import PI
 from design.requirements import Limits
 from design.retune import Response, control_record, judged, retune, simulated
 from design.tuning import Region

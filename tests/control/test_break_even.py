@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from design.break_even import GRIDS, break_even, crossing
-from design.controller import Measured
-from design.feedforward import Feedforward, FeedforwardPI
+from design.controllers.controller import Measured
+from design.controllers.feedforward import Feedforward, FeedforwardPI
+from design.controllers.pi import PI
 from design.loop import run
-from design.pi import PI
 from design.tasks import corner
 from plants.effects.dead_time import DeadTime
 from plants.errors import InputError

@@ -14,9 +14,9 @@ from design.contest.plants import carrying, nominal
 from design.contest.run import METRICS, run
 from design.contest.scores import lanes_for
 from design.contest.tasks import DURATION, STAIRS, TREAD, tasks
+from design.controllers.pi import PI
+from design.controllers.pi import step as pi_step
 from design.loop import run as plain_run
-from design.pi import PI
-from design.pi import step as pi_step
 from design.robustness.samples.conditions import Conditions
 from plants import InputError, Wrist
 from plants import wrist as plant

@@ -12,9 +12,9 @@ from design.contest.run import METRICS
 from design.contest.scores import BESIDE, BOTH, by_plant, play
 from design.contest.tasks import FAMILIES, tasks
 from design.contest.words import against, sentences
+from design.controllers.pi import PI
 from design.mpc.linear import linear_mpc
 from design.mpc.problem import Problem
-from design.pi import PI
 from design.robustness.box import box_of
 from design.robustness.samples.conditions import Conditions
 from plants import InputError, Wrist, built_in

@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 from c_target import GAINS, WRIST, exported
 
+from design.controllers.feedforward import Feedforward
+from design.controllers.lqi import LQI
+from design.controllers.memory_estimator import MemoryObserver
 from design.export.catalogue import CATALOGUE, part
 from design.export.fields import described
 from design.export.folder import contents
-from design.feedforward import Feedforward
-from design.lqi import LQI
-from design.memory_estimator import MemoryObserver
 from plants import InputError, Wrist
 from plants.effects import Creep
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from design.controller import Measured, stacked
-from design.feedforward import Feedforward, FeedforwardPI
-from design.feedforward_course import no_inverse, reachable, within_reach
+from design.controllers.controller import Measured, stacked
+from design.controllers.feedforward import Feedforward, FeedforwardPI
+from design.controllers.feedforward_course import no_inverse, reachable, within_reach
+from design.controllers.pi import PI
 from design.loop import Loop, SampledLoop, run, step
 from design.metrics import begin, yardstick
-from design.pi import PI
 from plants import one_page, tree
 from plants.effects.creep import Creep
 from plants.effects.dead_time import DeadTime

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from design.feedforward import FeedforwardPI
-from design.feedforward_design import design_feedforward, judge
+from design.alternatives.feedforward_design import design_feedforward, judge
+from design.controllers.feedforward import FeedforwardPI
 from design.loop import run
 from design.margins import by_python_control
 from design.requirements import Limits, default_problem, evaluate

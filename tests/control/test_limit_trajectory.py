@@ -5,9 +5,9 @@ import pytest
 from limit_plant import iae, lanes, of_state, settled_at
 from scipy.optimize import fsolve
 
+from design.controllers.pi import PI
 from design.limit import bound, limit, limits_of, optimal, ratios, replay
 from design.loop import run
-from design.pi import PI
 from design.tasks import Scenario
 from plants import Wrist
 from plants.effects.dead_time import DeadTime

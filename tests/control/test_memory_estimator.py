@@ -5,8 +5,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from design import memory_estimator as estimator
-from design.memory_estimator import MemoryObserver, memory_at_rest, pressure_at_rest
+from design.controllers import memory_estimator as estimator
+from design.controllers.memory_estimator import MemoryObserver, memory_at_rest, pressure_at_rest
 from plants import hysteresis, tree
 from plants.hysteresis import Memory
 from plants.simulate import run_lanes

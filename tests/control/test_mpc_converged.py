@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from benchmarks.mpc import closed_loop_cost
-from design.controller import Measured
+from design.controllers.controller import Measured
 from design.mpc import linear, observer
 from design.mpc.converged import converged_mpc
 from design.mpc.fallback import SHIFTED, SOLVED

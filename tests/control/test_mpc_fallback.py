@@ -7,7 +7,7 @@ from itertools import count
 import numpy as np
 import pytest
 
-from design.controller import Measured
+from design.controllers.controller import Measured
 from design.mpc import fallback, qp
 from design.mpc.fallback import BY_PI, HELD, SHIFTED, SOLVED, Fallback
 from design.mpc.linear import linear_mpc

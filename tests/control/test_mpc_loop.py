@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from design.controllers.pi import PI
 from design.loop import run as run_pi
 from design.mpc.fallback import Info
 from design.mpc.fallback import State as MPCState
 from design.mpc.loop import Sensor, run
 from design.mpc.problem import Problem
-from design.pi import PI
 from plants import Wrist
 from plants.effects.dead_time import DeadTime, TubeDeadTime
 from plants.effects.load_step import LoadStep

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from design.alternatives import CONVEX, FORWARD_PI, LQI_NAME, design_others, design_record
+from design.alternatives.designs import CONVEX, FORWARD_PI, LQI_NAME, design_others, design_record
 from design.compare import (
     FORWARD,
     METRICS,
@@ -22,13 +22,13 @@ from design.compare import (
     together,
     verdicts,
 )
+from design.controllers.pi import PI
 from design.loop import run
 from design.margins import by_python_control
 from design.metrics import Metrics
 from design.mpc import loop
 from design.mpc.linear import linear_mpc
 from design.mpc.problem import Problem as Problem_of_MPC
-from design.pi import PI
 from design.requirements import Limits, Problem
 from design.rules import baselines, paper_range
 from plants import Wrist

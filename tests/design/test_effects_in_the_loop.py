@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from effect_samples import FORMS, IDS, WRIST, present
 
+from design.controllers.pi import PI
 from design.loop import run
-from design.pi import PI
 from plants.effects import (
     CompliantStop,
     DraggedInertia,

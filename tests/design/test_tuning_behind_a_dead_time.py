@@ -7,8 +7,8 @@ import pytest
 from effect_samples import WRIST
 
 from design.answer import refusal
+from design.controllers.pi import PI
 from design.loop import run
-from design.pi import PI
 from design.requirements import Problem, evaluate
 from design.tasks import Scenario
 from design.tuning import Region, Tuning, tune

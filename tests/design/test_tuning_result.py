@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.optimize import differential_evolution
 
+from design.controllers.pi import PI
 from design.loop import run
 from design.margins import by_python_control
-from design.pi import PI
 from design.requirements import COSTS, Limits, evaluate
 from design.tuning import ACTIVE, merit, tune
 from plants import Wrist

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from design.compare import on_tasks, task_scenarios
-from design.pi import PI
+from design.controllers.pi import PI
 from design.requirements import Problem, rollouts
 from design.tasks import (
     HEADROOM,

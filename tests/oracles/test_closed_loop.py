@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from plain_loop import Plant, closed_loop
 
+from design.controllers.pi import PI
 from design.loop import holding, run
-from design.pi import PI
 from plants import Wrist
 
 AXES = ["flexion", "deviation"]

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from plain_loop import Plant, closed_loop
 
+from design.controllers.pi import PI
 from design.margins import branch_responses, margins
-from design.pi import PI
 from design.requirements import NOMINAL, Limits, Problem
 from design.tasks import Scenario
 from design.tuning import Region, tune

@@ -6,8 +6,8 @@ import control
 import numpy as np
 import pytest
 
+from design.controllers.pi import PI
 from design.margins import branch_responses, by_python_control, margins, winds_not
-from design.pi import PI
 from plants import Wrist
 from plants.effects import (
     Bow,

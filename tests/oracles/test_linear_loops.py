@@ -4,9 +4,9 @@ import control
 import numpy as np
 import pytest
 
+from design.controllers.pi import PI
 from design.loop import run
 from design.margins import loop_tf
-from design.pi import PI
 from plants import Wrist, hysteresis
 
 SAMPLES = 3000

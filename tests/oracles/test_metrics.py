@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from design import metrics
+from design.controllers.pi import PI
 from design.loop import run
-from design.pi import PI
 from plants import Wrist
 
 SAMPLES = 8000

@@ -5,10 +5,10 @@ from functools import cache
 
 import numpy as np
 
-from design.alternatives import design_others
+from design.alternatives.designs import design_others
 from design.compare import Comparison, compare
 from design.contest import Contest, contest
-from design.pi import PI
+from design.controllers.pi import PI
 from design.requirements import Problem
 from design.tasks import tuning_scenarios
 from design.tuning import Region, Tuning, tune

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from design.pi import PI
+from design.controllers.pi import PI
 from design.requirements import Limits
 from plants import Wrist
 from plants.effects import DeadTime

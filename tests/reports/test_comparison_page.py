@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from report_samples import Compared, compare_both, small_contest
 
+from design.alternatives.lqi_design import RobustLQI
 from design.compare import row_record
 from design.contest.words import sentences
-from design.lqi_design import RobustLQI
 from plants import InputError
 from plants.effects import DeadTime
 from plants.files import json_text

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from design.pi import PI
+from design.controllers.pi import PI
 from design.requirements import Limits
 from design.robustness.box import Box, Interval, box_of
 from design.robustness.samples.adversary import worst_case

@@ -6,8 +6,8 @@ import control
 import numpy as np
 import pytest
 
+from design.controllers.pi import PI
 from design.margins import OpenLoop, _row, loop_tf
-from design.pi import PI
 from design.requirements import Limits
 from design.robustness.predictions.margins import branch_margins, statements, steepest_rate
 from plants import Wrist

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from design import convex
-from design.pi import PI
+from design.controllers.pi import PI
 from design.robustness.certificates.continuous import check, lmi, popov, quadratic
 from design.robustness.certificates.continuous.ladder import certifies, certify
 from design.robustness.certificates.continuous.search import search

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from design.pi import PI
+from design.controllers.pi import PI
 from design.robustness.certificates.continuous import popov, quadratic
 from design.robustness.certificates.continuous.search import search
 from design.robustness.certificates.continuous.signals import Signals

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from design.pi import PI
+from design.controllers.pi import PI
 from design.robustness.certificates.continuous import popov, quadratic
 from design.robustness.certificates.continuous.ladder import certifies, certify
 from design.robustness.loop_model import LoopModel

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import linprog
 
-from design.pi import PI
+from design.controllers.pi import PI
 from design.robustness.certificates.continuous import popov
 from design.robustness.certificates.continuous.form import Form
 from design.robustness.certificates.continuous.search import fastest, search

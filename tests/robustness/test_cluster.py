@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from design.cluster import each
-from design.pi import PI
+from design.controllers.pi import PI
 from design.requirements import Limits, Problem
 from design.robustness.box import box_of
 from design.robustness.samples.conditions import Conditions

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from design.convex_concave import (
+from design.alternatives.convex_concave import (
     NOISE_GAIN,
     POINTS,
     Rows,
@@ -15,8 +15,8 @@ from design.convex_concave import (
     excesses,
     largest_Ki,
 )
+from design.controllers.pi import PI
 from design.margins import BranchResponse, branch_responses, margins
-from design.pi import PI
 from design.requirements import Limits, Problem, evaluate
 from design.tasks import Scenario
 from plants import Wrist

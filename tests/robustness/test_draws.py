@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from design import loop
-from design.pi import PI
+from design.controllers.pi import PI
 from design.robustness.box import Box, Interval, box_of
 from design.robustness.samples.conditions import NONE, Conditions
 from design.robustness.samples.draws import CHUNK, Task, draw

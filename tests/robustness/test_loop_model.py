@@ -6,8 +6,8 @@ import control
 import numpy as np
 import pytest
 
+from design.controllers.pi import PI
 from design.margins import loop_tf
-from design.pi import PI
 from design.robustness.loop_model import LoopModel
 from plants import Wrist
 from plants.effects import Creep, DeadTime

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from plain_loop import Plant
 
-from design.controller import Measured
+from design.alternatives.lqi_design import RobustLQI, design_lqi, judge
+from design.alternatives.lqi_loop import Broken, closed, worst_pole
+from design.alternatives.lqi_synthesis import Weights, checked, plant, synthesise, vertices
+from design.controllers.controller import Measured
+from design.controllers.lqi import LQI, step
+from design.controllers.pi import PI
 from design.loop import holding, run
-from design.lqi import LQI, step
-from design.lqi_design import RobustLQI, design_lqi, judge
-from design.lqi_loop import Broken, closed, worst_pole
-from design.lqi_synthesis import Weights, checked, plant, synthesise, vertices
 from design.margins import branch_responses
-from design.pi import PI
 from design.requirements import Limits, Problem
 from design.tasks import Scenario
 from plants import Wrist

@@ -7,8 +7,8 @@ import pytest
 from scipy import stats
 
 from design import loop
+from design.controllers.pi import PI
 from design.metrics import Metrics
-from design.pi import PI
 from design.requirements import Limits
 from design.robustness.box import Box, Interval, box_of
 from design.robustness.samples.conditions import NONE, Conditions

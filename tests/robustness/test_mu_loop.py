@@ -6,7 +6,7 @@ import control
 import numpy as np
 import pytest
 
-from design.pi import PI
+from design.controllers.pi import PI
 from design.robustness.box import box_of
 from design.robustness.certificates.constant import mu_sweep
 from design.robustness.certificates.constant import robust_stability as whole

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from design import loop
-from design.pi import PI
+from design.controllers.pi import PI
 from design.robustness.samples import noisy_loop
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.draws import Task, noise

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from design.controllers.pi import PI
 from design.loop import run
-from design.pi import PI
 from design.robustness.certificates.continuous import popov, quadratic, region
 from design.robustness.certificates.continuous.ladder import certify
 from design.robustness.loop_model import LoopModel

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from design.pi import PI
+from design.controllers.pi import PI
 from design.requirements import COSTS, Limits, Problem, controller, evaluate
 from design.robustness.box import box_of
 from design.robustness.robust_tuning import SLACK, WORSE, lines, record, tune_robustly

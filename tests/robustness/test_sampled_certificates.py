@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from design.pi import PI
+from design.controllers.pi import PI
 from design.robustness.certificates.sampled.lifted import Delayed, window_quadratic
 from design.robustness.certificates.sampled.lifted import gram_polynomials as gram
 from design.robustness.certificates.sampled.sampled_loop import certify_sampled, delayed, vertices, word_of

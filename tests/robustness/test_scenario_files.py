@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from design.pi import PI
+from design.controllers.pi import PI
 from design.robustness.box import box_of
 from design.robustness.samples.adversary import worst_case
 from design.robustness.samples.scenario_file import load, save

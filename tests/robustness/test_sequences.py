@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from design.burden import BEFORE, burdened
+from design.controllers.pi import PI
 from design.loop import run
 from design.metrics import Metrics
-from design.pi import PI
 from design.sequence import Sequence, batch, play, repeated, stack
 from design.tasks import STEP
 from plants import Wrist

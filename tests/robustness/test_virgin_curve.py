@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from design.controllers.pi import PI
 from design.loop import run
-from design.pi import PI
 from design.robustness.certificates.continuous.virgin import time_on_virgin_curve
 from plants import Wrist
 from plants import wrist as plant

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design.pi import PI
+from design.controllers.pi import PI
 from design.robustness.predictions.describing_function import centre_of, hysteresis_function, regulator_rate
 from plants import lag
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist

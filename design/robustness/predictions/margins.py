@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from typing import Any
 
+from design.controllers.pi import PI
 from design.margins import by_python_control
-from design.pi import PI
 from design.requirements import ROUNDING, Limits
 from design.robustness.statement import Statement
 from plants.wrist import Wrist

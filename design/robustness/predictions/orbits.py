@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design import metrics
+from design.controllers.pi import PI, PIState
 from design.loop import Loop, SampledLoop, holding, step
-from design.pi import PI, PIState
 from plants import tree
 from plants.rest import at_pressure
 from plants.simulate import run_lanes

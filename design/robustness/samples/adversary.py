@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from design.pi import PI
+from design.controllers.pi import PI
 from design.requirements import Limits
 from design.robustness.box import Box
 from design.robustness.samples.search_space import Space

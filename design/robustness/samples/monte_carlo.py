@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.cluster import each
-from design.controller import Controller
+from design.controllers.controller import Controller
 from design.metrics import SETTLING_BAND, Metrics
 from design.requirements import LIMIT_UNITS, Limits
 from design.robustness.box import Box
@@ -105,7 +105,7 @@ def monte_carlo(
     the address `scheduler`, whatever its workers.  duration [s] of each run.  Raises InputError for
     numbers that make no sense, and as `design.cluster.each` does.
 
-    >>> from design.pi import PI
+    >>> from design.controllers.pi import PI
     >>> from plants.quantities import built_in
     >>> from design.robustness.box import box_of
     >>> found = monte_carlo(box_of(built_in("flexion")), PI(5.0, 9.0), samples=200)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design import loop, metrics
-from design.controller import Controller, Measured
+from design.controllers.controller import Controller, Measured
 from design.loop import Loop, SampledLoop, holding
 from design.metrics import Metrics
 from plants import wrist as plant

@@ -13,8 +13,8 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
+from design.controllers.pi import PI
 from design.metrics import UNITS, Metrics
-from design.pi import PI
 from design.robustness.samples.worst import Worst
 from design.sequence import Sequence
 from plants import parameter_files
@@ -31,7 +31,7 @@ SETTINGS = {
     "low": "V",
     "high": "V",
 }
-"""What a file says of the controller, by the names of `design.pi.PI`, with units."""
+"""What a file says of the controller, by the names of `design.controllers.pi.PI`, with units."""
 
 FASTEST, LONGEST = 1e6, 3600.0
 """Greatest gain and longest run [s] that a file may ask for."""

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from design.pi import PI
+from design.controllers.pi import PI
 from design.requirements import Limits
 from design.robustness.box import Box
 from design.sequence import Played, Sequence, play

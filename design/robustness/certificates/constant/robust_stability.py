@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from design.pi import PI
+from design.controllers.pi import PI
 from design.robustness.box import Box
 from design.robustness.certificates.constant.mu_sweep import STEP, Cover, cover
 from design.robustness.certificates.constant.uncertain_loop import (

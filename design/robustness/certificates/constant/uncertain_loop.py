@@ -22,7 +22,7 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
-from design.pi import PI
+from design.controllers.pi import PI
 from design.robustness.box import Box
 from design.robustness.certificates.constant.mu import Block
 from design.robustness.certificates.constant.mu_sweep import System

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from design import convex
-from design.pi import PI
+from design.controllers.pi import PI
 from design.robustness.certificates.certificate import Certificate
 from design.robustness.certificates.continuous import popov, region
 from design.robustness.certificates.continuous.search import RUNGS, fastest, search

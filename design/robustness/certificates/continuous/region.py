@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from design.pi import PI
+from design.controllers.pi import PI
 from design.robustness.certificates.continuous import lmi
 from design.robustness.certificates.continuous.form import Form, Found
 from design.robustness.certificates.continuous.search import confirmed, program, signals_of

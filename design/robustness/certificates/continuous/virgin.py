@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from design.pi import PI
+from design.controllers.pi import PI
 from plants.wrist import Wrist
 
 
@@ -88,7 +88,7 @@ def time_on_virgin_curve(wrist: Wrist, controller: PI, reference: float) -> Virg
     A step that cannot leave the curve has infinite times.
 
     >>> from plants import Wrist
-    >>> from design.pi import PI
+    >>> from design.controllers.pi import PI
     >>> found = time_on_virgin_curve(Wrist.flexion(), PI(1.2, 2.2), 15.0)
     >>> round(found.earliest, 3), round(found.latest, 3)
     (0.167, 1.072)

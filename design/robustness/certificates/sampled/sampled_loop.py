@@ -46,7 +46,7 @@ def vertices(model: LoopModel, dt: float = SAMPLE_TIME) -> dict[str, Array]:
     The matrix is affine in the slope and in the share, so that all between are in the convex hull.
 
     >>> from plants import Wrist
-    >>> from design.pi import PI
+    >>> from design.controllers.pi import PI
     >>> list(vertices(LoopModel.of(Wrist.flexion(), PI(1.2, 2.2))))[:2]
     ['transit at the slow rate', 'transit at the fast rate']
     """
@@ -80,7 +80,7 @@ def certify_sampled(
     Each is checked outside the solver; none that the check does not confirm is given.
 
     >>> from plants import Wrist
-    >>> from design.pi import PI
+    >>> from design.controllers.pi import PI
     >>> [c.holds for c in certify_sampled(LoopModel.of(Wrist.flexion(), PI(1.2, 2.2)), (0.0,))]
     [False, False, True, True]
     """
@@ -101,7 +101,7 @@ def word_of(model: LoopModel, seed: int = 1) -> Word | None:
     slope follows the pressure.  That none is found proves nothing.
 
     >>> from plants import Wrist
-    >>> from design.pi import PI
+    >>> from design.controllers.pi import PI
     >>> word_of(LoopModel.of(Wrist.flexion(), PI(1.2, 2.2))) is None
     True
     """
@@ -132,7 +132,7 @@ def delayed(model: LoopModel, samples: int, dt: float = SAMPLE_TIME) -> Delayed:
     many samples; the other states move as they do without dead time.
 
     >>> from plants import Wrist
-    >>> from design.pi import PI
+    >>> from design.controllers.pi import PI
     >>> model = LoopModel.of(Wrist.flexion(), PI(1.2, 2.2))
     >>> np.allclose(delayed(model, 0).full[0], vertices(model)["transit at the slow rate"])
     True

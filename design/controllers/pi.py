@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from design.controller import Measured
+from design.controllers.controller import Measured
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
 
 Number = Any

@@ -25,9 +25,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from design.controllers.pi import PI
 from design.convex import solve
 from design.margins import BranchResponse, branch_responses
-from design.pi import PI
 from design.requirements import Evaluation, Limits, Problem, controller, evaluate
 from plants.wrist import SAMPLE_TIME
 

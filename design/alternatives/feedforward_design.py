@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from design.controller import stacked
-from design.feedforward import FeedforwardPI
+from design.controllers.controller import stacked
+from design.controllers.feedforward import FeedforwardPI
 from design.loop import run
 from design.margins import margins
 from design.requirements import COSTS, Evaluation, Problem, controller

@@ -11,7 +11,7 @@ Ke = Ki, Kd = -Kp/Tw, Kq = 0.  Only y and P are measured.  The static angle is o
 
 with b the bandwidth (both poles of the error at -b [rad/s]) and `slope` a guess at that of the branch:
 an error of it acts on h' like a disturbance in proportion to dP/dt, so that separation does not hold and
-the loop with the observer has to be checked as a whole (`design.lqi_design` does).  At rest y' = y = h'
+the loop with the observer has to be checked as a whole (`alternatives.lqi_design` does).  At rest y' = y = h'
 whatever the slope.  What is left of q at rest, because the regulator's gain is not known exactly, is
 taken out by a slow mean (`washout`, rad/s): without it there would be a steady error.
 
@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from design.controller import Measured
+from design.controllers.controller import Measured
 from plants import lag
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
 

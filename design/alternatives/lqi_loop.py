@@ -2,7 +2,7 @@
 
 Separation does not hold where the branch's slope differs from the observer's, so what is guaranteed of
 the state feedback is checked here of the whole loop, with the law that is simulated: its matrices are
-what `design.lqi.step` makes of unit vectors while nothing is clipped.
+what `design.controllers.lqi.step` makes of unit vectors while nothing is clipped.
 """
 
 from collections.abc import Sequence
@@ -12,10 +12,10 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from design.controller import Measured
-from design.lqi import LQI, LQIState, step
+from design.controllers.controller import Measured
+from design.controllers.lqi import LQI, LQIState, step
+from design.controllers.pi import PI
 from design.margins import BranchResponse, Margins, margins
-from design.pi import PI
 from plants import tree
 from plants.linear import BRANCHES, RATES, branch_ss
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist

@@ -8,8 +8,8 @@ A module of this package that holds a controller has
     def step(state, measured, c)            one sample, which `act` hands on to; NumPy ufuncs only
 
 so that the loop in `design.loop` can be simulated in plain Python, compiled,
-differentiated and exported from the same lines.  `design.pi` is the first one (its step
-takes the error alone), `design.lqi` another, which uses angle and pressure as well.
+differentiated and exported from the same lines.  `design.controllers.pi` is the first one (its step
+takes the error alone), `design.controllers.lqi` another, which uses angle and pressure as well.
 """
 
 from collections.abc import Callable, Sequence

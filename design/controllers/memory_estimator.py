@@ -92,7 +92,7 @@ class MemoryObserver:
     def sampled(self, dt: float = SAMPLE_TIME) -> "SampledObserver":
         """Coefficients for a sample time `dt` [s]."""
         c = lag.sampled(self.Tw, dt)
-        # Both poles of the error at exp(-b dt), as those of the observer in `design.lqi`; at b = 0 none.
+        # Both poles of the error at exp(-b dt), as those of the observer in `controllers.lqi`; at b = 0 none.
         pole = np.exp(-np.asarray(self.bandwidth, float) * dt)
         corrects = np.where(np.asarray(self.bandwidth) > 0.0, 1.0, 0.0)
         correct_y = corrects * (1.0 - pole * pole / c.keep)

@@ -1,6 +1,6 @@
 """A robust LQI tuned under the limits of the PI: guaranteed-cost feedback, an observer, a small search.
 
-For each choice of weights the feedback comes from the semidefinite program (`design.lqi_synthesis`), is
+For each choice of weights the feedback comes from the semidefinite program (`alternatives.lqi_synthesis`), is
 completed by an observer of some bandwidth, and is judged as a PI is in `design.requirements`: simulated
 on the same scenarios, with the margins at the command on every branch and rate.  The least worst cost
 that holds every limit is kept; where none holds them all, the nearest.
@@ -13,13 +13,13 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from design.controller import stacked
+from design.alternatives.convex_concave import NOISE_GAIN
+from design.alternatives.lqi_loop import Broken, worst_pole
+from design.alternatives.lqi_synthesis import Feedback, Weights, synthesise
+from design.controllers.controller import stacked
+from design.controllers.lqi import LQI
 from design.convex import Unsolved
-from design.convex_concave import NOISE_GAIN
 from design.loop import run
-from design.lqi import LQI
-from design.lqi_loop import Broken, worst_pole
-from design.lqi_synthesis import Feedback, Weights, synthesise
 from design.metrics import Metrics
 from design.requirements import COSTS, Problem
 from plants import tree

@@ -1,18 +1,18 @@
 """Designs beside the tuned PI, made under its limits and on its scenarios, for a comparison.
 
-A PI by convex-concave optimisation (`design.convex_concave`), which asks for the largest integral gain,
-a robust LQI (`design.lqi_design`), which sees the pressure as well, and a PI with a feedforward by the
-inverse (`design.feedforward_design`).
+A PI by convex-concave optimisation (`alternatives.convex_concave`), which asks for the largest integral gain,
+a robust LQI (`alternatives.lqi_design`), which sees the pressure as well, and a PI with a feedforward by the
+inverse (`alternatives.feedforward_design`).
 """
 
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+from design.alternatives.convex_concave import ConvexConcave, convex_concave
+from design.alternatives.feedforward_design import FeedforwardDesign, design_feedforward
+from design.alternatives.lqi_design import RobustLQI, design_lqi
 from design.convex import Unsolved
-from design.convex_concave import ConvexConcave, convex_concave
-from design.feedforward_design import FeedforwardDesign, design_feedforward
-from design.lqi_design import RobustLQI, design_lqi
 from design.requirements import Problem
 from plants.wrist import Wrist
 

@@ -1,9 +1,9 @@
 """Inverse-hysteresis feedforward, alone and with a PI: the reference is met by a model that is inverted.
 
-`design.feedforward_course` takes the model to the reference as fast as the range of the command and the
+`controllers.feedforward_course` takes the model to the reference as fast as the range of the command and the
 reference filter allow.  `Feedforward` plays the command of the model; `FeedforwardPI` adds a PI on the angle
 of the model less the one that is measured (two degrees of freedom: Astrom & Hagglund, Advanced PID Control,
-2006, chapter 5).  Both start from the memory that angle and pressure tell (`design.memory_estimator`).
+2006, chapter 5).  Both start from the memory that angle and pressure tell (`controllers.memory_estimator`).
 """
 
 from dataclasses import dataclass, fields
@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from design.controller import Measured
-from design.feedforward_course import Course, SampledCourse, no_inverse, proceed
-from design.memory_estimator import memory_at_rest, pressure_at_rest
-from design.pi import PI
+from design.controllers.controller import Measured
+from design.controllers.feedforward_course import Course, SampledCourse, no_inverse, proceed
+from design.controllers.memory_estimator import memory_at_rest, pressure_at_rest
+from design.controllers.pi import PI
 from plants import delay
 from plants.delay import DelayLine, SampledDelay
 from plants.errors import InputError
@@ -104,7 +104,7 @@ class Feedforward:
 
     def holding(self, pressure: Number, seen: Measured | None = None) -> Any:
         """The state in which the controller holds a pressure [kPa] at the angle that is seen; its model's
-        memory is that which the two tell (`design.memory_estimator`).
+        memory is that which the two tell (`controllers.memory_estimator`).
 
         >>> controller = Feedforward.of(Wrist.flexion())
         >>> state = controller.holding(130.0, Measured(0.0, 0.5, 130.0))      # off the loop by 11.9 kPa
@@ -201,7 +201,7 @@ class SampledFeedforwardPI(NamedTuple):
 
     def act(self, state: FeedforwardPIState, seen: Measured) -> tuple[FeedforwardPIState, Number]:
         """State after, and command [V] of, one sample; the integrator stands still while the command is
-        clipped, unless the error drives it back, as that of `design.pi`."""
+        clipped, unless the error drives it back, as that of `design.controllers.pi`."""
         late, expected = delay.step(state.late, state.course.model.angle, self.delay)
         course, forward = proceed(state.course, seen.reference, self.course)
         error = expected - seen.angle
