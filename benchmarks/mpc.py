@@ -105,7 +105,7 @@ def midway(problem: Problem, periods: int = 6) -> tuple[RealTimeMPC, Any, Measur
     the wrist's state then."""
     wrist = problem.wrist
     controller, state = real_time.real_time_mpc(problem), wrist.rest("line1")
-    c, memory = wrist.sampled(), controller.init(state)
+    c, memory = wrist.sampled(), controller.init(_seen(state))
     for _ in range(periods):
         memory, command, _ = controller.step(memory, _seen(state))
         for _ in range(problem.substeps):
@@ -226,7 +226,10 @@ def hybrid_figures() -> dict[str, float | None]:
     led, bound, missed = [], [], []
     for wrist in (Wrist.flexion(), Wrist.deviation()):
         problem, reference = Problem(wrist, horizon=HYBRID_HORIZON), 15.0
-        controller, believed = converged_mpc(problem), observer.begin(wrist.rest("line1"))
+        controller, believed = (
+            converged_mpc(problem),
+            observer.begin(0.0, float(wrist.rest("line1").pressure), wrist),
+        )
         before = float(believed.plant.pressure / wrist.regulator.gain)
         best, _ = controller.solve(believed, before, reference, [])
         plan = hybrid.solve(problem, believed, before, reference, "square")

@@ -63,10 +63,7 @@ def played_on_tasks(
     wrist: Wrist, controller: Any
 ) -> tuple[dict[str, list[Metrics]], dict[str, Limit], Trajectory]:
     """Metrics and bounds by task, and the step from rest for drawing, of a controller that acts once a
-    period, such as an MPC (`design.mpc.loop`).
-
-    In a return it begins anew, told that the wrist rests where it has left it after `HOLD`.
-    """
+    period, such as an MPC (`design.mpc.loop`)."""
     from design.mpc import loop
 
     found: dict[str, list[Metrics]] = {}
@@ -78,8 +75,9 @@ def played_on_tasks(
         found[f"0 to {s.reference:+g} deg, {s.start}"] = [played.metrics[0]]
     left = {}
     for sign in (1, -1):
-        left[sign] = loop.run(wrist, controller, sign * STEP, duration=HOLD).last.plant
-        played = loop.run(wrist, controller, 0.0, left[sign], begin=HOLD)
+        there = loop.run(wrist, controller, sign * STEP, duration=HOLD)
+        left[sign] = there.last.plant
+        played = loop.run(wrist, controller, 0.0, left[sign], begin=HOLD, memory=there.controller)
         found[f"return from {sign * STEP:+g} to 0 deg"] = [played.metrics[0]]
     assert drawn is not None
     return found, _bounds(wrist, left), drawn

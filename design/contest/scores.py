@@ -8,11 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.contest import statistics
-from design.contest.coupled import run_coupled
-from design.contest.periodic import Periodic, play_periodic
+from design.contest.periodic import Periodic
 from design.contest.plants import (
     COUPLING,
-    NOISE,
     PLANTS,
     RIGS,
     SHARE,
@@ -23,14 +21,14 @@ from design.contest.plants import (
     perturbed,
     rig,
 )
-from design.contest.run import METRICS, Result, lanes_of, rests, run
+from design.contest.play import WORST, both_motions, by_plant, lanes_for, play
+from design.contest.run import METRICS, Result, lanes_of
 from design.contest.statistics import FEWEST, Interval
-from design.contest.tasks import DURATION, FAMILIES, Task, course, tasks
+from design.contest.tasks import DURATION, FAMILIES, Task, tasks
 from design.controllers.controller import Controller
 from design.metrics import SETTLING_BAND
 from design.robustness.samples.conditions import Conditions
-from design.robustness.samples.draws import generator
-from design.robustness.samples.noisy_loop import HOLD, sensor
+from design.robustness.samples.noisy_loop import HOLD
 from design.tasks import STEP
 from plants.quantities import ParameterSet
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
@@ -38,14 +36,8 @@ from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
 Array = NDArray[np.float64]
 Tell = Callable[[str, float], None]
 
-CHUNK = 480
-"""Runs that go side by side: a multiple of `plants.compiled.LANES`, few enough for their noise to fit."""
-
 JUDGED = ("iae_deg_s", "settling_time_s", "total_variation_V")
 """Metrics whose differences get an interval; ranks are given of the first two."""
-
-WORST = ("settling_time_s", "unsettled", "overshoot_percent")
-"""Metrics of which a plant's value is the worst over the tasks of a family; the mean of the others."""
 
 BOTH = "both at once"
 
@@ -142,66 +134,14 @@ def contest(
     if len(plants) == 2:
         tell(BOTH, 0.0)
         scores += coupled_scores(fields, controllers, conditions, reference, seed, jobs)
+        if periodic:
+            few = {m: first(f, 1, f.name) for m, f in fields.items()}
+            every: dict[str, dict[str, Controller | Periodic]] = {
+                m: {**controllers[m], **periodic[m]} for m in fields
+            }
+            scores += coupled_scores(few, every, conditions, reference, seed, jobs, BESIDE)
     spread = {m: day_to_day(p)[1] for m, p in plants.items()}
     return Contest(tuple(scores), reference, conditions, aside, spread, count, seed)
-
-
-def play(
-    field: Field,
-    controllers: Mapping[str, Controller | Periodic],
-    asked: list[Task],
-    conditions: Conditions,
-    seed: int,
-    jobs: int | None = None,
-) -> dict[str, Result]:
-    """Every controller on every plant of a field and every task, leaves of shape (plants, tasks).
-
-    All controllers meet the same plants, rests and noise.
-    """
-    parts: dict[str, list[Result]] = {n: [] for n in controllers}
-    pairs = [(i, j) for i in range(field.count) for j in range(len(asked))]
-    for number, begin in enumerate(range(0, len(pairs), CHUNK)):
-        piece = pairs[begin : begin + CHUNK]
-        lanes = lanes_for(
-            field, [i for i, _ in piece], [asked[j] for _, j in piece], conditions, seed, number
-        )
-        for name, controller in controllers.items():
-            if isinstance(controller, Periodic):
-                parts[name].append(play_periodic(controller=controller, **lanes))
-            else:
-                parts[name].append(run(controller=controller, jobs=jobs, **lanes)[0])
-    shape = (field.count, len(asked))
-    return {
-        n: Result(*(np.concatenate([getattr(r, m) for r in of]).reshape(shape) for m in METRICS))
-        for n, of in parts.items()
-    }
-
-
-def lanes_for(
-    field: Field, which: list[int], asked: list[Task], conditions: Conditions, seed: int, chunk: int
-) -> dict[str, Any]:
-    """What `design.contest.run.run` takes beside the controller, for plants and tasks lane by lane."""
-    wrist = lanes_of(field.wrist, np.array(which, dtype=np.intp))
-    state = rests(wrist, [t.start for t in asked], [t.angle for t in asked])
-    loads = {
-        "load-step.shift": np.array([t.load for t in asked]),
-        "load-step.moment": np.array([t.judged_from for t in asked]),
-    }
-    rows = round(DURATION / SAMPLE_TIME) // HOLD
-    noise = generator(seed, chunk, NOISE).standard_normal((rows, len(which)))
-    return {
-        "wrist": wrist.with_values(**loads), "state": state, "asked": course(asked),
-        "sensor": sensor(conditions.noise, conditions.quantum), "noise": noise,
-    }  # fmt: skip
-
-
-def by_plant(played: Result, tasks_: list[int]) -> dict[str, Array]:
-    """Each metric of each plant over some tasks, (plants,): the mean, or the worst."""
-    found = {}
-    for name in METRICS:
-        values = getattr(played, name)[:, tasks_]
-        found[name] = values.max(axis=1) if name in WORST else values.mean(axis=1)
-    return found
 
 
 def scored(
@@ -228,11 +168,12 @@ def scored(
 
 def coupled_scores(
     fields: Mapping[str, Field],
-    controllers: Mapping[str, Mapping[str, Controller]],
+    controllers: Mapping[str, Mapping[str, Controller | Periodic]],
     conditions: Conditions,
     reference: str,
     seed: int,
     jobs: int | None,
+    beside: str = "",
 ) -> list[Score]:
     """Steps of both motions at once, all four pairs of signs, from rest, on some of the perturbed plants
     with coupling: the later settling, errors and travels added up."""
@@ -250,13 +191,13 @@ def coupled_scores(
         lanes.append(lanes_for(field, [p[0] for p in pairs], asked, conditions, seed, 1000 + me))
     values = {}
     for name in (n for n in controllers[one] if n in controllers[two]):
-        (a, b), _ = run_coupled((controllers[one][name], controllers[two][name]), (lanes[0], lanes[1]), jobs)
+        a, b = both_motions((controllers[one][name], controllers[two][name]), (lanes[0], lanes[1]), jobs)
         joined = Result(*(
             (np.maximum(getattr(a, m), getattr(b, m)) if m in WORST else getattr(a, m) + getattr(b, m))
             .reshape(pick.size, 4) for m in METRICS
         ))  # fmt: skip
         values[name] = by_plant(joined, [0, 1, 2, 3])
-    return scored(BOTH, f"coupled, {COUPLING:g} deg/kPa", "steps", values, reference, seed)
+    return scored(BOTH, f"coupled, {COUPLING:g} deg/kPa{beside}", "steps", values, reference, seed)
 
 
 def contest_record(found: Contest) -> dict[str, Any]:

@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.controller import Measured
-from design.controllers.memory_estimator import memory_at_rest
 from design.export.fields import COMMAND, Field, described
 from design.export.mpc_source import mpc_source
 from design.export.part import SEEN, Part, Seen
@@ -30,7 +29,7 @@ from design.mpc.prediction import coefficients
 from design.mpc.problem import Believed, Problem
 from plants import hysteresis, inverse, tree, wrist
 from plants.compiled import baked, c_source, graph
-from plants.wrist import SampledWrist, State, Wrist
+from plants.wrist import SampledWrist, State
 
 Number = Any
 Begin = Callable[[float, float], tuple[Any, float]]
@@ -65,10 +64,11 @@ def of_linear_mpc(name: str, title: str, problem: Problem) -> Part:
     """The linear MPC of a problem.  Raises InputError where daqp, which the test vector needs, is missing."""
     c, g = problem.wrist.sampled(), observer.gains(problem)
     planner = linear.planner(problem, coefficients(problem.wrist))
-    example, given = Memory(_at_rest(100.0, 0.0, problem.wrist), 0.0, 0.0), Given(0.0, 0.0, 1.0, 1.0)
+    example, given = Memory(observer.begin(0.0, 100.0, problem.wrist), 0.0, 0.0), Given(0.0, 0.0, 1.0, 1.0)
 
     def start(at: Any) -> Any:
-        return Memory(_at_rest(at[0], at[1], problem.wrist), 0.0, 0.0), at[0] / problem.wrist.regulator.gain
+        believed = observer.begin(at[1], at[0], problem.wrist)
+        return Memory(believed, 0.0, 0.0), at[0] / problem.wrist.regulator.gain
 
     def believe(b: Believed, command: Any, seen: Given, k: SampledWrist) -> Believed:
         return believed_after(b, command[0], seen, k, g)
@@ -116,12 +116,6 @@ def of_linear_mpc(name: str, title: str, problem: Problem) -> Part:
         ),
     )  # fmt: skip
     return replace(part, source=mpc_source(part, problem, planner.rate, T, G))
-
-
-def _at_rest(pressure: Number, angle: Number, model: Wrist) -> Believed:
-    """What is believed of a wrist that rests at a pressure [kPa] and an angle [deg]."""
-    memory = memory_at_rest(angle, pressure, model.hysteresis)
-    return Believed(State(pressure, memory, memory.h), 0.0, angle - memory.h)
 
 
 def after_period(pressure: Number, command: Number, c: SampledWrist, substeps: int) -> list[Number]:
@@ -203,7 +197,7 @@ def _python(problem: Problem, of: linear.Planner, g: observer.Gains) -> tuple[Be
     idle = np.zeros(2 * problem.horizon, dtype=np.int32)
 
     def begin(pressure: float, angle: float) -> tuple[Any, float]:
-        believed = _at_rest(pressure, angle, problem.wrist)
+        believed = observer.begin(angle, pressure, problem.wrist)
         floats = tree.like(believed, [float(x) for x in tree.leaves(believed)])
         command = pressure / problem.wrist.regulator.gain
         return (floats, None, command), command

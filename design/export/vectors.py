@@ -94,7 +94,11 @@ def vector(part: Part, wrist: Wrist, steps: int = STEPS, seed: int = 0) -> Vecto
     asked = references(steps, part.period, draw)
     lost = draw.choice(steps, LOST, replace=False)
     which = dict(zip(lost.tolist(), draw.integers(0, 3, LOST).tolist(), strict=True))
-    held, c, state = Problem(wrist, period=part.period), coefficients(wrist), start_of(begin(wrist.rest()))
+    held, c, state = (
+        Problem(wrist, period=part.period),
+        coefficients(wrist),
+        start_of(begin(0.0, wrist.hysteresis.rest_pressure, wrist)),
+    )
     at = float(state[0]), float(state[3])
     law = Replay(part)
     law.begin(*at)

@@ -30,7 +30,6 @@ from design.mpc.prediction import linearise, start_of
 from design.mpc.problem import Believed, Problem
 from design.mpc.real_time import RealTimeMPC, real_time_mpc
 from plants import hysteresis
-from plants.wrist import State
 
 Array = NDArray[np.float64]
 
@@ -65,7 +64,7 @@ class ConvergedMPC:
 
     >>> from plants import Wrist
     >>> controller = converged_mpc(Problem(Wrist.flexion(), horizon=10))
-    >>> state = controller.init(Wrist.flexion().rest("line1"))
+    >>> state = controller.init(Measured(0.0, 0.0, 116.0))
     >>> state, command, info = controller.step(state, Measured(3.0, 0.0, 100.0))
     >>> 0.0 <= command <= 4.0, info.rung
     (True, 'solved')
@@ -94,9 +93,9 @@ class ConvergedMPC:
         """Settings of the ladder."""
         return self.inner.fallback
 
-    def init(self, wrist_at_rest: State) -> MPCState:
-        """The state in which it holds a wrist at rest."""
-        return fallback.begin(self, wrist_at_rest)
+    def init(self, seen: Measured) -> MPCState:
+        """The state in which it holds a wrist that is seen to rest."""
+        return fallback.begin(self, seen)
 
     def step(self, state: MPCState, seen: Measured) -> tuple[MPCState, float, Info]:
         """State after, command [V] of, and record of, one period."""

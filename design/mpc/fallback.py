@@ -24,8 +24,8 @@ from design.controllers.controller import Measured
 from design.controllers.pi import PI, PIState
 from design.mpc import observer, qp
 from design.mpc.problem import Believed, Problem
+from plants import tree
 from plants.errors import InputError
-from plants.wrist import State as WristState
 
 Array = NDArray[np.float64]
 
@@ -136,10 +136,11 @@ class Planning(Protocol):
         ...
 
 
-def begin(of: Planning, wrist_at_rest: WristState) -> State:
-    """The state in which an MPC holds a wrist at rest."""
-    believed, N = observer.begin(wrist_at_rest), of.problem.horizon
-    command = float(believed.plant.pressure / of.problem.wrist.regulator.gain)
+def begin(of: Planning, seen: Measured) -> State:
+    """The state in which an MPC holds a wrist that is seen to rest."""
+    found, N = observer.begin(seen.angle, seen.pressure, of.problem.wrist), of.problem.horizon
+    believed = tree.like(found, [float(x) for x in tree.leaves(found)])
+    command = float(seen.pressure) / of.problem.wrist.regulator.gain
     idle = np.zeros(2 * N, dtype=np.int32)
     return State(believed, command, float("nan"), None, idle, None, 0, None)
 

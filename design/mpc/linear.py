@@ -236,7 +236,7 @@ class LinearMPC:
     """The controller (a): pure `init` and `step`.
 
     >>> controller = linear_mpc(Problem(Wrist.flexion()))
-    >>> state = controller.init(Wrist.flexion().rest())
+    >>> state = controller.init(Measured(0.0, 0.0, 100.0))
     >>> state, command, info = controller.step(state, Measured(15.0, 0.0, 100.0))
     >>> round(command, 3), info.rung
     (4.0, 'solved')
@@ -256,9 +256,9 @@ class LinearMPC:
         """Of the model, flat."""
         return self.planner.coefficients
 
-    def init(self, wrist_at_rest: State) -> MPCState:
-        """The state in which it holds a wrist at rest."""
-        return begin(self, wrist_at_rest)
+    def init(self, seen: Measured) -> MPCState:
+        """The state in which it holds a wrist that is seen to rest."""
+        return begin(self, seen)
 
     def step(self, state: MPCState, seen: Measured) -> tuple[MPCState, float, Info]:
         """State after, command [V] of, and record of, one period."""

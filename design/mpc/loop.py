@@ -37,8 +37,8 @@ class PeriodicController(Protocol):
         """Whose period it is."""
         ...
 
-    def init(self, wrist_at_rest: State) -> MPCState:
-        """State in which a wrist at rest is held."""
+    def init(self, seen: Measured) -> MPCState:
+        """State in which a wrist that is seen to rest is held."""
         ...
 
     def step(self, state: MPCState, seen: Measured) -> tuple[MPCState, float, Info]:
@@ -106,11 +106,13 @@ def run(
     record: bool = False,
     sensor: Sensor | None = None,
     begin: float = 0.0,
+    memory: MPCState | None = None,
 ) -> Play:
     """Step the reference [deg] at time 0 and play the loop for a duration [s], a whole number of periods.
 
     Metrics are those of `design.loop.run`, leaves of shape (1,), and so is the trajectory.  The loop
-    starts from `state` (the wrist's rest where not given), which the controller knows.  Raises
+    starts from `state` (the wrist's rest where not given), of which the controller sees angle and pressure;
+    `memory`: its state where it has been acting before.  Raises
     InputError for a duration that is no number of periods and for a wrist whose parameters are arrays.
     """
     substeps = controller.problem.substeps
@@ -122,7 +124,10 @@ def run(
     prompt, delay = without_delay(wrist)
     at_rest = prompt.rest() if state is None else state
     c = SampledPlayed(prompt.sampled(), metrics.yardstick(at_rest.angle, reference))
-    memory, see = controller.init(at_rest), _sensor(sensor or Sensor())
+    see = _sensor(sensor or Sensor())
+    if memory is None:
+        seen = see(float(plant.read(at_rest, c.plant, Around(begin))))
+        memory = controller.init(Measured(0.0, seen, float(at_rest.pressure)))
     held, commands = memory.command, np.full(periods * substeps, memory.command)
     loop, infos = Played(at_rest, metrics.begin(memory.command)), list[Info]()
     names = [n for n in tree.names(loop) if n.startswith("plant.")] if record else []

@@ -1,8 +1,9 @@
 """Observer of the MPC: hysteresis memory from the measured pressure, and two constant disturbances.
 
 The pressure is measured, and with it the memory of the loop is known (a play operator that is driven by
-the measured pressure), if the start is.  Within a period the pressure is taken to run as the regulator's
-model says, bent so that it ends where it was measured.  What the model then misses is put down to
+the measured pressure), since angle and pressure at rest tell where it starts.  Within a period the pressure
+is taken to run as the regulator's model says, bent so that it ends where it was measured.  What the model
+then misses is put down to
 
     lack  [kPa]  added to the commanded pressure, so that pressure = gain v + lack at rest
     shift [deg]  added to the static angle, such as a load, or loop parameters that are wrong
@@ -23,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.controller import Measured
+from design.controllers.memory_estimator import memory_at_rest
 from design.mpc.prediction import STATES, indented, inlined
 from design.mpc.problem import Believed, Problem
 from plants import tree, wrist
@@ -110,10 +112,13 @@ def gains(problem: Problem) -> Gains:
     return Gains(angle, shift, problem.observer.lack, problem.wrist.regulator.gain, at_rest, problem.substeps)
 
 
-def begin(wrist_at_rest: State) -> Believed:
-    """What is believed of a wrist that holds still: whatever its angle misses of the loop's is shift."""
-    P, h, virgin, angle = (float(x) for x in tree.leaves(wrist_at_rest._replace(effects=())))
-    return Believed(State(P, Memory(h, virgin), h), 0.0, angle - h)
+def begin(angle: Any, pressure: Any, model: Wrist) -> Believed:
+    """What is believed of a wrist that is seen to rest at an angle [deg] and a pressure [kPa].
+
+    The memory is what the two tell (`controllers.memory_estimator`); what the angle misses of it is shift.
+    """
+    memory = memory_at_rest(angle, pressure, model.hysteresis)
+    return Believed(State(pressure, memory, memory.h), 0.0, angle - memory.h)
 
 
 def update(before: Believed, command: float, seen: Measured, g: Gains, c: Array) -> Believed:

@@ -24,7 +24,6 @@ from design.mpc.fallback import Attempt, Fallback, Info, begin, step
 from design.mpc.fallback import State as MPCState
 from design.mpc.prediction import Linearised, linearise, roll, start_of
 from design.mpc.problem import Believed, Problem
-from plants.wrist import State
 
 Array = NDArray[np.float64]
 
@@ -45,7 +44,7 @@ class RealTimeMPC:
 
     >>> from plants import Wrist
     >>> controller = real_time_mpc(Problem(Wrist.flexion()))
-    >>> state = controller.init(Wrist.flexion().rest())
+    >>> state = controller.init(Measured(0.0, 0.0, 100.0))
     >>> state, command, info = controller.step(state, Measured(15.0, 0.0, 100.0))
     >>> round(command, 3), info.rung
     (4.0, 'solved')
@@ -76,9 +75,9 @@ class RealTimeMPC:
         """Settings of the ladder."""
         return self.first.fallback
 
-    def init(self, wrist_at_rest: State) -> MPCState:
-        """The state in which it holds a wrist at rest."""
-        return begin(self, wrist_at_rest)
+    def init(self, seen: Measured) -> MPCState:
+        """The state in which it holds a wrist that is seen to rest."""
+        return begin(self, seen)
 
     def step(self, state: MPCState, seen: Measured) -> tuple[MPCState, float, Info]:
         """State after, command [V] of, and record of, one period."""

@@ -9,7 +9,7 @@ import pytest
 from design.contest import periodic
 from design.contest import run as contest_run
 from design.contest.coupled import run_coupled
-from design.contest.periodic import play_periodic
+from design.contest.periodic import play_coupled, play_periodic
 from design.contest.plants import carrying, nominal
 from design.contest.run import METRICS, run
 from design.contest.scores import lanes_for
@@ -107,8 +107,8 @@ class EverySample:
 
     problem = SimpleNamespace(substeps=1)
 
-    def init(self, wrist_at_rest):
-        held = GAINS.holding(wrist_at_rest.pressure)
+    def init(self, seen):
+        held = GAINS.holding(seen.pressure)
         return SimpleNamespace(command=float(GAINS.command(held)), held=held)
 
     def step(self, state, seen):
@@ -152,6 +152,18 @@ def test_coupled_motions_do_what_two_wrists_in_one_loop_do():
     assert [float(r.iae_deg_s[0]) for r in found] == pytest.approx(iae.tolist(), rel=1e-6)
     alone = [float(run(controller=GAINS, **lanes(asked, QUIET, w))[0].iae_deg_s[0]) for w in others]
     assert abs(iae[0] - alone[0]) > 1e-2  # the coupling is felt
+
+
+def test_coupled_motions_that_are_played_by_periods_do_the_same(monkeypatch):
+    for module in (contest_run, periodic):
+        monkeypatch.setattr(module, "DURATION", 1.3)
+    others = (WRIST, Wrist.deviation())
+    case = tuple(lanes(tasks()[:2], NOISY, w, **{"cross-coupling.gain": 0.02}) for w in others)
+    together, _ = run_coupled((GAINS, GAINS), case)
+    by_periods = play_coupled((EverySample(), EverySample()), case)
+    for one, other in zip(together, by_periods, strict=True):
+        for name in METRICS:
+            np.testing.assert_allclose(getattr(other, name), getattr(one, name), rtol=1e-6, atol=1e-9)
 
 
 def test_a_wrist_with_effects_of_its_own_is_refused():

@@ -17,6 +17,12 @@ from design.mpc.real_time import real_time_mpc
 from plants import Wrist
 
 PROBLEM = Problem(Wrist.flexion())
+
+
+def resting(start):
+    return Measured(0.0, 0.0, float(Wrist.flexion().rest(start).pressure))
+
+
 FAILURES = {
     "infeasible": lambda x, active: qp.Solution(x, active, False, 3, "infeasible"),
     "no number": lambda x, active: qp.Solution(x * np.nan, active, True, 3, ""),
@@ -75,7 +81,7 @@ def test_the_pi_takes_over_without_a_jump():
 def test_a_shifted_plan_is_what_was_planned():
     """On the plant that is believed in, carrying on with the plan reaches where the plan said."""
     good = real_time_mpc(PROBLEM)
-    state = good.init(Wrist.flexion().rest("line1"))
+    state = good.init(resting("line1"))
     state, _, _ = good.step(state, Measured(15.0, 0.0, state.believed.plant.pressure))
     ahead = state.plan
     bad = replace(good, solve=Broken(good.solve, 1, 10**6, FAILURES["infeasible"]))
@@ -89,7 +95,7 @@ def test_a_shifted_plan_is_what_was_planned():
 def test_a_late_answer_is_not_used(make):
     slow = count(0, 30_000_000)  # every look at the clock, 30 ms have gone
     controller = make(PROBLEM, Fallback(budget=0.01, patience=2, clock=lambda: next(slow)))
-    state = controller.init(Wrist.flexion().rest())
+    state = controller.init(resting("virgin"))
     state, command, info = controller.step(state, Measured(5.0, 0.0, 100.0))
     assert info.rung == BY_PI
     assert info.reason == "late"
@@ -103,7 +109,7 @@ def test_a_late_answer_is_not_used(make):
 def test_a_sensor_without_a_number_is_bridged(make, lost):
     controller, wrist = make(PROBLEM), Wrist.flexion()
     c, plant_state = wrist.sampled(), wrist.rest("line1")
-    state, rungs = controller.init(plant_state), []
+    state, rungs = controller.init(resting("line1")), []
     from plants.wrist import step
 
     for k in range(100):
@@ -145,7 +151,7 @@ def fallback_often(controller):
 
 def test_a_step_changes_nothing_that_it_was_given():
     controller = real_time_mpc(PROBLEM)
-    state = controller.init(Wrist.flexion().rest("line1"))
+    state = controller.init(resting("line1"))
     state, _, _ = controller.step(state, Measured(15.0, 0.0, 116.7))
     first = controller.step(state, Measured(14.0, 1.0, 130.0))
     controller.step(first[0], Measured(10.0, 5.0, 150.0))

@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import linprog
 
+from design.controllers.controller import Measured
 from design.mpc import observer
 from design.mpc.converged import converged_mpc
 from design.mpc.hybrid import Effort, cost, solve
@@ -23,7 +24,7 @@ FLEXION, DEVIATION = Wrist.flexion(), Wrist.deviation()
 
 
 def at_rest(wrist, start):
-    believed = observer.begin(wrist.rest(start))
+    believed = observer.begin(0.0, float(wrist.rest(start).pressure), wrist)
     return believed, float(believed.plant.pressure / wrist.regulator.gain)
 
 
@@ -133,7 +134,8 @@ def test_no_plan_is_below_the_bound_nor_the_model_far_from_the_wrist(norm):
 
     rng, controller = np.random.default_rng(7), converged_mpc(problem)
     least = controller.solve(believed, before, 6.0, [])[0].commands
-    first = controller.inner.start_plan(controller.init(FLEXION.rest("line1")), believed, 6.0)
+    state = controller.init(Measured(0.0, 0.0, before * FLEXION.regulator.gain))
+    first = controller.inner.start_plan(state, believed, 6.0)
     near = least + 10.0 ** rng.uniform(-3.0, 0.3, (300, 1)) * rng.normal(size=(300, 7))
     plans = within(problem, np.vstack([near, least, first, found.commands]), before)
     costs = [by_model(plan) for plan in plans]

@@ -30,7 +30,7 @@ def test_commands_take_the_wrist_to_static_angles_over_reversals():
     wrist = Wrist.flexion()
     of = linear.planner(Problem(wrist, rate=4.0), coefficients(wrist))
     asked = np.array([0.0, 0.3, 2.5, 5.0, 7.0, 6.6, 6.2, 6.5, 7.5, 9.0, 8.6, 8.4])
-    start = observer.begin(wrist.rest())
+    start = observer.begin(0.0, 100.0, wrist)
     believed = start._replace(plant=start.plant._replace(pressure=115.0))
     commands = linear.follow(of, believed, 115.0 / 49.4, asked)
     assert commands.min() > 0.0
@@ -52,7 +52,7 @@ def held_to(wrist, pressure):
 def test_commands_are_clipped_to_range_and_rate():
     wrist = Wrist.flexion()
     of = linear.planner(Problem(wrist, rate=0.5), coefficients(wrist))
-    commands = linear.follow(of, observer.begin(wrist.rest()), 2.0, np.full(10, 25.0))
+    commands = linear.follow(of, observer.begin(0.0, 100.0, wrist), 2.0, np.full(10, 25.0))
     assert np.abs(np.diff(commands, prepend=2.0)).max() <= 0.5 + 1e-12
     assert commands.max() == pytest.approx(4.0)
 

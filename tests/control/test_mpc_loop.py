@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 
+from design.controllers.controller import Measured
 from design.controllers.pi import PI
 from design.loop import run as run_pi
 from design.mpc.fallback import Info
 from design.mpc.fallback import State as MPCState
 from design.mpc.loop import Sensor, run
 from design.mpc.problem import Problem
+from design.mpc.real_time import real_time_mpc
 from plants import Wrist
 from plants.effects.dead_time import DeadTime, TubeDeadTime
 from plants.effects.load_step import LoadStep
@@ -21,8 +23,8 @@ class SampledPIAsMPC:
 
     problem = Problem(Wrist.flexion(), period=0.001)
 
-    def init(self, at_rest):
-        pressure = float(at_rest.pressure)
+    def init(self, seen):
+        pressure = float(seen.pressure)
         return MPCState(None, pressure / GAINS.gain, 0.0, None, None, None, 0, GAINS.holding(pressure))
 
     def step(self, state, seen):
@@ -62,3 +64,23 @@ def test_the_sensor_is_quantised_and_its_noise_repeats():
     assert (angles[0] == angles[1]).all()
     assert np.abs(angles / 0.05 - np.round(angles / 0.05)).max() < 1e-9
     assert 0.1 < np.std(np.diff(angles[0])) / np.sqrt(2.0) < 0.4
+
+
+@pytest.mark.parametrize("start", ["line1", "line2", "virgin"])
+def test_the_memory_at_the_start_is_read_off_angle_and_pressure(start):
+    """The controller is not told on which branch the wrist rests."""
+    wrist = Wrist.flexion()
+    rest = wrist.rest(start)
+    controller = real_time_mpc(Problem(wrist))
+    believed = controller.init(Measured(0.0, float(rest.angle), float(rest.pressure))).believed
+    memory = [float(x) for x in believed.plant.memory]
+    assert memory == pytest.approx([float(x) for x in rest.memory], abs=1e-9)
+    assert (believed.lack, believed.shift) == pytest.approx((0.0, 0.0), abs=1e-9)
+
+
+def test_a_run_in_two_parts_is_the_run():
+    wrist, controller = Wrist.flexion(), real_time_mpc(Problem(Wrist.flexion()))
+    whole = run(wrist, controller, 15.0, duration=0.6, record=True)
+    first = run(wrist, controller, 15.0, duration=0.3)
+    second = run(wrist, controller, 15.0, first.last.plant, 0.3, True, begin=0.3, memory=first.controller)
+    np.testing.assert_allclose(second.trajectory.angle[:, 0], whole.trajectory.angle[300:, 0], rtol=1e-9)
