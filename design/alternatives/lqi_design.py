@@ -38,7 +38,7 @@ FAMILY = {
 WASHOUT = 0.3
 """Rate [rad/s] at which the controller unlearns what the regulator's gain is off by.  Assumed."""
 
-ROUNDS, DRAWS = 3, 8
+ROUNDS, DRAWS = 3, 60
 """Rounds of refinement around the best, and how many weights are drawn in each."""
 
 PENALTY = 20.0

@@ -104,8 +104,8 @@ def contest(
 
     `controllers`: by motion and name, `reference` among them; `count`: plants that are drawn; `periodic`:
     controllers that act once a period and are slow to simulate, so that they meet the plant as it is, with
-    and without the effects of the rigs, and the first `periodic_count` of the drawn ones, on the steps
-    from the virgin state; all others are played there once more beside them.  Raises
+    and without the effects of the rigs, the first `periodic_count` of the drawn ones, on the steps, and one
+    pair of coupled motions; all others are played there once more beside them.  Raises
     InputError as `perturbed` and for a plant with effects of its own.
     """
     tell = progress or (lambda stage, share: None)
@@ -119,9 +119,8 @@ def contest(
         met: list[tuple[Field, list[Task], bool]] = [(declared, given, True), (drawn, given, False)]
         met += [(rig(name, drawn), steps, False) for name in RIGS]
         if slow:
-            virgin = [t for t in steps if t.start == "virgin"]
-            met += [(first(drawn, periodic_count, f"{drawn.name}{BESIDE}"), virgin, True)]
-            met += [(rig(n, declared, 1, f"{n}{BESIDE}"), virgin, True) for n in RIGS]
+            met += [(first(drawn, periodic_count, f"{drawn.name}{BESIDE}"), steps, True)]
+            met += [(rig(n, declared, 1, f"{n}{BESIDE}"), steps, True) for n in RIGS]
         for place, (field, asked, all_) in enumerate(met):
             tell(f"{motion}, {field.name}", place / len(met))
             aside[motion, field.name] = field.set_aside

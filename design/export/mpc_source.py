@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.export.active_set import SOLVER
-from design.export.source import NO_FINITE_MATH
+from design.export.source import FINITE_ALL, NO_FINITE_MATH, init_source
 
 Array = NDArray[np.float64]
 
@@ -55,17 +55,7 @@ static void put({n}_state *state, const double *x)
 {put}
 }}
 
-static int finite_all(const double *x, int count)
-{{
-    int i;
-    for (i = 0; i < count; i++) {{
-        if (!isfinite(x[i])) {{
-            return 0;
-        }}
-    }}
-    return 1;
-}}
-
+{FINITE_ALL}
 /* Pressure [kPa] at the end of a period in which a command [V] is held. */
 static double pressed(double pressure, double command)
 {{
@@ -119,27 +109,7 @@ static double follow(double pressure, double wanted, double push, double low, do
     return value;
 }}
 
-int {n}_init({n}_state *state, double pressure_kPa, double angle_deg)
-{{
-    double at[2], x[LEAVES + 1];
-    const double *arg[1];
-    double *res[1];
-    at[0] = pressure_kPa;
-    at[1] = angle_deg;
-    if (!finite_all(at, 2)) {{
-        return {M}_BAD_INPUT;
-    }}
-    arg[0] = at;
-    res[0] = x;
-    {n}_init_law(arg, res, 0, 0, 0);
-    if (!finite_all(x, LEAVES + 1)) {{
-        return {M}_BAD_INPUT;
-    }}
-    put(state, x);
-    state->last_command_V = x[LEAVES];
-    return {M}_OK;
-}}
-
+{init_source(part)}
 int {n}_step({n}_state *state, const {n}_measured *measured, double *command_V)
 {{
     double x[LEAVES], after[LEAVES], seen[4], held[2], target[6], u, wanted, push, low, high, value;

@@ -15,6 +15,20 @@ NO_FINITE_MATH = """\
 #endif"""
 
 
+FINITE_ALL = """\
+static int finite_all(const double *x, int count)
+{
+    int i;
+    for (i = 0; i < count; i++) {
+        if (!isfinite(x[i])) {
+            return 0;
+        }
+    }
+    return 1;
+}
+"""
+
+
 def source(part: Part) -> str:
     """NAME.c."""
     n, N, out = part.name, part.name.upper(), part.output.member
@@ -32,43 +46,13 @@ def source(part: Part) -> str:
 int {n}_init_law(const double **arg, double **res, int *iw, double *w, int mem);
 int {n}_step_law(const double **arg, double **res, int *iw, double *w, int mem);
 
-static int finite_all(const double *x, int count)
-{{
-    int i;
-    for (i = 0; i < count; i++) {{
-        if (!isfinite(x[i])) {{
-            return 0;
-        }}
-    }}
-    return 1;
-}}
-
+{FINITE_ALL}
 static void put({n}_state *state, const double *x)
 {{
 {_lines(f"state->{f.member} = x[{i}];" for i, f in part.kept)}
-    state->last_{out} = x[LEAVES];
 }}
 
-int {n}_init({n}_state *state, double pressure_kPa, double angle_deg)
-{{
-    double at[2], after[LEAVES + 1];
-    const double *arg[1];
-    double *res[1];
-    at[0] = pressure_kPa;
-    at[1] = angle_deg;
-    if (!finite_all(at, 2)) {{
-        return {N}_BAD_INPUT;
-    }}
-    arg[0] = at;
-    res[0] = after;
-    {n}_init_law(arg, res, 0, 0, 0);
-    if (!finite_all(after, LEAVES + 1)) {{
-        return {N}_BAD_INPUT;
-    }}
-    put(state, after);
-{_filled(part)}    return {N}_OK;
-}}
-
+{init_source(part, _filled(part))}
 int {n}_step({n}_state *state, const {n}_measured *measured, double *{out})
 {{
     double before[LEAVES], seen[3] = {{0.0, 0.0, 0.0}}, after[LEAVES + 1];
@@ -88,8 +72,36 @@ int {n}_step({n}_state *state, const {n}_measured *measured, double *{out})
         return {N}_FAILED;
     }}
     put(state, after);
+    state->last_{out} = after[LEAVES];
 {_kept(part)}    *{out} = after[LEAVES];
     return {N}_OK;
+}}
+"""
+
+
+def init_source(part: Part, filled: str = "") -> str:
+    """NAME_init, for a file that defines LEAVES, finite_all and put; filled: statements at its end."""
+    n, N, out = part.name, part.name.upper(), part.output.member
+    return f"""\
+int {n}_init({n}_state *state, double pressure_kPa, double angle_deg)
+{{
+    double at[2], after[LEAVES + 1];
+    const double *arg[1];
+    double *res[1];
+    at[0] = pressure_kPa;
+    at[1] = angle_deg;
+    if (!finite_all(at, 2)) {{
+        return {N}_BAD_INPUT;
+    }}
+    arg[0] = at;
+    res[0] = after;
+    {n}_init_law(arg, res, 0, 0, 0);
+    if (!finite_all(after, LEAVES + 1)) {{
+        return {N}_BAD_INPUT;
+    }}
+    put(state, after);
+    state->last_{out} = after[LEAVES];
+{filled}    return {N}_OK;
 }}
 """
 

@@ -136,6 +136,26 @@ def common_quadratic(system: Switched) -> Search:
         constraints.append((left + left.T) / 2.0 >> t * np.eye(n))
     problem = cvxpy.Problem(cvxpy.Maximize(t), constraints)
 
+    def confirm(wanted: float) -> tuple[tuple[Array, ...], float]:
+        mixes = [np.zeros(0) if free is None else np.asarray(free.value) * size for free in slack]
+        shape = np.asarray(p.value, float)
+        return (shape,), common_margin(system, shape, wanted, mixes)
+
+    return _searching(system, problem, loss, t, confirm, "P")
+
+
+def _searching(
+    system: Switched,
+    problem: Any,
+    loss: Any,
+    best: Any,
+    confirm: Callable[[float], tuple[tuple[Array, ...], float]],
+    what: str,
+) -> Search:
+    """A search that sets the parameter `loss` of a program, solves it, and has `confirm` tell the matrices
+    that were found and their margin at a loss; best: the variable that is positive where it has `what`."""
+    size = _size(system)
+
     def search(wanted: float) -> Found:
         loss.value = wanted / size
         rate = system.rate(wanted)
@@ -143,10 +163,9 @@ def common_quadratic(system: Switched) -> Search:
             solver = solve(problem)
         except Unsolved as error:
             return Found(wanted, rate, -1.0, why=str(error))
-        mixes = [np.zeros(0) if free is None else np.asarray(free.value) * size for free in slack]
-        margin = common_margin(system, np.asarray(p.value), wanted, mixes)
-        why = "" if margin > CONFIRMED else f"{solver}: no such P (at best by {number(t):.1e})"
-        return Found(wanted, rate, margin, solver, (np.asarray(p.value),), why)
+        shapes, margin = confirm(wanted)
+        why = "" if margin > CONFIRMED else f"{solver}: no such {what} (at best by {number(best):.1e})"
+        return Found(wanted, rate, margin, solver, shapes, why)
 
     return search
 
@@ -206,19 +225,11 @@ def poly_quadratic(system: Switched) -> Search:
             constraints.append((left + left.T) / 2.0 >> t * np.eye(n))
     problem = cvxpy.Problem(cvxpy.Maximize(t), constraints)
 
-    def search(wanted: float) -> Found:
-        loss.value = wanted / size
-        rate = system.rate(wanted)
-        try:
-            solver = solve(problem)
-        except Unsolved as error:
-            return Found(wanted, rate, -1.0, why=str(error))
+    def confirm(wanted: float) -> tuple[tuple[Array, ...], float]:
         shapes = tuple(np.asarray(q.value, float) for q in each)
-        margin = poly_margin(system, shapes, wanted)
-        why = "" if margin > CONFIRMED else f"{solver}: no such P_i (at best by {number(t):.1e})"
-        return Found(wanted, rate, margin, solver, shapes, why)
+        return shapes, poly_margin(system, shapes, wanted)
 
-    return search
+    return _searching(system, problem, loss, t, confirm, "P_i")
 
 
 def poly_margin(system: Switched, shapes: tuple[Array, ...], loss: float, seed: int = 1) -> float:
