@@ -108,8 +108,9 @@ def _least(rows: Array) -> Array:
     return least
 
 
-def _delay_margin(omega: Array, loop: NDArray[np.complex128]) -> Array:
-    """Least dead time [s] that turns the phase at a gain crossing to -180 degrees; one per row."""
+def gain_crossings(omega: Array, loop: NDArray[np.complex128]) -> tuple[NDArray[np.intp], Array, Array]:
+    """Where the gain of open loops, one per row, crosses one: row, frequency [rad/s] and how far the phase
+    lies beyond -180 degrees [rad], from 0 to a turn; one entry per crossing."""
     above = np.abs(loop) > 1.0
     rows, columns = np.nonzero(above[:, 1:] != above[:, :-1])
     before, after = loop[rows, columns], loop[rows, columns + 1]
@@ -118,8 +119,14 @@ def _delay_margin(omega: Array, loop: NDArray[np.complex128]) -> Array:
     at = omega[columns] * (omega[columns + 1] / omega[columns]) ** share
     # Unit-size phasors, so that interpolating them interpolates the phase across -180 degrees.
     phase = np.angle((1.0 - share) * before / np.abs(before) + share * after / np.abs(after))
+    return rows, at, np.mod(phase + np.pi, 2.0 * np.pi)
+
+
+def _delay_margin(omega: Array, loop: NDArray[np.complex128]) -> Array:
+    """Least dead time [s] that turns the phase at a gain crossing to -180 degrees; one per row."""
+    rows, at, beyond = gain_crossings(omega, loop)
     found = np.full(len(loop), np.inf)
-    np.minimum.at(found, rows, np.mod(phase + np.pi, 2.0 * np.pi) / at)
+    np.minimum.at(found, rows, beyond / at)
     return found
 
 

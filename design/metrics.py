@@ -1,6 +1,6 @@
 """How a step response is judged, computed while it is simulated.
 
-Definitions as in Astrom & Hagglund, Advanced PID Control (2006), section 4.2, and, where both
+Definitions as in Astrom & Hagglund, Advanced PID Control (2006), and, where both
 apply, as ``control.step_info`` computes them: times are those of samples, and
 the response is normalised to run from 0 at the start to 1 at the reference.
 """

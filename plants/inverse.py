@@ -9,7 +9,7 @@ from the memory (h, virgin) at the pressure P goes along the transit until it me
 and both rise with P', so that the pressure of an angle r is where the first of the two gets there:
 the transit's pressure of r, kept between those at which line 2 and line 1 have r.  Where many
 pressures give r (r = h on the virgin curve, or on a transit without slope) the smallest move is
-taken: to stay.  Kuhnen, European J. Control 9 (2003) 407, inverts play operators likewise, by
+taken: to stay.  Kuhnen, European J. Control 9 (2003), inverts play operators likewise, by
 memory; the general theory is Krasnosel'skii & Pokrovskii, Systems with Hysteresis (1989).
 
 All functions are NumPy ufuncs of floats, lanes or symbols, as the laws are.

@@ -20,7 +20,7 @@ def sampled(time_constant: Number, dt: float) -> SampledLag:
 
     First-order hold: exact for an input that moves linearly within a sample,
     which the static angle does to a far better degree than it jumps (Franklin,
-    Powell & Workman, Digital Control of Dynamic Systems, section 6.3).
+    Powell & Workman, Digital Control of Dynamic Systems).
     """
     ratio = dt / time_constant
     keep = np.exp(-ratio)

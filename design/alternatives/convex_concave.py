@@ -14,7 +14,7 @@ points of the grid, so that a distance is kept which comes down, in stages, to w
 Largest Ki is least integrated error after a step of load.
 
 Hast, Astrom, Bernhardsson & Boyd, PID design by convex-concave optimization, Proc. European Control
-Conference 2013, p. 4460, doi 10.23919/ECC.2013.6669312.  The optimum is local.  The limits that only a
+Conference 2013, p. 4460.  The optimum is local.  The limits that only a
 simulation shows (overshoot, travel of the command, steady error) are not convex: they are met afterwards.
 """
 

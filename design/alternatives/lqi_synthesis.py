@@ -14,7 +14,7 @@ k_fast} as they like.  With Q = P^-1, Y = K Q and W, R the weights, the vertex i
 
 and x' P x bounds the cost from x.  Slope 0 is no vertex: on the virgin curve the angle does not follow
 the pressure, and no feedback could be shown to work.  Boyd, El Ghaoui, Feron & Balakrishnan, Linear Matrix
-Inequalities in System and Control Theory (1994), section 7.4, doi 10.1137/1.9781611970777.
+Inequalities in System and Control Theory (SIAM, 1994), doi 10.1137/1.9781611970777.
 """
 
 from collections.abc import Sequence

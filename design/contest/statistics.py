@@ -6,7 +6,8 @@ confidence intervals, J. Am. Stat. Assoc. 82 (1987) 171, doi 10.1080/01621459.19
 ``scipy.stats.bootstrap``).  A controller is ahead of another where the interval of their difference lies
 below zero, the level of each raised so that all pairs hold together with 95 % (Bonferroni); its rank is then
 known to lie between 1 + the number ahead of it and the number of all less those behind it (Mogstad, Romano,
-Shaikh & Wilhelm, Inference for ranks, Rev. Econ. Stud. 91 (2024) 476, doi 10.1093/restud/rdad006).
+Shaikh & Wilhelm, Inference for ranks with applications to mobility across neighbourhoods and academic
+achievement across countries, Rev. Econ. Stud. 91 (2024) 476, doi 10.1093/restud/rdad006).
 """
 
 from collections.abc import Mapping

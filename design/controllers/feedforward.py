@@ -3,7 +3,7 @@
 `controllers.feedforward_course` takes the model to the reference as fast as the range of the command and the
 reference filter allow.  `Feedforward` plays the command of the model; `FeedforwardPI` adds a PI on the angle
 of the model less the one that is measured (two degrees of freedom: Astrom & Hagglund, Advanced PID Control,
-2006, chapter 5).  Both start from the memory that angle and pressure tell (`controllers.memory_estimator`).
+2006).  Both start from the memory that angle and pressure tell (`controllers.memory_estimator`).
 """
 
 from dataclasses import dataclass, fields

@@ -17,8 +17,8 @@ taken out by a slow mean (`washout`, rad/s): without it there would be a steady 
 
 The loop starts from a step of the reference with a jump of the command, `jump` (r+ - r), as a PI does
 with Kp: velocity feedback alone would ramp.  The integrated command itself is clipped, so that it never
-winds up.  Astrom & Hagglund, Advanced PID Control (2006), sections 3.3 (velocity form) and 3.5 (windup);
-Anderson & Moore, Optimal Control (1990), chapter 9, on what an observer does to the margins.
+winds up.  Astrom & Hagglund, Advanced PID Control (2006), on velocity form and windup; Anderson & Moore,
+Optimal Control: Linear Quadratic Methods (1990), on what an observer does to the margins.
 """
 
 from dataclasses import dataclass, fields

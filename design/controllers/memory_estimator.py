@@ -12,7 +12,7 @@ corrects it by the angle through the lag, both poles of the error at -bandwidth:
     h' = H(memory, P) + correct_h (y - y'),      y' = lag(y', h') + correct_y (y - y').
 
 Whatever it believed, the error vanishes once the wrist runs along a line (the wiping-out property of
-Preisach's memory: Mayergoyz, Mathematical Models of Hysteresis, 1991, chapter 1), because the memory is
+Preisach's memory: Mayergoyz, Mathematical Models of Hysteresis, 1991), because the memory is
 kept between the lines; with bandwidth 0 that is all that corrects it.  The belief to be virgin is
 given up when the angle leaves what it predicts by more than `doubt`.
 """

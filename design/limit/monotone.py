@@ -7,7 +7,7 @@ Khalil, Nonlinear Systems, 3rd ed., section 3.4).  Stage by stage, for one sampl
     regulator   P+ = P + f(gain v - P) rises with P and v where 0 <= f' <= 1: looked at on a grid.
     hysteresis  with z = h - s P, z+ = clip(z, line1(P+) - s P+, line2(P+) - s P+): a generalised play,
                 which rises with z and P+ where both lines are at least as steep as the transit and
-                s >= 0 (Brokate & Sprekels, Hysteresis and Phase Transitions, 1996, section 2.2);
+                s >= 0 (Brokate & Sprekels, Hysteresis and Phase Transitions, 1996);
                 the lines are looked at on a grid too.
     lag         y+ = keep y + before h + after h+ with positive coefficients.
 

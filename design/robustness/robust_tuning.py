@@ -1,7 +1,7 @@
 """Tuning against the worst case: tune, search for the worst case of the gains, add it, tune again.
 
-The loop that systune runs over uncertain parameters (Apkarian, Dao and Noll 2015, Parametric robust
-structured control design, doi 10.1109/TAC.2014.2384411), here with memory, references, dead time and
+The loop that systune runs over uncertain parameters (Apkarian, Dao and Noll, Parametric robust
+structured control design, 2014, arXiv:1405.4202), here with memory, references, dead time and
 load beside the parameters.  It ends where no worse case is found, which is no proof that there is none.
 """
 

@@ -10,7 +10,7 @@ from design.robustness.loop_model import LoopModel
 
 
 def pair(a: float) -> list[np.ndarray]:
-    """Dayawansa and Martin (IEEE TAC 44, 1999, doi:10.1109/9.754812): a common quadratic form exists for
+    """Dayawansa and Martin (IEEE TAC 44 (1999) 751): a common quadratic form exists for
     a < 3 + sqrt(8) = 5.828 alone, though the switched system is stable a little beyond."""
     return [np.array([[-1.0, -1.0], [1.0, -1.0]]), np.array([[-1.0, -a], [1.0 / a, -1.0]])]
 

@@ -51,7 +51,7 @@ def test_backlash_has_the_function_of_the_textbook_and_of_python_control(ratio):
     b, A = 0.7, 0.7 * ratio
     theirs = control.friction_backlash_nonlinearity(2.0 * b).describing_function(A)
     assert complex(backlash(b, A)) == pytest.approx(complex(theirs), abs=1e-12)
-    # Slotine & Li 1991, equation 5.21 (b1, a1 over A), with their b = half gap and slope 1.
+    # Slotine & Li 1991, section 5.3 (b1, a1 over A), with their b = half gap and slope 1.
     a1 = 4.0 * b / np.pi * (b / A - 1.0)
     c = 2.0 * b / A - 1.0
     b1 = A / np.pi * (np.pi / 2.0 - np.arcsin(c) - c * np.sqrt(1.0 - c**2))

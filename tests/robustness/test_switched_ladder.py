@@ -18,7 +18,7 @@ from design.robustness.certificates.sampled.words import search_word
 
 
 def dayawansa_martin(a: float) -> Switched:
-    """Example of Dayawansa & Martin 1999 (doi 10.1109/9.754812): a common quadratic function exists for
+    """Example of Dayawansa & Martin, IEEE TAC 44 (1999) 751: a common quadratic function exists for
     a below 3 + sqrt(8) = 5.828; stable under arbitrary switching beyond."""
     return continuous([np.array([[-1.0, -1.0], [1.0, -1.0]]), np.array([[-1.0, -a], [1.0 / a, -1.0]])])
 

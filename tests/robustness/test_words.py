@@ -69,7 +69,7 @@ def test_powers_of_letters_are_found() -> None:
 def test_dwell_times_of_a_word_come_out_as_the_exact_ones() -> None:
     """Two turns along ellipses lying across each other: an even turn of one by a quarter, then of the
     other, multiplies by -diag(a^2, 1/a^2); each quarter takes pi/2 (Liberzon 2003, Switching in Systems
-    and Control, section 2.1)."""
+    and Control)."""
     a = 2.0
     spins = [np.array([[0.0, a], [-1.0 / a, 0.0]]), np.array([[0.0, 1.0 / a], [-a, 0.0]])]
     system = continuous([s - 0.3 * np.eye(2) for s in spins])

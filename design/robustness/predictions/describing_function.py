@@ -9,7 +9,7 @@ centre of the oscillation, so that for an amplitude A of the pressure
     f = asin(c) + c cos(asin(c)),   g = -(1 - c^2),                c = 1 - 2 b / A,
 
 the known describing function of backlash (Gelb & Vander Velde, Multiple-input describing functions and
-nonlinear system design, 1968, section 2.3; Slotine & Li, Applied nonlinear control, 1991, section 5.2).
+nonlinear system design, 1968; Slotine & Li, Applied nonlinear control, 1991, section 5.3).
 Lines that are not parallel give a harmonic of the same four pieces, integrated piece by piece: up
 from the reversal on line 2 with g at rest, along line 1, down with g at rest, along line 2.  It then
 depends on the centre of the oscillation too.

@@ -13,8 +13,8 @@ Stability by Loeb's criterion: a cycle attracts where, with 1 + G(A, w) = U + j 
 
     dU/dA dV/dw - dV/dA dU/dw > 0
 
-(Gelb & Vander Velde, Multiple-input describing functions and nonlinear system design, 1968, section
-3.2): that is how the curve of -1/N crosses the Nyquist curve as A grows.  Of effects the prediction
+(Gelb & Vander Velde, Multiple-input describing functions and nonlinear system design, 1968):
+that is how the curve of -1/N crosses the Nyquist curve as A grows.  Of effects the prediction
 knows what is linear in the command, in the static angle and in the joint, such as dead time; the
 simulator knows them all.
 """

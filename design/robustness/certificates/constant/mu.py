@@ -10,8 +10,8 @@ since w = Delta z, z = M w would make w' (...) w at least 0.  Blocks of fixed si
 grow with the others.
 
 Sources: Fan, Tits, Doyle, Robustness in the presence of mixed parametric uncertainty and unmodeled
-dynamics, IEEE TAC 36 (1991), doi 10.1109/9.62265; Young, Newlin, Doyle, Computing bounds for the mixed
-mu problem, Int. J. Robust Nonlinear Control 5 (1995), doi 10.1002/rnc.4590050604.
+dynamics, IEEE TAC 36 (1991) 25; Young, Newlin, Doyle, Computing bounds for the mixed mu problem,
+Int. J. Robust Nonlinear Control 5 (1995) 573, doi 10.1002/rnc.4590050604.
 """
 
 from dataclasses import dataclass

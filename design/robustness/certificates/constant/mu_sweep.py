@@ -6,9 +6,8 @@ holds at one frequency holds up to the nearest of these on both sides, ends incl
 that kind cover all frequencies, beta is above mu at every one of them, not only on a grid.
 
 Sources: Lawrence, Tits, Van Dooren, A fast algorithm for the computation of an upper bound on the
-mu-norm, Automatica 36 (2000), doi 10.1016/S0005-1098(99)00165-7; Ferreres, Magni, Biannic, Robustness
-analysis of flexible structures: practical algorithms, Int. J. Robust Nonlinear Control 13 (2003),
-doi 10.1002/rnc.692.
+mu-norm, Automatica 36 (2000); Ferreres, Magni, Biannic, Robustness analysis of flexible structures:
+practical algorithms, Int. J. Robust Nonlinear Control 13 (2003) 715, doi 10.1002/rnc.742.
 """
 
 from dataclasses import dataclass, replace

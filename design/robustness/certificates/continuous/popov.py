@@ -17,7 +17,7 @@ the slope of k(e) e lying between k_slow and k_fast + (k_fast - k_slow) / 8; wit
 {x' P x <= c} contains {V <= c}.
 
 Source: S. Boyd and others, Linear Matrix Inequalities in System and Control Theory (SIAM, 1994),
-section 8.1, doi:10.1137/1.9781611970777; H. K. Khalil, Nonlinear Systems (3rd ed.), section 7.1.2.
+doi:10.1137/1.9781611970777; H. K. Khalil, Nonlinear Systems (3rd ed.), section 7.1.2.
 """
 
 import numpy as np

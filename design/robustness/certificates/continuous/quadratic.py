@@ -7,7 +7,7 @@ corners of {slopes} x {rates} answer for all pairs between them; a slope between
 shallowest is such a pair.
 
 Source: S. Boyd, L. El Ghaoui, E. Feron, V. Balakrishnan, Linear Matrix Inequalities in System and
-Control Theory (SIAM, 1994), section 5.1, doi:10.1137/1.9781611970777.
+Control Theory (SIAM, 1994), doi:10.1137/1.9781611970777.
 """
 
 from collections.abc import Sequence

@@ -8,9 +8,10 @@ of z = Ki x0 - (Kp/Tw) x1, the only signal that is late (dq/dt = z(t - tau) - ph
 itself; last, where the law of the regulator is left open, psi = phi(q) - k_low q, the part of
 phi(q) = k(q) q that is not linear, which lies between 0 and kappa q.
 
-Source: the moments of A. Seuret, F. Gouaisbaut, Systems & Control Letters 81 (2015) 1-7,
-doi:10.1016/j.sysconle.2015.03.007, for a transport as in L. Baudouin, A. Seuret, M. Safi,
-IFAC-PapersOnLine 49-8 (2016) 194-199, doi:10.1016/j.ifacol.2016.07.440.
+Source: the moments of A. Seuret, F. Gouaisbaut, Hierarchy of LMI conditions for the stability analysis of
+time-delay systems, Systems & Control Letters 81 (2015) 1-7, for a transport as in L. Baudouin, A. Seuret,
+M. Safi, Stability analysis of a system coupled to a transport equation using integral inequalities, 2nd
+IFAC workshop on control of systems governed by partial differential equations, 2016, HAL hal-01310306.
 """
 
 from dataclasses import dataclass

@@ -2,10 +2,10 @@
 
 Homogeneous forms of degree 2d: the monomials of degree d of x, weighted so that |x^[d]| = |x|^d, move
 linearly where x does, by the symmetric power of its matrix.  A quadratic function of them is a form of
-degree 2d in x, and proves more than one of degree 2 (Brockett 1973, doi
-10.1007/978-94-010-2675-8_4; Blondel & Nesterov 2005, doi 10.1137/040607009).  Different matrices belong
-to one form; using that too makes the inequality a sum of squares (Parrilo & Jadbabaie 2008, doi
-10.1016/j.laa.2007.12.027).
+degree 2d in x, and proves more than one of degree 2 (Brockett, Lie algebras and Lie groups in control
+theory; Blondel & Nesterov 2005, doi 10.1137/040607009).  Different matrices belong to one form; using that
+too makes the inequality a sum of squares (Parrilo & Jadbabaie, Approximation of the joint spectral radius
+using sum of squares, Linear Algebra Appl. 428 (2008) 2385).
 
 Behind a dead time of N samples: the state with moments of what is under way, instead of all of it.
 """
@@ -145,7 +145,7 @@ def gram_polynomials(samples: int, count: int) -> tuple[Array, Array, Array]:
 
     p(1) and p(N + 1), each (count,), and T, (count, count), with p_j(i + 1) = sum_l T_jl p_l(i): a
     polynomial shifted is a polynomial, so that the moments of a moving window move on their own
-    (Abramowitz & Stegun, section 22.17).
+    (Abramowitz & Stegun, chapter 22).
     """
     x = (2.0 * np.arange(1.0, samples + 2.0) - samples - 1.0) / samples
     powers = np.polynomial.legendre.legvander(x, count - 1)
@@ -162,7 +162,7 @@ def window_quadratic(loop: Delayed, follows: bool = False, moments: int = MOMENT
 
     The moments close exactly, O+ = T O + (p(1) u - p(N+1) u[k-N])/N; Bessel's mean u^2 >= sum O_j^2
     bounds what they leave open, so that the inequality is one in (x, O, u[k-N]) however long the window
-    (in continuous time: Seuret & Gouaisbaut 2015, doi 10.1016/j.sysconle.2015.03.007).  The rate is
+    (in continuous time: Seuret & Gouaisbaut, Systems & Control Letters 81 (2015) 1).  The rate is
     taken out first: what is multiplied by exp(rate t) has to be stable.  V is a nonnegative form of x
     and the window, hence convex in the matrix that moves them: the vertices are enough.  Where P
     follows the mode, the argument is that of `poly_quadratic`.

@@ -177,8 +177,8 @@ def common_margin(
 
     Checked at the vertices and, for a system that is not lifted, at random points of their convex hull
     (a lift is not linear in its matrix; there the hull is covered by the theorem that a set of matrices
-    and its convex hull have the same joint spectral radius: Jungers 2009, The Joint Spectral Radius,
-    proposition 1.8).  mixes: weights of the ties at each vertex, each (ties,).
+    and its convex hull have the same joint spectral radius: Jungers 2009, The Joint Spectral
+    Radius).  mixes: weights of the ties at each vertex, each (ties,).
     """
     if not definite(p):
         return -1.0
@@ -199,7 +199,7 @@ def common_margin(
 def poly_quadratic(system: Switched) -> Search:
     """Search for V = x'P(i)x that follows the mode: A_i' P_j A_i < (1 - dt loss) P_i for every i, j.
 
-    Daafouz & Bernussou 2001 (doi 10.1016/S0167-6911(00)00110-6), for a sampled system only.  With
+    Daafouz & Bernussou, Systems & Control Letters 43 (2001) 355, for a sampled system only.  With
     P(w) = sum w_i P_i it holds on the whole polytope A(w) = sum w_i A_i, since by Schur complement
     [P_i, A_i'P_j; P_j A_i, P_j] > 0 is linear in what carries i and in what carries j; their slack
     form, with S_i = 1/P_i, is solvable exactly where this one is, and needed only where gains are

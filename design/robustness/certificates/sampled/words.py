@@ -3,7 +3,7 @@
 A word is a sequence of modes, each held for its dwell time and then begun again.  A spectral radius
 of its product above 1 means that who repeats the word makes the state grow without bound; that of any
 word, per step, bounds the joint spectral radius from below (Daubechies & Lagarias 1992; Jungers 2009,
-The Joint Spectral Radius, section 1.2.2).
+The Joint Spectral Radius).
 """
 
 from collections.abc import Callable, Iterator
@@ -68,7 +68,7 @@ def necklaces(letters: int, length: int) -> Iterator[tuple[int, ...]]:
     [(0, 0, 0), (0, 0, 1), (0, 1, 1), (1, 1, 1)]
     """
     # The algorithm of Fredricksen, Kessler & Maiorana, in the form of Ruskey, Combinatorial
-    # Generation, section 7.3: a prenecklace is extended by its own period or by a larger letter.
+    # Generation: a prenecklace is extended by its own period or by a larger letter.
     word = [0] * (length + 1)
 
     def extend(t: int, period: int) -> Iterator[tuple[int, ...]]:
