@@ -21,7 +21,7 @@ from design.mpc.converged import converged_mpc
 from design.mpc.fallback import Info
 from design.mpc.loop import Sensor, run
 from design.mpc.prediction import roll, start_of
-from design.mpc.problem import Problem
+from design.mpc.problem import Problem, Weights
 from design.mpc.real_time import RealTimeMPC
 from design.mpc.timing import Ledger, ledger
 from plants import wrist as plant
@@ -165,8 +165,9 @@ def by_do_mpc(problem: Problem, state: State, before: float, plan: Array) -> tup
 
 def do_mpc_figures(rounds: int) -> dict[str, float | None]:
     """Ratio and time of do-mpc (None where it is not installed); raises Disagreement if what it minimises
-    is not what we do.  The rate is not bounded here: do-mpc knows no such bound by itself."""
-    problem = Problem(Wrist.flexion(), rate=100.0)
+    is not what we do.  The rate is not bounded and the swing not weighted here: do-mpc
+    has no such terms by itself."""
+    problem = Problem(Wrist.flexion(), rate=100.0, weights=Weights(swing=0.0))
     controller, memory, seen, state = midway(problem)
     start = start_of(memory.believed._replace(plant=state))
     try:
@@ -195,7 +196,8 @@ def closed_loop_cost(problem: Problem, play: Any, reference: float) -> float:
     before = play.trajectory.pressure[0, 0] / problem.wrist.regulator.gain
     moves = np.diff(commands, prepend=before)
     errors = angles - reference
-    return float(problem.weights.angle * errors @ errors + problem.weights.move * moves @ moves)
+    swings, by = np.diff(errors), problem.weights
+    return float(by.angle * errors @ errors + by.swing * swings @ swings + by.move * moves @ moves)
 
 
 def cost_vs_converged(converged: Make = converged_mpc) -> dict[str, float | None]:

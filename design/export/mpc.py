@@ -187,7 +187,7 @@ def condensed(of: linear.Planner) -> tuple[Array, Array]:
     N = of.problem.horizon
     A = np.vstack([np.eye(N), of.problem.differences])
     free = np.column_stack([of.free, np.ones(N)])  # of h, a, shift - reference
-    F = np.column_stack([of.forced.T @ (of.weights[:, None] * free), np.eye(N)[:, 0] * -of.move])
+    F = np.column_stack([of.forced.T @ of.weights @ free, np.eye(N)[:, 0] * -of.move])
     solved = cho_solve(cho_factor(of.hessian), np.column_stack([F, A.T]))
     return -A @ solved[:, :4], A @ solved[:, 4:]
 

@@ -3,7 +3,7 @@
 1. The QP's answer, if it was found in time and the sensors' values are finite.
 2. The plan of the period before, shifted, for as many periods in a row as `patience` says.
 3. A PI on the measured angle, its integrator set so that the command does not jump (bumpless transfer:
-   Astrom & Hagglund, Advanced PID Control (2006), section 3.5); without a measurement of the angle
+   Astrom & Hagglund, Advanced PID Control (2006)); without a measurement of the angle
    the command is held.
 
 The first period that solves again takes over.  State in, state out; the clock is the only thing that is

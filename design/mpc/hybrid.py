@@ -1,8 +1,8 @@
 """Hybrid MPC: branches and pieces of the regulator's law as binaries, an MILP for HiGHS, (c).
 
 The problem of `design.mpc.problem` on the model of `design.mpc.hybrid_model`, with a cost that is
-linear in pieces: `norm="one"` sums weights times sizes of errors and moves; `norm="square"` sums the
-squares of the errors and moves from below, by their tangents, so that the bound that HiGHS proves is one
+linear in pieces: `norm="one"` sums weights times sizes of errors, swings and moves; `norm="square"` sums
+their squares from below, by their tangents, so that the bound that HiGHS proves is one
 on the cost of the other MPCs, on this model.  A plan that is proved to be the best of its model is what
 no local method gives: it says whether these sit in a poor minimum.  It is an offline reference, for
 short horizons or coarse grids: 20 periods mostly take 6 to 20 s to a gap of 0.5 %, and may take far longer
@@ -71,7 +71,9 @@ def cost(problem: Problem, angles: Any, commands: Any, before: float, reference:
         return problem.cost(angles, commands, before, reference)
     errors = np.abs(np.asarray(angles, float) - reference)
     moves = np.abs(np.diff(np.asarray(commands, float), prepend=before))
-    return float(problem.stage_weights @ errors + problem.weights.move * np.sum(moves))
+    swings = np.abs(np.diff(np.asarray(angles, float)))
+    by = problem.weights
+    return float(problem.stage_weights @ errors + by.swing * np.sum(swings) + by.move * np.sum(moves))
 
 
 def solve(
@@ -123,7 +125,7 @@ class _Milp:
     def __init__(self, problem: Problem, believed: Believed, law: Piecewise, norm: Norm) -> None:
         self.problem, self.believed, self.law, self.norm = problem, believed, law, norm
         self.segments, self.once = law.segments, float(believed.plant.memory.virgin) > 0.5
-        self.width = 6 + 4 + 2 * len(self.segments)
+        self.width = 7 + 4 + 2 * len(self.segments)
         n = problem.horizon * self.width
         self.one, self.columns = np.eye(n + 1)[n], np.eye(n + 1)[:n]
         self.rows: list[Array] = []
@@ -156,10 +158,10 @@ class _Milp:
         for k, weight in enumerate(self.problem.stage_weights):
             first = k * self.width
             x = self.columns[first : first + self.width]
-            v1, P1, h1, y1, size, effort, on1, along, on2, virgin1 = x[:10]
+            v1, P1, h1, y1, size, effort, swing, on1, along, on2, virgin1 = x[:11]
             self.low[first], self.high[first] = self.problem.low, self.problem.high
-            self.integral[first + 6 : first + 10] = 1.0
-            self.low[first + 6 : first + 10], self.high[first + 6 : first + 10] = 0.0, 1.0
+            self.integral[first + 7 : first + 11] = 1.0
+            self.low[first + 7 : first + 11], self.high[first + 7 : first + 11] = 0.0, 1.0
             up, down = self.regulator(first, v1, P, P1)
             self.branches(P, P1, h, h1, virgin, virgin1, on1, along, on2)
             self.below(on1 + down, 1.0)  # a line is only met on the way to it
@@ -169,14 +171,20 @@ class _Milp:
             self.below(v - v1, self.problem.rate)
             self.sized(size, y1 + (b.shift - reference) * one)
             self.sized(effort, v1 - v)
-            self.price[first + 4], self.price[first + 5] = weight, self.problem.weights.move
+            by = self.problem.weights
+            if k > 0 and by.swing > 0.0:
+                self.sized(swing, y1 - y)
+                self.price[first + 6] = by.swing
+            else:
+                self.low[first + 6] = self.high[first + 6] = 0.0
+            self.price[first + 4], self.price[first + 5] = weight, by.move
             P, h, y, v, virgin = P1, h1, y1, v1, virgin1
 
     def regulator(self, first: int, v: Array, P: Array, after: Array) -> tuple[Array, Array]:
         """P after a period, by segments; whether the segment is one of a rise, of a fall."""
         m, gain = len(self.segments), self.problem.wrist.regulator.gain
-        parts, chosen = self.columns[first + 10 : first + 10 + m], self.columns[first + 10 + m :][:m]
-        places = slice(first + 10 + m, first + 10 + 2 * m)
+        parts, chosen = self.columns[first + 11 : first + 11 + m], self.columns[first + 11 + m :][:m]
+        places = slice(first + 11 + m, first + 11 + 2 * m)
         self.integral[places], self.low[places], self.high[places] = 1.0, 0.0, 1.0
         self.equal(parts.sum(axis=0), gain * v + self.believed.lack * self.one - P)
         self.equal(chosen.sum(axis=0), self.one)

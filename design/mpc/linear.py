@@ -166,9 +166,9 @@ def planner(problem: Problem, c: Array) -> Planner:
     # A change of the command by 1 V moves u by so many degrees, on a line.
     per_volt = float(max(p.hysteresis.a1, p.hysteresis.a2) * p.regulator.gain)
     move = problem.weights.move / per_volt**2
-    weights, D = problem.stage_weights, problem.differences
+    weights, D = problem.angle_hessian, problem.differences
     J = forced[:, 1]
-    hessian = np.ascontiguousarray(J.T @ (weights[:, None] * J) + move * (D.T @ D))
+    hessian = np.ascontiguousarray(J.T @ weights @ J + move * (D.T @ D))
     return Planner(
         problem, c, np.ascontiguousarray(free[:, 1]), np.ascontiguousarray(J),
         np.ascontiguousarray(free[:, 0]), np.ascontiguousarray(forced[:, 0]), weights, hessian, move,
@@ -201,7 +201,7 @@ def plan(
         most = min(most, memory.h + transit * (gain * of.problem.high + believed.lack - P))
     x = np.array([memory.h, believed.plant.angle])
     missing = of.free @ x + (believed.shift - reference)
-    f = (of.weights * missing) @ of.forced
+    f = (of.weights @ missing) @ of.forced
     f[0] -= of.move * was
     low = np.concatenate([np.full(N, least), np.full(N, -of.rate)])
     high = np.concatenate([np.full(N, most), np.full(N, of.rate)])

@@ -62,6 +62,7 @@ def converger(problem: Problem) -> Converge:
     angles = period.mapaccum(N)(start, (v + push).T)[3, :].T
     moves = v - ca.vertcat(before, v[:-1])
     cost = ca.sum1(ca.DM(problem.stage_weights) * (angles - aim) ** 2)
+    cost += problem.weights.swing * ca.sumsqr(angles[1:] - angles[:-1])
     cost += problem.weights.move * ca.sumsqr(moves)
     solver = ca.nlpsol(
         "mpc", "ipopt", {"x": v, "f": cost, "g": moves, "p": ca.vertcat(start, around)}, _OPTIONS

@@ -71,7 +71,7 @@ import numpy as np
 from numba import njit
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath={{"contract", "nsz", "arcp"}})
-def run(start, commands, c, substeps, weights, moves, states, outputs, by_command, by_start, hessian):
+def run(start, commands, c, substeps, weights, swing, moves, states, outputs, by_command, by_start, hessian):
     N = commands.shape[0]
 {coefficients}
     {state} = start[0], start[1], start[2], start[3]
@@ -109,10 +109,12 @@ def run(start, commands, c, substeps, weights, moves, states, outputs, by_comman
         for j in range(i + 1):
             hessian[i, j] = moves[i, j]
     for k in range(N):
+        before = k - 1 if k > 0 else 0
         for i in range(k + 1):
-            w = weights[k] * by_command[k, i]
+            t = swing * (by_command[k, i] - by_command[before, i]) if k > 0 else 0.0
+            w = weights[k] * by_command[k, i] + t
             for j in range(i + 1):
-                hessian[i, j] += w * by_command[k, j]
+                hessian[i, j] += w * by_command[k, j] - t * by_command[before, j]
     for i in range(N):
         for j in range(i):
             hessian[j, i] = hessian[i, j]
@@ -186,7 +188,8 @@ def linearise(
         start, plan, lack, np.empty((N, 4)), np.empty(N), np.empty((N, N)), np.empty((N, 4)), np.empty((N, N))
     )
     pushed = plan + lack / problem.wrist.regulator.gain
-    _horizon_kernel()(start, pushed, c, problem.substeps, weights, moves, *made[3:])
+    swing = problem.weights.swing
+    _horizon_kernel()(start, pushed, c, problem.substeps, weights, swing, moves, *made[3:])
     return made
 
 

@@ -1,14 +1,18 @@
 """What every model predictive controller here minimises, and under which bounds: one definition for all.
 
-At the start of each period of `period` [s] the command v is chosen and then held.  With y_k the angle
-[deg] at the end of period k, r the reference and v_0 the command of the period before, minimise
+At the start of each period of `period` [s] the command v is chosen and then held.  With e_k = y_k - r the
+error [deg] at the end of period k and v_0 the command of the period before, minimise
 
-    sum_{k=1}^{N} q_k (y_k - r)^2 + move sum_{k=1}^{N} (v_k - v_{k-1})^2,      q_k = angle, q_N = terminal,
+    sum_{k=1}^{N} q_k e_k^2 + swing sum_{k=2}^{N} (e_k - e_{k-1})^2 + move sum_{k=1}^{N} (v_k - v_{k-1})^2
 
-subject to low <= v_k <= high and |v_k - v_{k-1}| <= rate, the model being the exact sampled wrist
+with q_k = angle, q_N = terminal, subject to
+
+    low <= v_k <= high and |v_k - v_{k-1}| <= rate,
+
+the model being the exact sampled wrist
 (`plants.wrist.step`, 20 substeps of 1 ms in a period of 20 ms) with two constant disturbances that an
 observer estimates: `lack` [kPa], added to the commanded pressure, and `shift` [deg], added to the
-static angle.  Rawlings, Mayne & Diehl, Model Predictive Control (2017), sections 1.3 and 1.5.
+static angle.  Rawlings, Mayne & Diehl, Model Predictive Control (2017), chapter 1.
 """
 
 from dataclasses import dataclass, field, replace
@@ -29,13 +33,16 @@ LONGEST_HORIZON = 200
 @dataclass(frozen=True)
 class Weights:
     """Weights of the cost: angle [1/deg^2], move [1/V^2] (of the change of the command from one period to
-    the next), terminal [1/deg^2] (in place of `angle` at the last stage).  Raises InputError for a
+    the next), terminal [1/deg^2] (in place of `angle` at the last stage), swing [1/deg^2] (of the change
+    of the angle from one period to the next: squared errors alone would have the angle shoot past
+    the reference, out of the settling band, for the sake of some ms of rise).  Raises InputError for a
     weight that is negative or not finite, and for a move weight of 0, which leaves the problem without
     a unique answer where the angle does not move (the virgin curve)."""
 
     angle: float = 1.0
     move: float = 0.05
     terminal: float = 10.0
+    swing: float = 1.0
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -124,6 +131,12 @@ class Problem:
         return q
 
     @property
+    def angle_hessian(self) -> Array:
+        """Half the second derivative of the cost by the angles [1/deg^2], (horizon, horizon)."""
+        D = np.diff(np.eye(self.horizon), axis=0)
+        return np.asarray(np.diag(self.stage_weights) + self.weights.swing * (D.T @ D), float)
+
+    @property
     def move_hessian(self) -> Array:
         """Half the second derivative of the move suppression by the commands [1/V^2], (horizon, horizon)."""
         D = np.eye(self.horizon) - np.eye(self.horizon, k=-1)
@@ -133,7 +146,8 @@ class Problem:
         """The cost of a plan: angles [deg] at the ends of the periods and commands [V], both (horizon,)."""
         errors = np.asarray(angles, float) - reference
         moves = np.diff(np.asarray(commands, float), prepend=before)
-        return float(self.stage_weights @ errors**2 + self.weights.move * np.sum(moves**2))
+        swings = self.weights.swing * np.sum(np.diff(errors) ** 2)
+        return float(self.stage_weights @ errors**2 + swings + self.weights.move * np.sum(moves**2))
 
     def bounds(self, before: float) -> tuple[Array, Array]:
         """Lower and upper bounds [V] of (commands, their changes), shape (2 horizon,), for a command
@@ -168,11 +182,13 @@ def nominal(wrist: Wrist, **changes: Any) -> Problem:
 def robust(wrist: Wrist, **changes: Any) -> Problem:
     """The setting that stays stable with 60 ms of dead time that the model lacks.
 
-    Found by trial on 15 degree steps with added dead time and on the corners of `design.tasks`.  The
-    moves keep the dead time; the observer is quick, since it has no part in that, and a slow one takes
+    Found by trial on 15 degree steps with added dead time and on the corners of `design.tasks`.  Moves and
+    swings keep the dead time; the observer is quick, since it has no part in that, and a slow one takes
     1.5 s to see a loop of wrong width.  The slower `lack` is what the dead time would disturb.
     """
     slow = Problem(
-        wrist, weights=Weights(move=100.0, terminal=1.0), observer=Observer(bandwidth=60.0, lack=0.1)
+        wrist,
+        weights=Weights(move=100.0, terminal=1.0, swing=30.0),
+        observer=Observer(bandwidth=60.0, lack=0.1),
     )
     return replace(slow, **changes)

@@ -52,6 +52,7 @@ class RealTimeMPC:
 
     first: linear.LinearMPC
     weights: Array
+    outputs: Array
     moves: Array
     solve: qp.Solve
 
@@ -99,7 +100,7 @@ class RealTimeMPC:
         missing = about.angles + about.by_start[:, :3] @ off[[0, 1, 3]] - about.by_command @ commands
         missing += believed.shift - reference
         missing += about.by_start[:, 3] * ((believed.lack - about.lack) / self.problem.wrist.regulator.gain)
-        f = (self.weights * missing) @ about.by_command
+        f = (self.outputs @ missing) @ about.by_command
         f[0] -= self.problem.weights.move * state.command
         low, high = self.problem.bounds(state.command)
         clock = self.fallback.clock
@@ -156,4 +157,10 @@ def _stuck(about: Linearised, believed: Believed, reference: float) -> bool:
 def real_time_mpc(problem: Problem, fallback: Fallback | None = None) -> RealTimeMPC:
     """The nonlinear MPC of a problem; raises InputError where daqp is not installed."""
     first = linear.linear_mpc(problem, fallback)
-    return RealTimeMPC(first, problem.stage_weights, problem.move_hessian, qp.solver(problem.differences))
+    return RealTimeMPC(
+        first,
+        problem.stage_weights,
+        problem.angle_hessian,
+        problem.move_hessian,
+        qp.solver(problem.differences),
+    )

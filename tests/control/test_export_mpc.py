@@ -68,7 +68,7 @@ def test_the_first_move_is_that_of_daqp(name, tmp_path):
     assert (codes == 0).all()
     active = []
     for (h, a, off, was, least, most), move in zip(questions, moves, strict=True):
-        f = (of.weights * (of.free @ [h, a] + off)) @ of.forced
+        f = (of.weights @ (of.free @ [h, a] + off)) @ of.forced
         f[0] -= of.move * was
         low = np.r_[np.full(N, least), was - of.rate, np.full(N - 1, -of.rate)]
         high = np.r_[np.full(N, most), was + of.rate, np.full(N - 1, of.rate)]

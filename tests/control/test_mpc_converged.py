@@ -35,7 +35,9 @@ def cost_by_the_page(problem, plan, before, reference):
     page = np.array(one_page(problem.wrist.values, np.repeat(plan, problem.substeps).tolist()))
     y = page[problem.substeps :: problem.substeps, 2]
     moves = np.diff(plan, prepend=before)
-    return float(problem.stage_weights @ (y - reference) ** 2 + problem.weights.move * moves @ moves)
+    swings, by = np.diff(y), problem.weights
+    errors = problem.stage_weights @ (y - reference) ** 2
+    return float(errors + by.swing * swings @ swings + by.move * moves @ moves)
 
 
 @pytest.mark.parametrize(

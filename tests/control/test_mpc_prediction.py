@@ -58,7 +58,9 @@ def test_a_lack_of_pressure_acts_as_a_lower_command():
 def test_the_condensed_hessian_is_that_of_the_cost():
     problem, found = about(Wrist.flexion(), PLAN)
     D = np.eye(30) - np.eye(30, k=-1)
+    swings = np.diff(found.by_command, axis=0)
     direct = found.by_command.T @ np.diag(problem.stage_weights) @ found.by_command
+    direct += problem.weights.swing * swings.T @ swings
     assert np.abs(found.hessian - direct - problem.weights.move * D.T @ D).max() < 1e-10
 
 

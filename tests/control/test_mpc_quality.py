@@ -4,6 +4,8 @@ stays stable, and settles, with 60 ms of dead time that its model lacks."""
 import numpy as np
 import pytest
 
+from design.compare_tasks import played_on_tasks
+from design.limit import ratios
 from design.mpc.loop import run, without_delay
 from design.mpc.problem import nominal, robust
 from design.mpc.real_time import real_time_mpc
@@ -48,3 +50,14 @@ def test_the_nominal_setting_does_not():
     late = wrist + DeadTime(0.06)
     play = run(late, real_time_mpc(nominal(wrist)), 15.0, duration=3.0, record=True)
     assert np.ptp(play.trajectory.angle[-1000:, 0]) > 1.0
+
+
+@pytest.mark.parametrize("motion", WRISTS)
+def test_returns_settle_near_their_bound_too(motion):
+    """Squared errors alone had the angle leave the band on the other side: the swing's weight keeps it in."""
+    wrist = WRISTS[motion]
+    found, bounds, _ = played_on_tasks(wrist, real_time_mpc(nominal(wrist)))
+    returns = [n for n in found if n.startswith("return")]
+    assert len(returns) == 2
+    for name in returns:
+        assert float(ratios(found[name][0], bounds[name]).settling) <= 1.25
