@@ -1,14 +1,17 @@
-"""Options and output that the commands share.  Nothing heavy is imported before it is used."""
+"""Options that the commands share, and what they mean.  Nothing heavy is imported before it is used."""
 
 import math
+import shlex
 import sys
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from design.cli.completion import files
+from design.cli.screen import is_stdout
 
 if TYPE_CHECKING:
     from plants.measured.campaign import Campaign
@@ -26,22 +29,32 @@ AxisOption = Annotated[Axis, typer.Option(help="Motion of the wrist, with its bu
 PlantOption = Annotated[
     Path | None,
     typer.Option(
-        help="Parameter set (TOML) in place of the built-in one, such as `wrist fit --save` writes."
+        help="Parameter set (TOML) in place of the built-in one, such as `wrist fit --save` writes.",
+        autocompletion=files,
     ),
 ]
-CampaignArgument = Annotated[Path, typer.Argument(help="Folder with campaign.toml and the recordings.")]
+CampaignArgument = Annotated[
+    Path, typer.Argument(help="Folder with campaign.toml and the recordings.", autocompletion=files)
+]
 StartOption = Annotated[
     Path | None,
-    typer.Option("--plant", help="Parameter set to start from; the built-in one of the axis if not given."),
+    typer.Option(
+        "--plant",
+        help="Parameter set to start from; the built-in one of the axis if not given.",
+        autocompletion=files,
+    ),
 ]
 JsonOption = Annotated[
-    Path | None, typer.Option("--json", help="Write the result as JSON to this file; - for stdout.")
+    Path | None,
+    typer.Option("--json", help="Write the result as JSON to this file; - for stdout.", autocompletion=files),
 ]
 SchedulerOption = Annotated[
     str | None,
     typer.Option(help="Address of a Dask scheduler, such as tcp://host:8786, to run on its workers."),
 ]
-OutOption = Annotated[Path | None, typer.Option("--out", help="Folder for pictures and reports.")]
+OutOption = Annotated[
+    Path | None, typer.Option("--out", help="Folder for pictures and reports.", autocompletion=files)
+]
 SeedOption = Annotated[int, typer.Option(help="Seed of everything random.")]
 JobsOption = Annotated[int | None, typer.Option(help="Threads; all processors where not given.", min=1)]
 
@@ -69,18 +82,6 @@ def starting_set(data: "Campaign", plant: Path | None) -> "ParameterSet":
     )
 
 
-def console(json_path: Path | None) -> Any:
-    """Where people read: stdout, or stderr where JSON goes to stdout.  Plain when piped."""
-    from rich.console import Console
-
-    return Console(stderr=is_stdout(json_path), highlight=False, soft_wrap=False)
-
-
-def is_stdout(path: Path | None) -> bool:
-    """Whether a path stands for standard output."""
-    return path is not None and str(path) == "-"
-
-
 def write_json(path: Path | None, content: Mapping[str, Any]) -> None:
     """Write JSON to a file, complete or not at all, or to stdout; nothing where no path is given."""
     if path is None:
@@ -93,28 +94,9 @@ def write_json(path: Path | None, content: Mapping[str, Any]) -> None:
         write_atomically(path, json_text(content))
 
 
-@contextmanager
-def progress(what: str) -> Iterator[Callable[[str, float], None]]:
-    """A progress bar with the time left, on a terminal only; yields what is told stage and share."""
-    if not sys.stderr.isatty():
-        yield lambda stage, share: None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(what, total=1.0)
-        seen = ""
-
-        def tell(stage: str, share: float) -> None:
-            nonlocal seen
-            if stage != seen:
-                bar.reset(task, description=f"{what}: {stage}", total=1.0)
-                seen = stage
-            bar.update(task, completed=share)
-
-        yield tell
+def command_line() -> str:
+    """The line that this process was started with, as a shell takes it: for the foot of a page."""
+    return shlex.join(["wrist", *sys.argv[1:]])
 
 
 def numbers(text: str, option: str, example: str) -> tuple[float, ...]:
@@ -131,6 +113,15 @@ def numbers(text: str, option: str, example: str) -> tuple[float, ...]:
             f"{option}: {text!r} is not {count} numbers with commas between, none negative, like {example}"
         )
     return found
+
+
+def pi_gains(text: str, option: str = "--gains", example: str = "1.2,2.2") -> tuple[float, ...]:
+    """Kp, Ki of an option: two numbers, or the TOML file that holds them, such as the tuner keeps."""
+    if text.endswith(".toml"):
+        from design.tuner.gains_file import read
+
+        return read(text)
+    return numbers(text, option, example)
 
 
 def seconds(value: float, horizon: float = 10.0) -> str:

@@ -5,9 +5,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from design.cli.common import JobsOption, JsonOption, SeedOption, console, progress, write_json
+from design.cli.common import JobsOption, JsonOption, SeedOption, command_line, write_json
+from design.cli.completion import files
+from design.cli.places import check_places
+from design.cli.screen import console, progress
 
 if TYPE_CHECKING:
+    from design.break_even import BreakEven
     from design.controllers.controller import Controller
     from design.controllers.pi import PI
     from design.tuning import Tuning
@@ -23,19 +27,23 @@ def command(
     campaigns: Annotated[
         list[Path] | None,
         typer.Argument(
-            help="Campaigns to fit, one a motion; the built-in parameters stand for a motion without one."
+            help="Campaigns to fit, one a motion; the built-in parameters stand for a motion without one.",
+            autocompletion=files,
         ),
     ] = None,
     plant: Annotated[
         list[Path] | None,
         typer.Option(
-            help="Parameter set of a motion: where its fit starts, or, without a campaign, the plant."
+            help="Parameter set of a motion: where its fit starts, or, without a campaign, the plant.",
+            autocompletion=files,
         ),
     ] = None,
     example: Annotated[
         bool, typer.Option("--example", help="Use the campaigns that ship with the project (synthetic).")
     ] = False,
-    out: Annotated[Path, typer.Option("--out", help="Folder for the report.")] = Path("build/compare"),
+    out: Annotated[Path, typer.Option("--out", help="Folder for the report.", autocompletion=files)] = Path(
+        "build/compare"
+    ),
     json: JsonOption = None,
     points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 40,
     samples: Annotated[
@@ -43,7 +51,7 @@ def command(
     ] = 50,
     mpc_plants: Annotated[
         int, typer.Option(help="Of these, plants that the MPCs meet too, which takes seconds each.", min=0)
-    ] = 5,
+    ] = 10,
     robust_gains: Annotated[
         list[str] | None,
         typer.Option(
@@ -54,8 +62,6 @@ def command(
     seed: SeedOption = 0,
     jobs: JobsOption = None,
 ) -> None:
-    import sys
-
     from design.alternatives.designs import design_others
     from design.answer import refusal
     from design.cli.compare_tables import contest_table, table
@@ -63,6 +69,7 @@ def command(
     from design.contest import contest
     from design.contest.statistics import FEWEST
     from design.contest.words import sentences
+    from design.deadlines import deadlines
     from design.requirements import default_problem
     from design.tuning import Region, tune
     from plants.errors import InputError
@@ -75,6 +82,7 @@ def command(
         raise InputError(
             f"--samples {samples}: too few for an interval; give at least {FEWEST}, or 0 for none"
         )
+    check_places({"--json": json}, out)
     said = console(json)
     folders = list(campaigns or []) + (example_campaigns() if example else [])
     fits, sets = _plants(folders, plant or [], seed, said)
@@ -92,23 +100,28 @@ def command(
         said.print(f"{name}: {no}")
     tuned = {n: _tuned(t) for n, t in tunings.items()}
     designs = {}
-    mpcs = _mpcs(wrists, said) if mpc_plants else {}
+    mpcs = _mpcs(wrists, said)
     for name, t in tunings.items():
-        with progress(f"other designs for {name}") as tell:
+        with progress(f"{name}, other designs") as tell:
             tell("convex programs", 0.0)
             designs[name] = design_others(t.problem)
-    comparison = compare(wrists, tuned, refusals=refusals, designs=designs, more=more, periodic=mpcs)
+    with progress("compare"):
+        comparison = compare(wrists, tuned, refusals=refusals, designs=designs, more=more, periodic=mpcs)
     for line in table(comparison):
         said.print(line)
+    named = {n: controllers(wrists[n], tuned[n], designs[n], more.get(n)) for n in wrists}
+    alone = {n: {c: alike[0] for c, alike in of.items()} for n, of in named.items()}
+    maps = _break_evens(wrists, alone, jobs)
+    with progress("times of steps"):
+        ledgers = {n: deadlines(w, alone[n], mpcs.get(n)) for n, w in wrists.items()}
     broad = None
     bare = {n: s for n, s in sets.items() if not s.effects}
     if samples and bare:
-        named = {n: controllers(wrists[n], tuned[n], designs[n], more.get(n)) for n in bare}
         with progress("other plants") as tell:
             broad = contest(
-                bare, {n: {c: alike[0] for c, alike in of.items()} for n, of in named.items()},
+                bare, {n: alone[n] for n in bare},
                 count=samples, seed=seed, jobs=jobs, progress=tell,
-                periodic=mpcs, periodic_count=mpc_plants,
+                periodic=mpcs if mpc_plants else None, periodic_count=mpc_plants,
             )  # fmt: skip
         for line in contest_table(broad):
             said.print(line)
@@ -117,7 +130,7 @@ def command(
     for name in set(sets) - set(bare) if samples else ():
         said.print(f"{name}: has effects of its own, so that no perturbed plants are drawn of it")
     made = Made.now(
-        command="wrist " + " ".join(sys.argv[1:]),
+        command=command_line(),
         seed=seed,
         sets=sets,
         data={f.campaign.name: f.campaign.checksum for f in fits.values()},
@@ -125,11 +138,13 @@ def command(
         if example
         else "",
     )
-    written = write_comparison(out, comparison, tunings, sets, fits, made, broad)
+    with progress("page"):
+        written = write_comparison(out, comparison, tunings, sets, fits, made, broad, maps, ledgers)
     for verdict in comparison.verdicts:
         said.print(verdict)
-    said.print(f"report in {written}")
-    write_json(json, comparison_record(comparison, tunings, sets, fits, made, broad))
+    said.print(f"report in {written}", soft_wrap=True)
+    record = comparison_record(comparison, tunings, sets, fits, made, broad, maps, ledgers)
+    write_json(json, record)
     if refusals:
         raise typer.Exit(1)
 
@@ -149,15 +164,32 @@ def _mpcs(wrists: Any, said: Any) -> dict[str, Any]:
     from plants.errors import InputError
 
     try:
-        return {name: design_mpcs(wrist) for name, wrist in wrists.items()}
+        with progress("MPCs"):
+            return {name: design_mpcs(wrist) for name, wrist in wrists.items()}
     except InputError as error:
         said.print(f"MPCs are left out: {error}")
         return {}
 
 
+def _break_evens(wrists: Any, controllers: Any, jobs: int | None) -> "dict[str, BreakEven]":
+    """The break-even map of each motion: what has a feedforward against the tuned PI, of a wrist that has an
+    inverse and no effects of its own."""
+    from design.alternatives.designs import FORWARD_PI
+    from design.break_even import break_even
+    from design.compare import FORWARD, TUNED
+
+    found = {}
+    for name, wrist in wrists.items():
+        others = {n: c for n, c in controllers[name].items() if n in (FORWARD, FORWARD_PI)}
+        if others and not wrist.effects:
+            with progress(f"{name}, break-even map"):
+                found[name] = break_even(wrist, controllers[name][TUNED], others, jobs=jobs)
+    return found
+
+
 def robust(gains: list[str], wrists: Any) -> "dict[str, dict[str, Controller]]":
     """The robust PI of each motion that gains were given for, ``Kp,Ki`` for all or ``motion=Kp,Ki``."""
-    from design.cli.common import numbers
+    from design.cli.common import pi_gains
     from design.controllers.pi import PI
     from plants.errors import InputError
 
@@ -166,7 +198,7 @@ def robust(gains: list[str], wrists: Any) -> "dict[str, dict[str, Controller]]":
         motion, given, pair = text.rpartition("=")
         if given and motion not in wrists:
             raise InputError(f"--robust-gains {text}: no motion {motion!r}; one of {', '.join(wrists)}")
-        values = numbers(pair, "--robust-gains", "2.1,5.4")
+        values = pi_gains(pair, "--robust-gains", "2.1,5.4")
         for name in [motion] if given else list(wrists):
             w = wrists[name]
             found[name] = {

@@ -3,7 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from design.cli.common import console, seconds, write_json
+from design.cli.common import seconds, write_json
+from design.cli.screen import console, progress
 
 if TYPE_CHECKING:
     from design.robustness.samples.scenario_file import Saved
@@ -17,11 +18,12 @@ def replay(path: Path, json: Path | None, out: Path | None) -> None:
     from design.robustness.samples.scenario_file import load
 
     saved = load(path)
-    result = played(saved)
+    with progress("play"):
+        result = played(saved)
     said = console(json)
     said.print(f"{saved.plant.title}: {result['summary']}")
     if out is not None:
-        said.print(f"picture in {_picture(out, saved, result)}")
+        said.print(f"picture in {_picture(out, saved, result)}", soft_wrap=True)
     write_json(json, {"axis": saved.plant.axis, "plant": saved.plant.title, **result})
 
 

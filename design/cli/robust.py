@@ -13,13 +13,16 @@ from design.cli.common import (
     PlantOption,
     SchedulerOption,
     SeedOption,
-    console,
+    command_line,
     numbers,
     parameter_set,
-    progress,
+    pi_gains,
     write_json,
 )
+from design.cli.completion import files
+from design.cli.completion import intervals as parameters
 from design.cli.places import check_places
+from design.cli.screen import Sheet, console, progress
 
 if TYPE_CHECKING:
     from design.controllers.pi import PI
@@ -40,14 +43,17 @@ MARKS = {True: "yes", False: "no", None: "open"}
 
 
 def command(
-    gains: Annotated[str, typer.Option(help="Kp,Ki of the PI: kPa/deg, kPa/(deg s).")],
+    gains: Annotated[
+        str, typer.Option(help="Kp,Ki of the PI: kPa/deg, kPa/(deg s); or a TOML file with them.")
+    ],
     axis: AxisOption = Axis.flexion,
     plant: PlantOption = None,
     box: Annotated[
         list[str] | None,
         typer.Option(
             help="Interval of a parameter, such as a1=0.34:0.38, in place of two standard errors "
-            "(where fitted) or the shares of --corners (where assumed). May be repeated."
+            "(where fitted) or the shares of --corners (where assumed). May be repeated.",
+            autocompletion=parameters,
         ),
     ] = None,
     corners: Annotated[
@@ -71,14 +77,19 @@ def command(
     ] = 20_000,
     worst: Annotated[
         Path | None,
-        typer.Option(help="Write the worst scenario to this file, for `wrist simulate --scenario`."),
+        typer.Option(
+            help="Write the worst scenario to this file, for `wrist simulate --scenario`.",
+            autocompletion=files,
+        ),
     ] = None,
     points: Annotated[
         int, typer.Option(help="Points of the page's gain plane in each gain.", min=4, max=100)
     ] = 20,
     seed: SeedOption = 0,
     json: JsonOption = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for the page and its figures.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the page and its figures.", autocompletion=files)
+    ] = None,
     jobs: JobsOption = None,
     scheduler: SchedulerOption = None,
 ) -> None:
@@ -106,9 +117,9 @@ def command(
         said.print(part)
     if worst is not None:
         save(found.worst, worst)
-        said.print(f"worst scenario in {worst}", markup=False)
+        said.print(f"worst scenario in {worst}", soft_wrap=True)
     if out is not None:
-        said.print(f"page in {_write_page(out, found, points, seed, jobs)}", markup=False)
+        said.print(f"page in {_write_page(out, found, points, seed, jobs)}", soft_wrap=True)
     write_json(json, assessment_record(found))
     if not found.stable:
         raise typer.Exit(1)
@@ -142,7 +153,7 @@ def controller(gains: str, wrist: "Wrist") -> "PI":
     from design.controllers.pi import PI
     from plants.errors import InputError
 
-    Kp, Ki = numbers(gains, "--gains", "1.2,2.2")
+    Kp, Ki = pi_gains(gains)
     if Kp <= 0.0 or Ki <= 0.0:
         raise InputError(
             f"--gains: {gains!r}: Kp and Ki must both be above 0; without Ki the error never goes"
@@ -152,40 +163,29 @@ def controller(gains: str, wrist: "Wrist") -> "PI":
 
 def lines(found: "Assessment") -> list[Any]:
     """What people read of an assessment: a summary, the statements by kind, where they disagree."""
-    from rich.table import Table
-    from rich.text import Text
-
     from design.robustness.disagreement import disagreements
     from design.robustness.verdict import verdict
     from reports.robust_words import remarks, summary
 
-    said: list[Any] = [Text(s) for s in (*summary(found), *remarks(found))]
+    said: list[Any] = [*summary(found), *remarks(found)]
     for kind, words in KINDS.items():
         statements = [s for s in verdict(found) if s.kind == kind]
-        table = Table(title=words, title_justify="left", box=None, pad_edge=False)
-        for heading in ("holds", "value", "statement", "branch"):
-            table.add_column(heading, justify="right" if heading == "value" else "left", overflow="fold")
-        for s in statements:
-            table.add_row(*_cells(s))
-        said += ["", table]
+        rows = tuple(_cells(s) for s in statements)
+        said += ["", Sheet(("holds", "value", "statement", "branch"), rows, words, words=(0, 2, 3))]
     contradictions = disagreements(found)
     if contradictions:
-        said += ["", Text("Where they disagree")] + [Text(f"- {d}") for d in contradictions]
+        said += ["", "Where they disagree"] + [f"- {d}" for d in contradictions]
     return said
 
 
-def _cells(s: "Statement") -> tuple[Any, ...]:
-    from rich.text import Text
-
+def _cells(s: "Statement") -> tuple[str, ...]:
     from reports.robust_tables import shown
 
     holds = "told" if s.kind == "prediction" and s.holds is None else MARKS[s.holds]
-    return tuple(Text(t) for t in (holds, shown(s), s.statement, s.branch))
+    return holds, shown(s), s.statement, s.branch
 
 
 def _write_page(out: Path, found: "Assessment", points: int, seed: int, jobs: int | None) -> Path:
-    import sys
-
     from design.requirements import default_problem
     from design.robustness.certificates.continuous.search import RUNGS
     from design.robustness.gain_plane import gain_plane
@@ -197,5 +197,5 @@ def _write_page(out: Path, found: "Assessment", points: int, seed: int, jobs: in
         plane = gain_plane(
             default_problem(found.wrist, found.limits, jobs=jobs), tuple(RUNGS), points=points, progress=tell
         )
-        made = Made.now(command="wrist " + " ".join(sys.argv[1:]), seed=seed, sets={plant.axis: plant})
+        made = Made.now(command=command_line(), seed=seed, sets={plant.axis: plant})
         return write_robust(out, found, plane, made)

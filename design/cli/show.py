@@ -1,6 +1,8 @@
 """``wrist show``: the parameters and where they come from."""
 
-from design.cli.common import Axis, AxisOption, JsonOption, PlantOption, console, parameter_set, write_json
+from design.cli.common import Axis, AxisOption, JsonOption, PlantOption, parameter_set, write_json
+from design.cli.places import check_places
+from design.cli.screen import console
 
 NAME, HELP = "show", "Show the parameters of a wrist and where each comes from; assumed ones are marked."
 EXAMPLE = "Example: wrist show --axis deviation"
@@ -12,6 +14,7 @@ def command(axis: AxisOption = Axis.flexion, plant: PlantOption = None, json: Js
 
     from plants.quantities import Assumed, kind_of
 
+    check_places({"--json": json})
     chosen = parameter_set(axis, plant)
     out = console(json)
     out.print(Text(chosen.title, style="bold"))
@@ -30,7 +33,7 @@ def command(axis: AxisOption = Axis.flexion, plant: PlantOption = None, json: Js
             (f" within {p.low:g} to {p.high:g}", "dim"),
         )
         out.print(head)
-        out.print(Padding(Text(f"{meaning}; {p.provenance}", style="dim"), (0, 0, 0, 4)))
+        out.print(Padding(Text(f"{meaning}; {p.provenance}", style="dim"), (0, 0, 0, 4), expand=False))
     if chosen.assumed:
         out.print(Text(f"? assumed, not stated and not fitted: {', '.join(chosen.assumed)}", style="yellow"))
     write_json(json, chosen.record)

@@ -13,13 +13,15 @@ from design.cli.common import (
     JsonOption,
     OutOption,
     PlantOption,
-    console,
-    numbers,
     parameter_set,
+    pi_gains,
     seconds,
     write_json,
 )
+from design.cli.completion import figures, files, starts
+from design.cli.places import check_places
 from design.cli.replay import replay
+from design.cli.screen import console, progress
 
 if TYPE_CHECKING:
     from plants.quantities import ParameterSet
@@ -37,17 +39,24 @@ def command(
     plant: PlantOption = None,
     volts: Annotated[float, typer.Option(help="Command held in open loop [V].")] = 3.0,
     recording: Annotated[
-        Path | None, typer.Option(help="Recording whose command is played in open loop.")
+        Path | None,
+        typer.Option(help="Recording whose command is played in open loop.", autocompletion=files),
     ] = None,
-    gains: Annotated[str | None, typer.Option(help="Kp,Ki of a PI: close the loop.")] = None,
+    gains: Annotated[
+        str | None, typer.Option(help="Kp,Ki of a PI, or a TOML file with them: close the loop.")
+    ] = None,
     step: Annotated[float, typer.Option(help="Reference of the closed loop [deg].")] = 15.0,
-    start: Annotated[str, typer.Option(help="Starting memory: virgin, line1, line2 or inside.")] = "virgin",
+    start: Annotated[
+        str, typer.Option(help="Starting memory: virgin, line1, line2 or inside.", autocompletion=starts)
+    ] = "virgin",
     duration: Annotated[float, typer.Option(help="Length of the run [s].", min=0.01, max=3600.0)] = 10.0,
     figure: Annotated[
-        int | None, typer.Option(help="Redraw a figure of the paper: 5, 6, 8, 10 to 15.")
+        int | None,
+        typer.Option(help="Redraw a figure of the paper: 5, 6, 8, 10 to 15.", autocompletion=figures),
     ] = None,
     scenario: Annotated[
-        Path | None, typer.Option(help="Worst case that a search has saved (TOML): play it again.")
+        Path | None,
+        typer.Option(help="Worst case that a search has saved (TOML): play it again.", autocompletion=files),
     ] = None,
     json: JsonOption = None,
     out: OutOption = None,
@@ -56,6 +65,7 @@ def command(
     from plants.errors import InputError
     from plants.wrist import STARTS, Wrist
 
+    check_places({"--json": json}, out)
     if scenario is not None:
         given = {"--plant": plant, "--recording": recording, "--gains": gains, "--figure": figure}
         taken = [option for option, value in given.items() if value is not None]
@@ -72,16 +82,17 @@ def command(
         raise InputError(f"--start: unknown memory {start!r}; one of {', '.join(STARTS)}")
     chosen = parameter_set(axis, plant)
     wrist = Wrist.of(chosen)
-    if gains is not None:
-        result = _closed(wrist, numbers(gains, "--gains", "1.2,2.2"), step, start, duration)
-    elif recording is not None:
-        result = _played(wrist, recording)
-    else:
-        result = _open(wrist, volts, start, duration)
+    with progress("simulate"):
+        if gains is not None:
+            result = _closed(wrist, pi_gains(gains), step, start, duration)
+        elif recording is not None:
+            result = _played(wrist, recording)
+        else:
+            result = _open(wrist, volts, start, duration)
     said = console(json)
     said.print(f"{chosen.title}: {result['summary']}")
     if out is not None:
-        said.print(f"picture in {_picture(out, chosen, result)}")
+        said.print(f"picture in {_picture(out, chosen, result)}", soft_wrap=True)
     write_json(json, {"axis": chosen.axis, "plant": chosen.title, **result})
 
 
@@ -187,9 +198,10 @@ def _figure(number: int, axis: Axis, plant: Path | None, json: Path | None, out:
         sets[given.axis] = given
     wrists = [Wrist.of(s) for s in sets.values()]
     path = (out or Path("build/figures")) / f"figure-{number:02d}.png"
-    save(paper.draw(number, *wrists), path)
+    with progress("draw"):
+        save(paper.draw(number, *wrists), path)
     said = console(json)
-    said.print(f"Fig. {number} redrawn in {path}")
+    said.print(f"Fig. {number} redrawn in {path}", soft_wrap=True)
     caption = paper.caption(number, sets)
     said.print(caption)
     write_json(json, {**paper.data(number, *wrists), "caption": caption})

@@ -11,12 +11,13 @@ from design.cli.common import (
     JsonOption,
     SeedOption,
     StartOption,
-    console,
-    progress,
+    command_line,
     starting_set,
     write_json,
 )
+from design.cli.completion import files
 from design.cli.places import check_places
+from design.cli.screen import Sheet, console, progress
 
 if TYPE_CHECKING:
     from design.retune import Control
@@ -31,7 +32,10 @@ def command(
     campaign: CampaignArgument,
     plant: StartOption = None,
     save: Annotated[
-        Path | None, typer.Option(help="Write the revised plant as TOML, for the other commands' --plant.")
+        Path | None,
+        typer.Option(
+            help="Write the revised plant as TOML, for the other commands' --plant.", autocompletion=files
+        ),
     ] = None,
     retune: Annotated[
         bool,
@@ -42,7 +46,8 @@ def command(
     seed: SeedOption = 0,
     json: JsonOption = None,
     out: Annotated[
-        Path | None, typer.Option("--out", help="Folder for the page, its pictures, JSON and TOML.")
+        Path | None,
+        typer.Option("--out", help="Folder for the page, its pictures, JSON and TOML.", autocompletion=files),
     ] = None,
     jobs: JobsOption = None,
 ) -> None:
@@ -61,12 +66,12 @@ def command(
     for part in lines(trace):
         said.print(part)
     if retune:
-        said.print(f"\n{_control_words(control, refusal)}", markup=False)
+        said.print(f"\n{_control_words(control, refusal)}")
     if save is not None:
         dump(trace.revised, save)
-        said.print(f"plant in {save}", markup=False)
+        said.print(f"plant in {save}", soft_wrap=True)
     if out is not None:
-        said.print(f"page in {_write_page(out, trace, control, seed)}", markup=False)
+        said.print(f"page in {_write_page(out, trace, control, seed)}", soft_wrap=True)
     write_json(json, trace_record(trace, _control_record(control, refusal) if retune else None))
 
 
@@ -93,14 +98,12 @@ def _control_record(control: "Control | None", refusal: str | None) -> dict[str,
 
 
 def _write_page(out: Path, trace: "Trace", control: "Control | None", seed: int) -> Path:
-    import sys
-
     from reports.html import Made
     from reports.trace_page import write_trace
 
     with progress("page"):
         made = Made.now(
-            command="wrist " + " ".join(sys.argv[1:]),
+            command=command_line(),
             seed=seed,
             sets={trace.campaign.axis: trace.revised},
             data={trace.campaign.name: trace.campaign.checksum},
@@ -110,11 +113,9 @@ def _write_page(out: Path, trace: "Trace", control: "Control | None", seed: int)
 
 def lines(trace: "Trace") -> list[Any]:
     """What people read of a trace: the verdict first, then errors, effects, and what is open."""
-    from rich.text import Text
-
     from reports.trace_words import description, verdict_sentence
 
-    said: list[Any] = [Text(verdict_sentence(trace)), ""]
+    said: list[Any] = [verdict_sentence(trace), ""]
     said += ["rms error of free runs from the command, on the recordings that took no part", _errors(trace)]
     if trace.effects:
         said += ["", _effects(trace)]
@@ -124,35 +125,28 @@ def lines(trace: "Trace") -> list[Any]:
         words.append("These recordings cannot tell:")
         words += [f"  {name}: {why}" for name, why in trace.cannot_judge.items()]
     words += trace.remarks
-    return said + ([""] + [Text(w) for w in words] if words else [])
+    return said + (["", *words] if words else [])
 
 
-def _errors(trace: "Trace") -> Any:
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False)
-    for heading in ("channel", "before", "after", "noise", "after / noise"):
-        table.add_column(heading, justify="left" if heading == "channel" else "right")
+def _errors(trace: "Trace") -> Sheet:
+    rows = []
     for channel, unit in (("angle_deg", "deg"), ("pressure_kPa", "kPa")):
         before, after, noise = (x.get(channel) for x in (trace.before, trace.after, trace.noise))
         if before is None or after is None:
             continue
-        texts = ["-" if v is None else f"{v:.4g} {unit}" for v in (before, after, noise)]
-        table.add_row(channel.split("_")[0], *texts, f"{after / noise:.2f}" if noise else "-")
-    return table
+        texts = ("-" if v is None else f"{v:.4g}" for v in (before, after, noise))
+        rows.append((channel.split("_")[0], unit, *texts, f"{after / noise:.2f}" if noise else "-"))
+    headings = ("channel", "unit", "before", "after", "noise", "after / noise")
+    return Sheet(headings, tuple(rows), words=(0, 1))
 
 
-def _effects(trace: "Trace") -> Any:
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False)
-    for heading in ("effect", "parameter", "value", "s.e.", "unit", "or else"):
-        table.add_column(heading, justify="right" if heading in ("value", "s.e.") else "left")
+def _effects(trace: "Trace") -> Sheet:
+    rows = []
     for effect in trace.effects:
         first = (f"{effect.name}, {effect.form}", ", ".join(effect.alternatives) or "-")
-        for i, (name, (value, unit, error)) in enumerate(effect.parameters.items()):
-            shown = first if i == 0 else ("", "")
-            table.add_row(
-                shown[0], name, f"{value:.4g}", "-" if error is None else f"{error:.2g}", unit, shown[1]
-            )
-    return table
+        for name, (value, unit, error) in effect.parameters.items():
+            shown_error = "-" if error is None else f"{error:.2g}"
+            rows.append((first[0], name, f"{value:.4g}", shown_error, unit, first[1]))
+            first = ("", "")
+    headings = ("effect", "parameter", "value", "s.e.", "unit", "or else")
+    return Sheet(headings, tuple(rows), words=(0, 1, 4, 5))

@@ -14,13 +14,14 @@ from design.cli.common import (
     PlantOption,
     SchedulerOption,
     SeedOption,
-    console,
     numbers,
     parameter_set,
-    progress,
     seconds,
     write_json,
 )
+from design.cli.completion import costs
+from design.cli.places import check_places
+from design.cli.screen import console, progress
 
 COST_TEXT = {
     "iae": "IAE {:.4g} deg s",
@@ -39,7 +40,9 @@ EXAMPLE = "Example: wrist tune --axis flexion --out build/tune"
 def command(
     axis: AxisOption = Axis.flexion,
     plant: PlantOption = None,
-    cost: Annotated[str, typer.Option(help="What is minimised: iae, itae or settling_time.")] = "iae",
+    cost: Annotated[
+        str, typer.Option(help="What is minimised: iae, itae or settling_time.", autocompletion=costs)
+    ] = "iae",
     nominal: Annotated[
         bool,
         typer.Option(
@@ -88,6 +91,7 @@ def command(
     from plants.errors import InputError
     from plants.wrist import Wrist
 
+    check_places({"--json": json}, out)
     if cost not in COSTS:
         raise InputError(f"--cost: unknown cost {cost!r}; one of {', '.join(COSTS)}")
     spread = Spread(*numbers(corners, "--corners", "0.2,0.1,0.2"))
@@ -110,7 +114,7 @@ def command(
             )  # fmt: skip
         found = grown.final
         for line in robust_tuning.lines(grown):
-            said.print(line, markup=False)
+            said.print(line)
         record = {"robust": robust_tuning.record(grown)}
     else:
         with progress("tune") as tell:
@@ -123,7 +127,7 @@ def command(
 
         path = out / f"tune-{chosen.axis}.png"
         save(gain_map(found), path)
-        said.print(f"map of the gains in {path}")
+        said.print(f"map of the gains in {path}", soft_wrap=True)
     write_json(json, tuning_record(found, chosen.axis) | record)
     if refusal(found) is not None:
         raise typer.Exit(1)

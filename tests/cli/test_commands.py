@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from design.cli import compare, export, fit, robust, show, simulate, trace, tune
+from design.cli.app import MODULES as COMMANDS
 from plants.quantities import KINDS, built_in, load
 
 ROOT = Path(__file__).parents[2]
-MODULES = {m.NAME: m for m in (show, simulate, fit, trace, tune, robust, compare, export)}
+MODULES = {m.NAME: m for m in COMMANDS}
 
 
 @pytest.mark.parametrize("name", MODULES)

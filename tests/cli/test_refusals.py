@@ -29,9 +29,12 @@ def test_one_line_and_exit_code_2(wrist, arguments):
     assert "Traceback" not in outcome.err
 
 
-def test_verbose_shows_the_traceback(wrist):
-    with pytest.raises(ValueError, match="nowhere"):
-        wrist("--verbose", "fit", "nowhere")
+@pytest.mark.parametrize("arguments", [("--verbose", "fit", "nowhere"), ("fit", "nowhere", "--verbose")])
+def test_verbose_shows_the_traceback_before_the_line(wrist, arguments):
+    outcome = wrist(*arguments)
+    assert outcome.code == 2
+    assert "Traceback" in outcome.err
+    assert outcome.err.splitlines()[-1].startswith("wrist: nowhere")
 
 
 def test_a_fit_that_fails_leaves_no_file(wrist, tmp_path):

@@ -73,7 +73,7 @@ def test_the_page_stands_alone_and_is_complete(assessed):
     assert page.count("<figure>") == page.count("<figcaption>") == 6
     assert 'src="' not in page
     assert 'href="http' not in page
-    for nothing in ("nan", "None", "inf<"):
+    for nothing in ("nan<", "None<", "inf<"):
         assert f">{nothing}" not in page
     for words in record["disagreements"]:
         assert words[:40] in page

@@ -1,0 +1,44 @@
+"""The commands of ``wrist``, put together."""
+
+from typing import Annotated
+
+import typer
+
+from design.cli import compare, export, fit, robust, show, simulate, trace, tune
+
+MODULES = (show, simulate, fit, trace, tune, robust, compare, export)
+
+
+def _say_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        print(f"wrist {version('wrist-workbench')}")
+        raise typer.Exit
+
+
+app = typer.Typer(
+    name="wrist",
+    help="Design a PI controller for a pneumatic wrist with hysteresis, and say how far it can be trusted.",
+    epilog="Exit codes: 0 done, 1 the answer is no, 2 bad input, 70 a bug of this program, 130 stopped.",
+    add_completion=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+)
+
+
+@app.callback()
+def _common(
+    verbose: Annotated[
+        bool, typer.Option("--verbose", help="Show the traceback of an error; before or after a command.")
+    ] = False,
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Show the version and stop.", callback=_say_version, is_eager=True),
+    ] = False,
+) -> None:
+    """Options that stand before or after any command."""
+
+
+for module in MODULES:
+    app.command(name=module.NAME, help=module.HELP, epilog=module.EXAMPLE)(module.command)
