@@ -1,0 +1,88 @@
+"""Gains as a TOML file: what the tuner keeps and ``--gains FILE.toml`` takes."""
+
+import tomllib
+from collections.abc import Collection, Mapping
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from plants.errors import InputError
+from plants.files import write_atomically
+
+UNITS = {"Kp": "kPa/deg", "Ki": "kPa/(deg s)"}
+"""The gains of a file, and the unit that it must give each in."""
+
+ADVICE = "give a file that the tuner kept, or Kp,Ki"
+
+
+def write(
+    path: str | Path,
+    gains: Mapping[str, float],
+    tuned_on: Mapping[str, Any] | None = None,
+    mine: Collection[Path] = (),
+) -> Path:
+    """Write gains, complete or not at all, and return where: the path, ending in .toml, made absolute.
+
+    gains: Kp [kPa/deg] and Ki [kPa/(deg s)].  tuned_on: what TOML holds, by name, that says of which
+    plant the gains are; for people, no command reads it.  mine: files that may be replaced.  Raises
+    InputError for a path without a name, for another file that is there already, and for a place that
+    cannot be written to.
+
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     read(write(Path(folder) / "mine", {"Kp": 2.3, "Ki": 6.4}))
+    (2.3, 6.4)
+    """
+    import tomlkit
+
+    path = _place(str(path).strip())
+    if path.exists() and path not in mine:
+        raise InputError(f"{path}: exists already; choose another name")
+    document = tomlkit.document()
+    document.add(tomlkit.comment(f"Gains of a PI, for: wrist robust --gains {path.name}"))
+    tables = tomlkit.table(is_super_table=True)
+    for name, unit in UNITS.items():
+        tables[name] = {"value": float(gains[name]), "unit": unit}
+    document["gains"] = tables
+    if tuned_on:
+        document["tuned_on"] = dict(tuned_on)
+    write_atomically(path, tomlkit.dumps(document))
+    return path
+
+
+def _place(text: str) -> Path:
+    """Where gains of that name go."""
+    if not text.removesuffix(".toml").strip("./\\ ") or "\0" in text:
+        raise InputError(f"{text!r} is no name of a file; give one such as gains.toml")
+    return Path(text if text.endswith(".toml") else f"{text}.toml").expanduser().absolute()
+
+
+def read(path: str | Path) -> tuple[float, float]:
+    """Kp [kPa/deg] and Ki [kPa/(deg s)] of a TOML file.
+
+    Raises InputError, in one line, for a file that is missing, no TOML or without the two, for a wrong
+    unit, and for a value that is not a finite number, or negative.
+    """
+    path = Path(path)
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); {ADVICE}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not valid TOML ({error}); {ADVICE}") from None
+    entries = table.get("gains")
+    if not isinstance(entries, dict) or not entries.keys() >= UNITS.keys():
+        raise InputError(f"{path}: holds no [gains.Kp] and [gains.Ki]; {ADVICE}")
+    Kp, Ki = (_value(f"{path}: gains.{name}", unit, entries[name]) for name, unit in UNITS.items())
+    return Kp, Ki
+
+
+def _value(where: str, unit: str, entry: Any) -> float:
+    given: Mapping[str, Any] = entry if isinstance(entry, dict) else {}
+    value: Any = given.get("value")
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not number or not isfinite(value) or value < 0.0:
+        raise InputError(f"{where}: value {value!r} is not a finite number, or is negative")
+    if given.get("unit") != unit:
+        raise InputError(f"{where}: unit {given.get('unit')!r} is wrong; give it in {unit}")
+    return float(value)

@@ -1,0 +1,120 @@
+"""What the tuner shows of one setting: responses from every starting memory, margins, limits."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.loop import run
+from design.metrics import Metrics
+from design.requirements import LIMIT_UNITS, ROUNDING, Evaluation, Problem, controller, evaluate
+from design.tasks import Scenario
+from design.tuner.branch_margins import BranchMargins, branch_margins
+from design.tuner.case import Case
+from design.tuner.setting import Setting
+
+Array = NDArray[np.float64]
+
+SAMPLES = np.unique(
+    np.concatenate([np.arange(0, 2000, 10), np.arange(2000, 5000, 30), np.arange(5000, 10001, 100)])
+)
+"""Samples of 1 ms that are shown, (rows,): dense where a step moves, a tenth of a second apart at its end."""
+
+
+@dataclass(frozen=True)
+class Series:
+    """A step of 15 deg: its scenario, the way gone towards the reference [deg] and the command [V], each
+    (rows,), settling time [s] (infinite where it does not) and overshoot [%]."""
+
+    scenario: Scenario
+    way: Array
+    command: Array
+    settling_time_s: float
+    overshoot_percent: float
+
+
+@dataclass(frozen=True)
+class Held:
+    """A limit: its name, value and limit [unit] (None where there is no limit), where the value comes from,
+    and whether the limit is broken."""
+
+    name: str
+    value: float
+    limit: float | None
+    unit: str
+    place: str
+    broken: bool
+
+
+@dataclass(frozen=True)
+class Picture:
+    """What a setting leads to.
+
+    time [s] (rows,), that of the series; cost: the worst IAE [deg s]; settling_time_s: the longest;
+    trouble: why there is nothing to show, in one line; note: what keeps the plant from a reference.
+    """
+
+    setting: Setting
+    time: Array
+    series: tuple[Series, ...] = ()
+    margins: tuple[BranchMargins, ...] = ()
+    limits: tuple[Held, ...] = ()
+    cost: float = float("nan")
+    settling_time_s: float = float("nan")
+    trouble: str | None = None
+    note: str | None = None
+
+    @property
+    def broken(self) -> list[str]:
+        """Names of the limits that are broken."""
+        return [row.name for row in self.limits if row.broken]
+
+
+def picture(given: Case, setting: Setting) -> Picture:
+    """The picture of a setting; `given` is the case of its plant.
+
+    >>> from design.tuner.case import case
+    >>> from plants import Wrist
+    >>> shown = picture(case(Wrist.flexion(), Setting()), Setting(Kp=1.2, Ki=2.2))
+    >>> len(shown.series), round(shown.series[0].settling_time_s, 2), shown.broken
+    (10, 5.59, [])
+    """
+    time = SAMPLES * 1e-3
+    problem = given.problem
+    if problem is None:
+        return Picture(setting, time, trouble=given.trouble)
+    pi = controller(problem, setting.Kp, setting.Ki)
+    wrist, state, references = problem.stacked
+    judged, _, went = run(
+        wrist, pi, references, state, duration=problem.duration, record=True, jobs=problem.jobs
+    )
+    assert went is not None
+    at = evaluate(problem, setting.Kp, setting.Ki)
+    return Picture(
+        setting, time, _series(problem, judged, went.angle[SAMPLES], went.command[SAMPLES]),
+        branch_margins(problem.branches, pi), _limits(problem, at), float(at.cost[0]),
+        float(judged.settling_time_s.max()), note=given.note,
+    )  # fmt: skip
+
+
+def _series(problem: Problem, judged: Metrics, angle: Array, command: Array) -> tuple[Series, ...]:
+    """Responses of the scenarios; angle [deg], command [V], (rows, scenarios)."""
+    return tuple(
+        Series(
+            s, (angle[:, i] - s.angle) * np.sign(s.reference - s.angle), command[:, i],
+            float(judged.settling_time_s[i]), float(judged.overshoot_percent[i]),
+        )
+        for i, s in enumerate(problem.scenarios)
+    )  # fmt: skip
+
+
+def _limits(problem: Problem, at: Evaluation) -> tuple[Held, ...]:
+    """Each limited quantity of one pair of gains, whether it is limited or not."""
+    return tuple(
+        Held(
+            name, float(at.values[name][0]), problem.limits.named.get(name), LIMIT_UNITS[name],
+            problem.place(name, int(at.values_at[name][0])),
+            bool(name in at.excess and at.excess[name][0] > ROUNDING - 1.0),
+        )
+        for name in at.values
+    )  # fmt: skip

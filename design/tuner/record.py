@@ -1,0 +1,147 @@
+"""Pictures and maps as what JSON holds, numbers in words where they are read: what the browser is sent."""
+
+from collections.abc import Mapping
+from math import isfinite
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from design.requirements import Limits
+from design.tasks import STEP
+from design.tuner.branch_margins import BranchMargins
+from design.tuner.picture import SAMPLES, Held, Picture, Series
+from design.tuner.regions import Regions, outline
+from design.tuner.setting import Slider
+from design.tuning import Region
+from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
+
+
+class Words(NamedTuple):
+    """How a limited quantity is told: its name, its unit, the factor to that unit, and which side is good."""
+
+    label: str
+    unit: str = ""
+    per_unit: float = 1.0
+    sign: str = "≤"
+
+
+LIMITS: Mapping[str, Words] = {
+    "overshoot_percent": Words("Overshoot", " %"),
+    "Ms": Words("Ms, peak of the sensitivity"),
+    "delay_margin_s": Words("Delay margin", " ms", 1000.0, "≥"),
+    "total_variation_V": Words("Travel of the command", " V"),
+    "steady_error_percent": Words("Left at the end of the run", " %"),
+}
+
+
+PLAIN = Words("")
+
+
+def number(value: float, words: Words = PLAIN) -> str:
+    """A value for reading.
+
+    >>> number(0.0612, LIMITS["delay_margin_s"]), number(1924.0), number(float("inf"))
+    ('61.2 ms', '1920', '∞')
+    """
+    return f"{float(f'{value * words.per_unit:.3g}'):g}{words.unit}" if isfinite(value) else "∞"
+
+
+def about(
+    title: str, sliders: tuple[Slider, ...], dead_time: float, limits: Limits, region: Region
+) -> dict[str, Any]:
+    """What never changes while the tuner is shown; dead_time [s]: that of the user's own wrist."""
+    return {
+        "title": title,
+        "dead_time_s": dead_time,
+        "sliders": [s._asdict() for s in sliders],
+        "limits": {n: w.label for n, w in LIMITS.items() if n in limits.named},
+        "overshoot_percent": limits.overshoot_percent,
+        "time_s": np.round(SAMPLES * SAMPLE_TIME, 3).tolist(),
+        "step_deg": STEP,
+        "command_V": list(COMMAND_RANGE),
+        "Kp": list(region.Kp),
+        "Ki": list(region.Ki),
+    }
+
+
+def picture_record(shown: Picture, limits: Limits, values: Mapping[str, float]) -> dict[str, Any]:
+    """A picture, its numbers rounded to what a screen shows; values: of the plant's parameters."""
+    return {
+        "plant": plant_words(values),
+        "trouble": shown.trouble,
+        "note": shown.note,
+        "series": [_series(s) for s in shown.series],
+        "limits": [_held(row) for row in shown.limits],
+        "margins": [_margins(row, limits) for row in shown.margins],
+        "settling": f"{shown.settling_time_s:.3g} s" if isfinite(shown.settling_time_s) else "> 10 s",
+        "iae": number(shown.cost),
+    }
+
+
+def plant_words(values: Mapping[str, float]) -> dict[str, str]:
+    """What the sliders of the loop make of its parameters, by slider.
+
+    >>> from plants import Wrist
+    >>> plant_words(Wrist.flexion().values)["lines"]
+    'a1 0.36, a2 0.36 deg/kPa'
+    """
+    v = {name: number(value) for name, value in values.items()}
+    return {
+        "width": f"w1 {v['w1']}, w2 {v['w2']} deg",
+        "lines": f"a1 {v['a1']}, a2 {v['a2']} deg/kPa",
+        "transit": f"s {v['s']} deg/kPa",
+    }
+
+
+def _series(s: Series) -> dict[str, Any]:
+    back = s.scenario.angle != 0.0
+    return {
+        "memory": "return" if back else s.scenario.start,
+        "plus": s.scenario.reference > s.scenario.angle,
+        "way_deg": np.round(s.way, 3).tolist(),
+        "command_V": np.round(s.command, 3).tolist(),
+    }
+
+
+def _held(row: Held) -> dict[str, Any]:
+    words = LIMITS[row.name]
+    lost = row.name in ("Ms", "delay_margin_s") and row.value in (float("inf"), 0.0)
+    return {
+        "name": row.name,
+        "label": words.label,
+        "value": "unstable" if lost else number(row.value, words),
+        "limit": "none" if row.limit is None else f"{words.sign} {number(row.limit, words)}",
+        "place": row.place.removesuffix(", nominal plant"),
+        "broken": row.broken,
+    }
+
+
+def _margins(row: BranchMargins, limits: Limits) -> dict[str, Any]:
+    """A row of the margins: cells of text, and whether a limit is broken there."""
+    delay = LIMITS["delay_margin_s"]
+    late = limits.delay_margin_s is not None and row.delay_margin_s < limits.delay_margin_s
+    cells = [
+        (number(row.Ms) if row.stable else "unstable", limits.Ms is not None and row.Ms > limits.Ms),
+        (number(row.delay_margin_s, delay), late),
+        (number(row.phase_margin_deg) + "°" if row.stable else "–", False),
+        (number(row.gain_margin) if row.stable else "–", False),
+    ]
+    return {
+        "branch": f"{row.branch}, {row.rate}",
+        "cells": [{"text": text, "broken": broken} for text, broken in cells],
+    }
+
+
+def regions_record(known: Regions | None) -> dict[str, Any]:
+    """A map as lines in the unit square; without one, as for a plant that is none, nothing."""
+    if known is None:
+        return {"level": 0, "complete": True, "behind": False, "held": [], "limits": {}, "best": None}
+    drawn = outline(known)
+    return {
+        "level": known.level,
+        "complete": known.complete,
+        "behind": False,
+        "held": [np.round(ring, 4).tolist() for ring in drawn.held],
+        "limits": {n: [np.round(line, 4).tolist() for line in lines] for n, lines in drawn.limits.items()},
+        "best": known.best,
+    }

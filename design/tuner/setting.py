@@ -1,0 +1,109 @@
+"""What the sliders say, and the wrist that it makes of the user's own."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import NamedTuple
+
+from design.rules import PAPER_GAINS
+from design.tuning import Region
+from plants.effects.dead_time import DeadTime
+from plants.quantities import loop_problem
+from plants.wrist import COMMAND_RANGE, Wrist
+
+REGION = Region(Kp=(0.5, 20.0), Ki=(0.5, 100.0))
+"""Gains that the sliders reach where none are given: what holds 15 degrees in either motion, and around."""
+
+DELAY = "dead-time.delay"
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Positions of the sliders.
+
+    Kp [kPa/deg], Ki [kPa/(deg s)]; factors of the wrist's own parameters: width of both offsets w1 and
+    w2, lines of the slopes a1 and a2, transit of the slope s; dead_time [s], the whole of it.
+    """
+
+    Kp: float = PAPER_GAINS[0]
+    Ki: float = PAPER_GAINS[1]
+    width: float = 1.0
+    lines: float = 1.0
+    transit: float = 1.0
+    dead_time: float = 0.0
+
+    @property
+    def of_plant(self) -> tuple[float, ...]:
+        """What makes the plant, without the gains."""
+        return self.width, self.lines, self.transit, self.dead_time
+
+    def moved(self, other: "Setting") -> list[str]:
+        """Names of the sliders that stand elsewhere in another setting."""
+        return [f.name for f in fields(self) if getattr(self, f.name) != getattr(other, f.name)]
+
+
+class Slider(NamedTuple):
+    """A slider: name in a `Setting`, label, unit and factor to it for people, range, whether its scale is
+    logarithmic, and what it changes."""
+
+    name: str
+    label: str
+    unit: str
+    per_unit: float
+    low: float
+    high: float
+    logarithmic: bool
+    meaning: str
+
+
+def sliders(region: Region, own_dead_time: float = 0.0) -> tuple[Slider, ...]:
+    """The sliders; that of the dead time reaches 0.2 s, and twice that of the wrist [s] where this is more.
+
+    >>> [s.name for s in sliders(REGION)]
+    ['Kp', 'Ki', 'width', 'lines', 'transit', 'dead_time']
+    """
+    longest = DeadTime.kinds()["delay"].high
+    late = min(max(0.2, 2.0 * own_dead_time), longest)
+    return (
+        Slider("Kp", "Kp", "kPa/deg", 1.0, *region.Kp, True, "proportional gain"),
+        Slider("Ki", "Ki", "kPa/(deg s)", 1.0, *region.Ki, True, "integral gain"),
+        Slider("width", "Loop width", "×", 1.0, 0.3, 2.0, False, "factor of the offsets w1 and w2"),
+        Slider("lines", "Line slopes", "×", 1.0, 0.5, 1.5, False, "factor of the slopes a1 and a2"),
+        Slider("transit", "Transit slope", "×", 1.0, 0.0, 3.0, False, "factor of the slope s"),
+        Slider("dead_time", "Dead time", "ms", 1000.0, 0.0, late, False, "of the tube, the whole of it"),
+    )
+
+
+def initial(wrist: Wrist) -> Setting:
+    """The setting at which the wrist is the user's own, with the paper's gains.
+
+    >>> initial(Wrist.flexion() + DeadTime(0.05)).dead_time
+    0.05
+    """
+    return replace(Setting(), dead_time=float(wrist.values.get(DELAY, 0.0)))
+
+
+def plant(wrist: Wrist, setting: Setting) -> Wrist:
+    """The wrist of a setting, made of the user's own; it has a dead time as an effect even where that is
+    zero, so that moving the slider never makes another kind of plant, which would be compiled anew.
+
+    >>> moved = plant(Wrist.flexion(), Setting(width=0.5, dead_time=0.02))
+    >>> moved.hysteresis.w1, moved.values["dead-time.delay"]
+    (3.0, 0.02)
+    """
+    p = wrist.hysteresis
+    loop = {
+        "w1": p.w1 * setting.width, "w2": p.w2 * setting.width,
+        "a1": p.a1 * setting.lines, "a2": p.a2 * setting.lines, "s": p.s * setting.transit,
+    }  # fmt: skip
+    late = wrist if DELAY in wrist.values else wrist + DeadTime()
+    return late.with_values(**loop, **{DELAY: setting.dead_time})
+
+
+def trouble(values: Mapping[str, float]) -> str | None:
+    """Why the parameters of a wrist make no loop within the range of the command, in one line, or None.
+
+    >>> trouble(plant(Wrist.flexion(), Setting(lines=0.5, transit=3.0)).values)
+    'transit slope s = 0.2409 is not below a1 = 0.18, so the loop runs backwards'
+    """
+    low, high = (values["gain"] * volts for volts in COMMAND_RANGE)
+    return loop_problem(values, low, high)

@@ -1,0 +1,96 @@
+"""A file of gains is taken wherever gains are given, and a bad one is refused in one line."""
+
+import json
+
+import pytest
+
+from design.cli import main
+from design.cli.compare import robust
+from design.cli.robust import controller
+from design.tuner.gains_file import read, write
+from plants import Wrist
+from plants.errors import InputError
+
+GAINS = {"Kp": 2.345678901234567, "Ki": 6.1}
+
+
+@pytest.fixture
+def kept(tmp_path):
+    return write(
+        tmp_path / "mine.toml", GAINS, {"plant": "flexion", "dead_time": 0.02, "limits_broken": ["Ms"]}
+    )
+
+
+def test_it_comes_back_to_the_last_bit(kept):
+    assert read(kept) == tuple(GAINS.values())
+
+
+def wrist(capsys, *arguments):
+    code = 0
+    try:
+        main([str(a) for a in arguments])
+    except SystemExit as stop:
+        code = int(stop.code or 0)
+    said = capsys.readouterr()
+    assert code == 0, said.err
+    return said.out
+
+
+def test_commands_take_it_as_they_take_the_numbers(capsys, kept, tmp_path):
+    given = f"{GAINS['Kp']},{GAINS['Ki']}"
+    by_file, by_number = (
+        json.loads(wrist(capsys, "simulate", "--gains", g, "--json", "-")) for g in (kept, given)
+    )
+    assert by_file == by_number
+    for folder, g in (("file", kept), ("number", given)):
+        wrist(capsys, "export", "pi", "--gains", g, "--out", tmp_path / folder)
+    ours = {p.name: p.read_bytes() for p in (tmp_path / "file").iterdir()}
+    assert ours == {p.name: p.read_bytes() for p in (tmp_path / "number").iterdir()}
+    flexion = Wrist.flexion()
+    assert controller(str(kept), flexion) == controller(given, flexion)
+    assert robust([f"flexion={kept}"], {"flexion": flexion}) == robust([given], {"flexion": flexion})
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (None, "cannot be read"),
+        ("Kp = = 2", "not valid TOML"),
+        ("Kp = 2.0\nKi = 3.0", r"holds no \[gains.Kp\]"),
+        ('[gains]\nKp = 2.0\nKi = {value = 3.0, unit = "kPa/(deg s)"}', "gains.Kp: value None"),
+        (
+            '[gains]\nKp = {value = 2.0, unit = "V/deg"}\nKi = {value = 3.0, unit = "kPa/(deg s)"}',
+            "give it in kPa/deg",
+        ),
+        ('[gains]\nKp = {value = -2.0, unit = "kPa/deg"}\nKi = {value = 3.0, unit = "kPa/(deg s)"}', "-2.0"),
+        ('[gains]\nKp = {value = inf, unit = "kPa/deg"}\nKi = {value = 3.0, unit = "kPa/(deg s)"}', "inf"),
+    ],
+)
+def test_a_bad_file_is_refused_in_one_line(tmp_path, text, words):
+    path = tmp_path / "bad.toml"
+    if text is not None:
+        path.write_text(text)
+    with pytest.raises(InputError, match=words) as refused:
+        read(path)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("name", ["", "  ", ".toml", "a\0b"])
+def test_a_name_that_is_none_is_refused(name):
+    with pytest.raises(InputError, match=r"is no name of a file; give one such as gains\.toml"):
+        write(name, GAINS)
+
+
+def test_nothing_is_written_over_another_file_or_into_one(tmp_path, kept):
+    before = kept.read_text()
+    with pytest.raises(InputError, match="exists already; choose another name"):
+        write(kept, GAINS)
+    with pytest.raises(InputError, match="cannot be written"):
+        write(kept / "in-a-file.toml", GAINS)
+    assert kept.read_text() == before
+    assert write(kept, {"Kp": 1.0, "Ki": 1.0}, mine=[kept]) == kept
+    assert [p.name for p in tmp_path.iterdir()] == ["mine.toml"]
+
+
+def test_the_ending_is_added(tmp_path):
+    assert write(tmp_path / "mine", GAINS).name == "mine.toml"
