@@ -66,7 +66,7 @@ class Effort:
 
 
 def cost(problem: Problem, angles: Any, commands: Any, before: float, reference: float, norm: Norm) -> float:
-    """The cost of a plan in a norm; "square" is `problem.cost`."""
+    """The cost of a plan of commands [V] in a norm; "square" is `problem.cost`."""
     if norm == "square":
         return problem.cost(angles, commands, before, reference)
     errors = np.abs(np.asarray(angles, float) - reference)

@@ -131,8 +131,8 @@ def sampled_lag(problem: Problem, most: float) -> lag.SampledLag:
 
 
 def move(problem: Problem, law: Piecewise, state: State, command: float, lack: float = 0.0) -> State:
-    """The wrist of the hybrid model one period later; the regulator's law as given, all else as the
-    module says.  With `gained` in its place only the lag would be approximate."""
+    """The wrist of the hybrid model one period of a command [V] later; the regulator's law as given, all
+    else as the module says.  With `gained` in its place only the lag would be approximate."""
     p, P = problem.wrist, float(state.pressure)
     after = P + float(law(p.regulator.gain * command + lack - P))
     memory = hysteresis.step(state.memory, P, after, p.hysteresis)

@@ -42,7 +42,7 @@ class Sensitivities(NamedTuple):
 
 
 def carried(state: State, s: Sensitivities, command: Any, c: Any) -> tuple[State, Sensitivities]:
-    """One substep of the wrist and of its sensitivities, on CasADi symbols.
+    """One substep of the wrist at a command [V], and of its sensitivities, on CasADi symbols.
 
     At a kink (a line just met) the derivative is that of the one side that CasADi takes.
     """

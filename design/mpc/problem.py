@@ -42,7 +42,7 @@ class Weights:
     angle: float = 1.0
     move: float = 0.05
     terminal: float = 10.0
-    swing: float = 1.0
+    swing: float = 3.0
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -59,7 +59,8 @@ class Weights:
 @dataclass(frozen=True)
 class Observer:
     """Speeds of the observer, as in `design.mpc.observer`: bandwidth [rad/s] of the shift's estimate,
-    and share of what the pressure misses that goes into `lack` in one period (0 to 1)."""
+    and share of what the pressure misses that goes into `lack` in one period (0 to 1).  Raises InputError
+    for others."""
 
     bandwidth: float = 20.0
     lack: float = 0.2

@@ -40,6 +40,8 @@ class Ledger:
 def ledger(infos: Sequence[Info], period: float, leave_out: int = 0) -> Ledger:
     """What the records of steps add up to, the first `leave_out` set aside (code is loaded there).
 
+    period: within which each should have been done [s].
+
     >>> steps = [Info("solved", "", 3, 1000, 2000, k * 1000) for k in range(100)]
     >>> found = ledger(steps, 0.02)
     >>> round(found.total.median * 1e6, 6), found.misses

@@ -100,16 +100,16 @@ def test_a_short_horizon_agrees_with_a_search_of_all_commands(start, reference):
     assert best.cost > 0.5 * found
 
 
-def test_ipopt_comes_to_no_better_from_a_poor_start():
-    """The problem bends at the lines of the loop and has local minima close to each other."""
+def test_ipopt_comes_to_the_same_from_a_poor_start():
+    """Where the minimum lies on a bend of the problem, IPOPT finds it without being able to say so."""
     problem = Problem(FLEXION)
     best, believed, state = solved(problem, "line1", 15.0)
     poor = np.linspace(state.command, 3.6, 30)
     answer = converger(problem)(believed, poor, state.command, 15.0)
     ends = roll(problem, coefficients(FLEXION), start_of(believed), 0.0, answer.commands)[:, 3]
-    assert answer.status == "Solve_Succeeded"
     cost = problem.cost(ends, answer.commands, state.command, 15.0)
-    assert best.cost * (1.0 - 1e-9) <= cost <= best.cost * 1.01
+    assert answer.status in ("Solve_Succeeded", "Maximum_Iterations_Exceeded")
+    assert cost == pytest.approx(best.cost, rel=1e-9)
 
 
 def test_the_real_time_iteration_costs_no_half_percent_more():

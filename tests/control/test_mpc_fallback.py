@@ -68,7 +68,7 @@ def test_a_solver_that_fails_for_a_while_is_bridged(make, how):
 
 
 def test_the_pi_takes_over_without_a_jump():
-    controller = broken(real_time_mpc, 20, 10**6, FAILURES["infeasible"])
+    controller = broken(real_time_mpc, 4, 10**6, FAILURES["infeasible"])
     play = run(Wrist.flexion(), controller, 15.0, duration=1.0, record=True)
     rungs = [i.rung for i in play.periods]
     first = rungs.index(BY_PI)
