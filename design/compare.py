@@ -7,7 +7,7 @@ rows carry the range that the metrics take over the range of those gains, and no
 would change within it.  What happens on other plants is `design.contest`'s business.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -46,6 +46,8 @@ __all__ = [
 TUNED = "tuned"
 PAPER = "paper"
 FORWARD = "feedforward"
+NEAREST = "what stands as tuned is only the nearest there is."
+"""How the verdict on a motion ends of which no gains hold every limit."""
 
 
 @dataclass(frozen=True)
@@ -142,6 +144,7 @@ def compare(
     designs: Mapping[str, Mapping[str, Design | str]] | None = None,
     more: Mapping[str, Mapping[str, Controller]] | None = None,
     periodic: Mapping[str, Mapping[str, Any]] | None = None,
+    progress: Callable[[str, float], None] | None = None,
 ) -> Comparison:
     """Run every controller on every task of each motion, and of two motions at once.
 
@@ -149,9 +152,10 @@ def compare(
     gives the reason for a motion that could not be tuned within the limits, whose
     PI is then only the nearest there is.  `designs` are what `design_others` made of each
     motion; they are made here, on the declared scenarios, where not given.  `more`: further controllers
-    of each motion, by name; `periodic`: those that act once a period, such as an MPC.
+    of each motion, by name; `periodic`: those that act once a period, such as an MPC; `progress` is told
+    who plays and the share of the motion that is done.
     """
-    limits = limits or Limits()
+    limits, tell = limits or Limits(), progress or (lambda stage, share: None)
     if designs is None:
         designs = {m: design_others(default_problem(w, limits)) for m, w in wrists.items()}
     rows: list[Row] = []
@@ -160,22 +164,17 @@ def compare(
     judged: dict[tuple[str, str], dict[str, list[Metrics]]] = {}
     bounds: dict[tuple[str, str], dict[str, Limit]] = {}
     for motion, wrist in wrists.items():
-        others = designs.get(motion, {})
-        for name, alike in controllers(wrist, tuned[motion], others, (more or {}).get(motion)).items():
-            tasks = judged[motion, name] = on_tasks(wrist, alike)
-            bound = bounds[motion, name] = bounds_on_tasks(wrist, alike[0])
+        others, slow = designs.get(motion, {}), (periodic or {}).get(motion, {})
+        named = controllers(wrist, tuned[motion], others, (more or {}).get(motion))
+        entrants: dict[str, list[Any]] = {**named, **{n: [c] for n, c in slow.items()}}
+        for place, (name, alike) in enumerate(entrants.items()):
+            tell(f"{motion}, {name}", place / len(entrants))
+            played = played_on_tasks(wrist, alike[0]) if name in slow else _played(wrist, alike)
+            tasks, bound, steps[motion, name] = played
+            judged[motion, name], bounds[motion, name] = tasks, bound
             own = [_row(motion, task, name, m, bound.get(task)) for task, m in tasks.items()]
             made = design_record(others[name]) if name in others else {}
             standings.append(_standing(motion, name, wrist, alike[0], own, limits, made))
-            rows += own
-            _, _, trajectory = run(wrist, alike[0], STEP, record=True)
-            assert trajectory is not None
-            steps[motion, name] = trajectory
-        for name, mpc in (periodic or {}).get(motion, {}).items():
-            tasks, bound, steps[motion, name] = played_on_tasks(wrist, mpc)
-            judged[motion, name], bounds[motion, name] = tasks, bound
-            own = [_row(motion, task, name, m, bound.get(task)) for task, m in tasks.items()]
-            standings.append(_standing(motion, name, wrist, mpc, own, limits, {}))
             rows += own
     if len(wrists) == 2:
         one, other = wrists
@@ -192,6 +191,15 @@ def compare(
         tuple(rows), tuple(standings), steps, limits, tuple(verdicts(rows, standings, refusals)),
         {(m, n): d for m, of in designs.items() for n, d in of.items()},
     )  # fmt: skip
+
+
+def _played(
+    wrist: Wrist, alike: list[Controller]
+) -> tuple[dict[str, list[Metrics]], dict[str, Limit], Trajectory]:
+    """Metrics and bounds by task of controllers of one kind, and the step from rest of the first."""
+    _, _, trajectory = run(wrist, alike[0], STEP, record=True)
+    assert trajectory is not None
+    return on_tasks(wrist, alike), bounds_on_tasks(wrist, alike[0]), trajectory
 
 
 def _margins(wrist: Wrist, controller: Controller) -> tuple[float, float]:
@@ -257,7 +265,7 @@ def verdicts(
     said = []
     for motion in {s.motion: None for s in standings}:
         if refusals and motion in refusals:
-            said.append(f"{motion}: {refusals[motion]}; what stands as tuned is only the nearest there is.")
+            said.append(f"{motion}: {refusals[motion]}; {NEAREST}")
             continue
         of = {s.controller: s for s in standings if s.motion == motion}
         ours = max(r.high["settling_time_s"] for r in rows if (r.motion, r.controller) == (motion, TUNED))

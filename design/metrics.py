@@ -98,7 +98,7 @@ class Metrics:
 
 
 def finish(t: Tally, samples: int, dt: float = SAMPLE_TIME) -> Metrics:
-    """Metrics of a response of a number of samples."""
+    """Metrics of a response of a number of samples, `dt` [s] apart."""
     t = Tally(*(np.asarray(x, float) for x in t))
     return Metrics(
         rise_time_s=np.where(t.below90 < samples, (t.below90 - t.below10) * dt, np.inf),

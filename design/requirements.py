@@ -132,6 +132,7 @@ class Problem:
     ) -> "Problem":
         """The problem of tuning a wrist; corners that no command can hold are set aside.
 
+        duration [s] of a run.
         Raises ValueError for an unknown cost.
         """
         if cost not in COSTS:

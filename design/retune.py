@@ -40,18 +40,28 @@ class Signals(Protocol):
     """What a step of the reference gave: time [s], angle of the joint [deg], command [V], (n,) each."""
 
     @property
-    def time(self) -> Array: ...
+    def time(self) -> Array:
+        """Times [s], (n,)."""
+        ...
+
     @property
-    def angle(self) -> Array: ...
+    def angle(self) -> Array:
+        """Angle of the joint [deg], (n,)."""
+        ...
+
     @property
-    def command(self) -> Array: ...
+    def command(self) -> Array:
+        """Command [V], (n,)."""
+        ...
 
 
 class Stepped(Protocol):
     """A closed-loop step of `design.tasks.STEP` from rest: its signals."""
 
     @property
-    def run(self) -> Signals: ...
+    def run(self) -> Signals:
+        """The signals of the step."""
+        ...
 
 
 Judge = Callable[[float, float], Stepped]

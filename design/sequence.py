@@ -39,7 +39,7 @@ class Sequence:
     references [deg], each held for so many seconds of `holds`, of which the last is the time for
     which the last step is judged; dead_time [s]: beside the wrist's own; load [deg]: constant shift
     of the static angle, there from before the run; plant: in words which wrist it is.  With a load
-    the virgin wrist starts where the load puts it.
+    the virgin wrist starts where the load puts it.  Raises ValueError for references without times.
     """
 
     start: Start

@@ -125,7 +125,10 @@ def jacobians(step: Callable[..., Any], *arguments: Any) -> list[np.ndarray]:
 
 
 def statements(function: Any, sources: list[list[str]], targets: list[str]) -> list[str]:
-    """Straight-line Python of a CasADi function; reads every input before it writes an output."""
+    """Straight-line Python of a CasADi function; reads every input before it writes an output.
+
+    Raises ValueError for an operation that has no code here.
+    """
     import casadi
 
     codes = {v: k for k, v in vars(casadi).items() if k.startswith("OP_") and isinstance(v, int)}

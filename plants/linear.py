@@ -64,7 +64,10 @@ def wrist_x0(wrist: Wrist) -> Any:
 
 
 def branch_slope(wrist: Wrist, branch: str) -> float:
-    """Slope [deg/kPa] of a branch: ``transit``, ``line1``, ``line2`` or ``virgin``."""
+    """Slope [deg/kPa] of a branch: ``transit``, ``line1``, ``line2`` or ``virgin``.
+
+    Raises ValueError for another name.
+    """
     p = wrist.hysteresis
     slopes = {"transit": p.s, "line1": p.a1, "line2": p.a2, "virgin": 0.0}
     if branch not in slopes:

@@ -65,7 +65,8 @@ def run_lanes(
     the last state, leaves of shape (lanes,), and the leaves named in `record` after
     every `every` steps, shape (len(record), rows, lanes), row 0 being the start.
     Lanes do not depend on each other: results are the same to the bit for any
-    number of threads.
+    number of threads.  Raises ValueError for numbers of lanes that differ and for a signal that is too
+    short.
     """
     own = held or {}
     sizes = {np.size(x) for x in tree.leaves(state) + tree.leaves(coefficients) if np.ndim(x)}

@@ -28,10 +28,15 @@ MAKERS: dict[str, Callable[[Problem], Design]] = {
 }
 
 
-def design_others(problem: Problem) -> dict[str, Design | str]:
-    """The other designs for a tuning problem, by name; of one that cannot be made, the reason."""
+def design_others(
+    problem: Problem, progress: Callable[[str, float], None] | None = None
+) -> dict[str, Design | str]:
+    """The other designs for a tuning problem, by name; of one that cannot be made, the reason.  `progress` is
+    told which is being made, and the share that is done."""
     found: dict[str, Design | str] = {}
-    for name, design in MAKERS.items():
+    for place, (name, design) in enumerate(MAKERS.items()):
+        if progress:
+            progress(name, place / len(MAKERS))
         try:
             found[name] = design(problem)
         except (Unsolved, ValueError) as error:

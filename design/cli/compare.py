@@ -103,10 +103,11 @@ def command(
     mpcs = _mpcs(wrists, said)
     for name, t in tunings.items():
         with progress(f"{name}, other designs") as tell:
-            tell("convex programs", 0.0)
-            designs[name] = design_others(t.problem)
-    with progress("compare"):
-        comparison = compare(wrists, tuned, refusals=refusals, designs=designs, more=more, periodic=mpcs)
+            designs[name] = design_others(t.problem, tell)
+    with progress("compare") as tell:
+        comparison = compare(
+            wrists, tuned, refusals=refusals, designs=designs, more=more, periodic=mpcs, progress=tell
+        )
     for line in table(comparison):
         said.print(line)
     named = {n: controllers(wrists[n], tuned[n], designs[n], more.get(n)) for n in wrists}

@@ -140,7 +140,10 @@ def play_coupled(
 def begin(
     wrist: Wrist, controller: Periodic, state: State, asked: Course, sensor: Sensor, noise: Array
 ) -> Side:
-    """A motion before its first period, its controller having seen it at rest."""
+    """A motion before its first period, its controller having seen it at rest.
+
+    Raises InputError for a period that does not divide the duration.
+    """
     substeps, samples, lanes = controller.problem.substeps, round(DURATION / SAMPLE_TIME), noise.shape[1]
     if samples % substeps:
         raise InputError(

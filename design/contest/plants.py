@@ -68,7 +68,10 @@ class Field:
 
 
 def carrying(wrist: Wrist, lanes: int) -> Wrist:
-    """A wrist, of floats or lanes, that carries all effects of the contest at their nulls, as lanes."""
+    """A wrist, of floats or lanes, that carries all effects of the contest at their nulls, as lanes.
+
+    Raises InputError for one that has effects already.
+    """
     if wrist.effects:
         names = ", ".join(e.NAME for e in wrist.effects)
         raise InputError(f"contest: the wrist has effects ({names}) of its own; give one without them")

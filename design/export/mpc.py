@@ -128,7 +128,7 @@ def after_period(pressure: Number, command: Number, c: SampledWrist, substeps: i
 
 
 def believed_after(b: Believed, command: Number, seen: Given, c: SampledWrist, g: observer.Gains) -> Believed:
-    """`design.mpc.observer.update`, made of NumPy ufuncs."""
+    """`design.mpc.observer.update`, made of NumPy ufuncs; command [V]."""
     gain = c.regulator.gain
     pushed = command + b.lack / gain
     path = after_period(b.plant.pressure, pushed, c, g.substeps)

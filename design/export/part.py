@@ -80,6 +80,7 @@ class Part:
 def of_controller(name: str, title: str, controller: Controller, period: float = SAMPLE_TIME) -> Part:
     """Any controller that `design.controllers.controller` describes and whose law is made of NumPy ufuncs.
 
+    period: of its step [s].
     Its sensors' names are those of `Seen`; of these it asks for what its law depends on.
     """
     c = controller.sampled(period)

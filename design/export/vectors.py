@@ -60,7 +60,7 @@ class Replay:
         self.lines: list[list[float]] = []
 
     def begin(self, pressure: float, angle: float) -> float:
-        """Start from rest; the output that holds it."""
+        """Start from rest at a pressure [kPa] and an angle [deg]; the output that holds it."""
         self.state, self.output = self.part.begin(pressure, angle)
         leaves = tree.leaves(self.state)
         self.lines = [[leaves[row + 2]] * (samples + 1) for row, samples in self.part.delays]

@@ -139,7 +139,7 @@ def search(
     progress: Callable[[str, float], None] | None = None,
 ) -> tuple[Worst, ...]:
     """The worst cases of a tuning's gains: of the largest excess where a limit is broken, and of the
-    highest cost."""
+    highest cost; dead_time [s] and load [deg] bound what they may have on top."""
     problem = found.problem
     look = partial(
         worst_case, box, controller(problem, found.Kp, found.Ki), limits=problem.limits, dead_time=dead_time,

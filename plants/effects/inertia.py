@@ -48,7 +48,7 @@ class SampledInertia(NamedTuple):
 
 
 def second_order_hold(inertia: Number, lag: Number, dt: float) -> tuple[Number, ...]:
-    """Coefficients of the exact solution over one sample for an input that moves linearly.
+    """Coefficients of the exact solution over a sample of dt [s] for an input that moves linearly.
 
     The response of y to its initial values and to a ramp, from the two poles
     (complex arithmetic, so that ringing needs no case of its own; equal poles

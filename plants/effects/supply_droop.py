@@ -24,6 +24,7 @@ class SampledSupply(NamedTuple):
     per_deepest: Number
 
     def used(self, s: Supply, before: Number, after: Number) -> Supply:
+        """The supply after a sample in which the pressure [kPa] went from `before` to `after`."""
         air = np.maximum(after - before, 0.0)
         return Supply(s.sag * self.keep + self.use * air * (1.0 - s.sag * self.per_deepest))
 

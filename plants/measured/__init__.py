@@ -1,0 +1,1 @@
+"""What measurements say: recordings, their fit, what is left over, and what causes it."""

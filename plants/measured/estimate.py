@@ -21,9 +21,13 @@ class Problem(Protocol):
     """What is estimated: residuals (rows, lanes) of vectors (lanes, n), and the block of each row."""
 
     @property
-    def blocks(self) -> NDArray[np.intp]: ...
+    def blocks(self) -> NDArray[np.intp]:
+        """The block of time that each row belongs to, (rows,)."""
+        ...
 
-    def residuals(self, x: Array) -> Array: ...
+    def residuals(self, x: Array) -> Array:
+        """Residuals (rows, lanes) at parameters x (lanes, n)."""
+        ...
 
 
 @dataclass(frozen=True)

@@ -84,7 +84,7 @@ def _frequency(time: Array, signal: Array) -> float:
 def rollout(
     wrist: Wrist, controller: PI, reference: float, state: State, held: PIState, duration: float, every: int
 ) -> Rollout:
-    """The loop of `design.loop` from given states, every `every`-th sample recorded."""
+    """The loop of `design.loop` from given states for a duration [s], every `every`-th sample recorded."""
     samples = round(duration / SAMPLE_TIME)
     c = SampledLoop(wrist.sampled(), controller.sampled(), metrics.yardstick(state.angle, reference))
     command = (controller.rest_pressure + held.integral) / controller.gain
@@ -120,8 +120,8 @@ def on_orbit(
 
 
 def large_swings(wrist: Wrist, controller: PI, reference: float = 0.0, duration: float = 120.0) -> Swings:
-    """What is left of swings from far off: pressures over nine tenths of the range, on both lines, with
-    the integrator holding them and with it far on the other side."""
+    """What is left after a duration [s] of swings from far off: pressures over nine tenths of the range, on
+    both lines, with the integrator holding them and with it far on the other side."""
     low, high = (wrist.regulator.gain * v for v in COMMAND_RANGE)
     starts: list[Any] = []
     held = []

@@ -124,7 +124,10 @@ class Search:
         )  # fmt: skip
 
     def best(self, count: int) -> list[Array]:
-        """The worst places found, worst first, each `APART` from the others."""
+        """The worst places found, worst first, each `APART` from the others.
+
+        Raises InputError where no place gave a run that counts.
+        """
         places, heights = np.hstack(self.places), np.concatenate(self.heights)
         found: list[Array] = []
         for i in np.argsort(heights, kind="stable"):

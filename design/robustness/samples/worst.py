@@ -124,7 +124,8 @@ def named_plant(box: Box, values: dict[str, float]) -> ParameterSet:
 
 
 def plain_worst(box: Box, controller: PI, limits: Limits, duration: float, jobs: int | None) -> Plain:
-    """The worst of the plain tuning set on the box's plant, judged as the search judges."""
+    """The worst of the plain tuning set on the box's plant, in runs of a duration [s], judged as the search
+    judges."""
     scenarios, _ = within_reach(tuning_scenarios(box.wrist))
     runs = [
         Sequence(s.start, s.angle, (s.reference,), (duration,), s.wrist, plant=s.plant) for s in scenarios

@@ -35,6 +35,7 @@ class Line:
 
     @property
     def name(self) -> str:
+        """In words, with its frequency [Hz]."""
         return f"periodic at {self.frequency:.3g} Hz"
 
 

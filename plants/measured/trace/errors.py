@@ -24,6 +24,7 @@ def squares(runs: Sequence[Played], channel: str, side: str, role: str = "valida
 
 
 def free_run_errors(runs: Sequence[Played]) -> dict[str, float | None]:
+    """Root-mean-square error of each channel [deg, kPa] over the runs that judge; None without any."""
     found = {c: squares(runs, c, "") for c in CHANNELS}
     return {c: float(np.sqrt(np.mean(np.concatenate(s)))) if s else None for c, s in found.items()}
 

@@ -32,7 +32,7 @@ def remainders(model: Model) -> list[Remainder]:
 
 
 def begun(wrist: Wrist, begin: Begin | None) -> State | None:
-    """The state of a wrist, effects included, in which a recording starts; None at rest."""
+    """The state of a wrist, effects included, in which a recording starts at `begin` [s]; None at rest."""
     if begin is None:
         return None
     at = begin.state()

@@ -177,7 +177,7 @@ def _refuted(loop: UncertainLoop, beta: float) -> str:
 def robust_stability_everywhere(
     box: Box, controller: PI, dead_time: float = 0.0, step: float = STEP
 ) -> list[RobustStability]:
-    """`robust_stability` on every branch at both rates of the regulator, branch by branch.
+    """`robust_stability` on every branch at both rates of the regulator, with a dead time [s].
 
     Branches whose parameters are the same share one computation.  Raises InputError as that does.
     """

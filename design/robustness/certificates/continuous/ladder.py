@@ -50,7 +50,8 @@ def certify(
 def certifies(model: LoopModel, rung: str, dead_time: float = 0.0) -> bool:
     """Whether a rung certifies a loop at all: one search by one solver, checked; for maps of the gain plane.
 
-    Some 20 to 40 ms a call.  A solver that fails counts as no, where `certify` would try another.
+    dead_time [s].  Some 20 to 40 ms a call.  A solver that fails counts as no, where `certify` would try
+    another.
 
     >>> from plants import Wrist
     >>> loop = LoopModel.of(Wrist.flexion(), PI(1.2, 2.2))
@@ -64,7 +65,7 @@ def certifies(model: LoopModel, rung: str, dead_time: float = 0.0) -> bool:
 
 def hopeless(model: LoopModel, dead_time: float) -> str:
     """Why no function can fall along a loop, in words: a linear loop of it does not die away; empty where
-    it may.  A dead time moves poles, but not the one at 0 of a loop without integral action."""
+    it may.  dead_time [s]: it moves poles, but not the one at 0 of a loop without integral action."""
     return unstable(model) if total_dead_time(model, dead_time) == 0.0 or model.Ki == 0.0 else ""
 
 

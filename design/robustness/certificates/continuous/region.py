@@ -125,7 +125,7 @@ def covers(
 
 
 def largest(model: LoopModel, wrist: Wrist, controller: PI, rung: str, dead_time: float = 0.0) -> Region:
-    """The form of a rung that covers the largest step from rest on a line.
+    """The form of a rung that covers the largest step from rest on a line, with a dead time [s].
 
     By bisection over the step; every form is checked, and so is the region, in plain NumPy.
     """

@@ -42,6 +42,7 @@ def search(
 def fastest(model: LoopModel, rung: str, dead_time: float = 0.0) -> Found:
     """The Lyapunov function of a rung with the largest decay rate, by bisection; every step is checked.
 
+    dead_time [s].
     Where none falls at all, the answer of `search` without decay.
     """
     best = search(model, rung, 0.0, dead_time)
@@ -63,7 +64,7 @@ def fastest(model: LoopModel, rung: str, dead_time: float = 0.0) -> Found:
 
 
 def signals_of(model: LoopModel, rung: str, dead_time: float) -> Signals:
-    """The signals that a rung speaks of."""
+    """The signals that a rung speaks of, of a loop with a dead time [s]."""
     return Signals.of(model, dead_time, RUNGS[rung] is popov.inequalities)
 
 
@@ -77,7 +78,7 @@ def program(signals: Signals, rung: str, decay: float, scale: Array) -> lmi.Unkn
 def confirmed(
     solve: Callable[[], lmi.Solution], signals: Signals, rung: str, decay: float, dead_time: float
 ) -> Found:
-    """What a solver finds, once the check has looked at it."""
+    """What a solver finds for a loop with a dead time [s], once the check has looked at it."""
     try:
         solution = solve()
     except convex.Unsolved as said:

@@ -68,7 +68,7 @@ def power(matrix: Array, degree: int) -> Array:
 
 def generator(matrix: Array, degree: int, dt: float = 0.0) -> Array:
     """Of the lifted system: x^[d] moves by dt generator(M, d, dt) x^[d] where x moves by dt M x, in the
-    limit dt = 0 too.
+    limit dt = 0 too.  dt [s], or whatever the matrix counts time in.
 
     >>> m, x = np.array([[-1.0, 2.0], [0.5, -3.0]]), np.eye(2)
     >>> np.allclose(power(x + 0.1 * m, 3), power(x, 3) + 0.1 * generator(m, 3, 0.1))
@@ -274,6 +274,7 @@ def radius_bounds(matrices: list[Array], degree: int = 2, length: int = 8) -> Ra
 
     degree: of the form, an even number; length: of the longest word tried.  The upper bound is at most
     C(n + d - 1, d)^(1/(2d)) times the radius, with d half the degree (Parrilo & Jadbabaie 2008).
+    Raises ValueError for an odd degree.
 
     >>> golden = radius_bounds([np.array([[1.0, 1], [0, 1]]), np.array([[1.0, 0], [1, 1]])], 4)
     >>> round(golden.lower, 3), round(golden.upper, 3)

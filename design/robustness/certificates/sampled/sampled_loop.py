@@ -41,7 +41,8 @@ STEPS = (11, 8)
 
 
 def vertices(model: LoopModel, dt: float = SAMPLE_TIME) -> dict[str, Array]:
-    """The sampled loop at each slope and each end of the regulator's share, by name, each (3, 3).
+    """The sampled loop at each slope and each end of the regulator's share, by name, each (3, 3);
+    sample time dt [s].
 
     The matrix is affine in the slope and in the share, so that all between are in the convex hull.
 
@@ -129,7 +130,7 @@ def _rungs(model: LoopModel) -> Iterator[Rung]:
 
 def delayed(model: LoopModel, samples: int, dt: float = SAMPLE_TIME) -> Delayed:
     """The vertices of the loop whose changes of command z = Kp (x0+ - x0) + Ki dt x0 enter q after so
-    many samples; the other states move as they do without dead time.
+    many samples of dt [s]; the other states move as they do without dead time.
 
     >>> from plants import Wrist
     >>> from design.controllers.pi import PI

@@ -58,7 +58,7 @@ class Switched:
 
 
 def discrete(matrices: list[Array], dt: float = 1.0) -> Switched:
-    """The system x+ = A_i x, one step a sample time.
+    """The system x+ = A_i x, one step a sample time dt [s].
 
     >>> discrete([0.5 * np.eye(2)]).fates
     array([0.75])
@@ -205,6 +205,7 @@ def poly_quadratic(system: Switched) -> Search:
     form, with S_i = 1/P_i, is solvable exactly where this one is, and needed only where gains are
     sought.  P_i = P + dt D_i keeps it well conditioned; it also shows that at a short sample time all
     P_i are nearly equal where the mode may change at every sample, so that little is gained there.
+    Raises ValueError for a system in continuous time.
     """
     import cvxpy
 

@@ -94,7 +94,7 @@ def discrete_word(matrices: list[Array], length: int = 8, most: int = 50_000) ->
     """The word of up to `length` letters with the largest spectral radius a step, of x+ = A_i x.
 
     Every necklace is tried, powers of letters among them; lengths of which there are more than `most`
-    words are left out.
+    words are left out.  Raises ValueError where there are no matrices.
 
     >>> word = discrete_word([np.array([[1.0, 1], [0, 1]]), np.array([[1.0, 0], [1, 1]])], 4)
     >>> word.letters, round(word.radius_per_time, 6)
