@@ -40,8 +40,8 @@ from design.tasks import STEP
 from plants.wrist import Wrist
 
 __all__ = [
-    "FORWARD", "METRICS", "NEAREST", "PAPER", "TUNED", "Comparison", "Row", "Standing", "compare", "controllers", "on_tasks",
-    "row_record", "task_scenarios", "together", "verdicts",
+    "FORWARD", "METRICS", "NEAREST", "PAPER", "TUNED", "Comparison", "Row", "Standing", "compare",
+    "controllers", "on_tasks", "row_record", "task_scenarios", "together", "verdicts",
 ]  # fmt: skip
 
 
