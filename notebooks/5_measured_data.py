@@ -1,0 +1,239 @@
+# %% [markdown]
+# # 5 Closing the loop with measured data
+#
+# **A rig never quite is its model. Given recordings, can one say what the model lacks, how sure that is,
+# and whether it matters to the controller?**
+#
+# Twice: on a campaign of recordings with an effect that nobody declared, whose truth is known because it is
+# *synthetic*, made by a simulator that shares no code with this project; and on a real rig of other people,
+# where nobody knows the truth.
+
+# %%
+# %matplotlib inline
+import os
+import tempfile
+from pathlib import Path
+
+import plants.measured
+from benchmarks.real_data import rigs
+from benchmarks.real_figures import draw_rig
+from benchmarks.real_rigs import outcome
+from design.retune import retune
+from design.tuning import Region
+from plants.measured.campaign import load_campaign
+from plants.measured.fit import fit_campaign
+from plants.measured.trace.trace import trace_campaign
+from plants.quantities import built_in
+from reports.comparison_tables import error_table, parameter_table
+from reports.fitted import draw_fit
+from reports.notebook_tables import Markdown, rows, shown
+from reports.trace_fit_figures import draw_control, draw_errors, draw_series
+from reports.trace_residual_figures import draw_remainder
+from reports.trace_search_figures import draw_ranking
+from reports.trace_tables import error_table as errors_before_and_after
+from reports.trace_words import control_sentence, verdict_sentence
+
+# %% [markdown]
+# ## A campaign
+#
+# A folder of recordings and a `campaign.toml` that says which of them may be fitted on. The others are only
+# ever used to report errors, of free runs from the command: nothing measured is fed back.
+
+# %%
+folder = Path(plants.measured.__file__).parent / "examples" / "deviation"
+print((folder / "campaign.toml").read_text())
+campaign = load_campaign(folder)
+rows(
+    {
+        "recording": r.name,
+        "role": role,
+        "rows": len(r.time),
+        "seconds": float(r.time[-1] - r.time[0]),
+        "angle from [deg]": float(r.angle.min()),
+        "to [deg]": float(r.angle.max()),
+    }
+    for role, recordings in (("fit", campaign.fit), ("held out", campaign.validate))
+    for r in recordings
+)
+
+# %% [markdown]
+# ## Fitting what was declared is not enough
+#
+# First the parameters of notebook 1, fitted: each gets a value and a standard error in place of an
+# assumption.
+
+# %%
+declared = built_in("deviation")
+fit = fit_campaign(campaign, declared)
+shown(parameter_table(fit.fitted, declared))
+
+# %%
+print(*fit.remarks, sep="\n")
+shown(error_table(fit))
+
+# %% [markdown]
+# The pressure is explained down to the noise of its sensor, the angle is not: what is left is many times
+# the noise. Small standard errors do not tell: they are honest only if the model is complete.
+
+# %%
+assert fit.ratios["pressure_kPa"] < 1.2 < 3.0 < fit.ratios["angle_deg"]
+draw_fit(fit)
+
+# %% [markdown]
+# *What to see: on a recording that took no part the fitted model runs along the measured angle; the error
+# beneath, though, is no noise, it swings.*
+#
+# ## What is missing
+#
+# `trace_campaign` knows 14 effects. At each stage it ranks those that act there by how much of the remainder
+# each could explain beyond what a refit would absorb, refits the best few, and takes one only if it pays on
+# blocks of time that did not fit it.
+
+# %%
+trace = trace_campaign(campaign, declared)
+Markdown(verdict_sentence(trace))
+
+# %%
+stage = next(s for s in trace.stages if s.search.chosen.model.effects)
+draw_ranking(stage)
+
+# %% [markdown]
+# *What to see: one bar an effect, logarithmic; the tick is what noise alone would bring, the dashed line
+# what an effect must bring to be considered. One is orders of magnitude ahead; once it is in, nothing that
+# is left earns its place.*
+
+# %%
+rows(
+    {
+        "effect": e.name,
+        "form": e.form,
+        "parameter": name,
+        "value": value,
+        "unit": unit,
+        "standard error": error,
+    }
+    for e in trace.effects
+    for name, (value, unit, error) in e.parameters.items()
+)
+
+# %%
+draw_remainder(stage)
+
+# %% [markdown]
+# *What to see: before (squares) the mean of what is left depends on things it should not, and its spectrum
+# carries a line; after (dots) all stay within the bounds of noise (grey).* The held-out recordings agree:
+
+# %%
+assert trace.verdict == "explained"
+shown(errors_before_and_after(trace))
+
+# %%
+draw_errors(trace)
+
+# %%
+draw_series(trace, "angle_deg")
+
+# %% [markdown]
+# *What to see: declared and revised both follow the angle; the error of the first is a hum, of the second
+# the noise of the sensor (band).* What the recordings cannot tell is listed too, with the reason:
+
+# %%
+rows({"cannot be judged": name, "because": why} for name, why in trace.cannot_judge.items())
+
+# %% [markdown]
+# ## Does it matter to control?
+#
+# Tuning again on the revised plant, beside a PI tuned on the fit without the effect; both are judged on the
+# revised plant, since only data is at hand. (A map of 24 x 24 gains and three local searches each.)
+
+# %%
+control = retune(trace.fit.fitted, trace.revised, region=Region(points=24), starts=3)
+Markdown(control_sentence(control))
+
+# %%
+draw_control(control)
+
+# %% [markdown]
+# *What to see: two steps on top of each other, both with a ripple.* The hum is on the sensor: the loop
+# follows what it is shown, and no PI can know better. So here the answer to "does it matter" is no for the
+# gains, and yes for the mount of the sensor. With a dead time or creep in its place the gains would move;
+# that is decided by tuning again, not by the size of the error.
+#
+# ## A real rig
+#
+# The data of other people are not part of this repository; the cells below read them where the environment
+# variable `WRIST_DATA` names a folder that holds them, and say so where it does not. What is stored here
+# was computed from them.
+#
+# None of these rigs is a wrist with a declared loop. The declared model is fitted to them all the same,
+# with bounds as wide as they go, and no threshold of the trace was tuned on them. First a small pump, asked
+# for pressures that it cannot reach; then an arm of pneumatic muscles, whose joint sticks and slips.
+
+# %% tags=["measured-data"]
+data = os.environ.get("WRIST_DATA")
+real = {rig.name: rig for rig in rigs(Path(data))} if data else {}
+chosen = [real[name] for name in ("pressure-loop-staircases", "pam-joint-0") if real]
+with tempfile.TemporaryDirectory() as made:
+    outcomes = [outcome(rig, Path(data), Path(made)) for rig in chosen]
+if outcomes:
+    table = rows(
+        {
+            "rig": o.rig.title,
+            "source": o.rig.origin,
+            "licence": o.rig.licence,
+            "rows fitted": sum(len(r.time) for r in o.campaign.fit),
+            "rows held out": sum(len(r.time) for r in o.campaign.validate),
+            "assumed": "; ".join(o.rig.assumed) or "nothing",
+        }
+        for o in outcomes
+    )
+else:
+    table = Markdown("`WRIST_DATA` is not set: no measured data at hand, the cells below show nothing.")
+table
+
+# %% tags=["measured-data"]
+Markdown("\n".join(f"- *{o.rig.title}*: {verdict_sentence(o.trace)}" for o in outcomes))
+
+# %% tags=["measured-data"]
+if outcomes:
+    pump = outcomes[0]
+    display(draw_rig(pump.rig, pump.fit, pump.trace))
+
+# %% [markdown]
+# *What to see: fitted to set-points that the pump cannot reach, the declared model takes its gain for tiny
+# and hardly moves on the recording held out. With the one effect that earned its place, a supply that gives
+# way, the free run follows the staircase, though not the sawtooth of the pump; beneath, what is left goes
+# with the duty of the pump.* So the verdict is not "explained": the effect is of the right kind, its law is
+# not this pump's.
+
+# %% tags=["measured-data"]
+shown(errors_before_and_after(pump.trace)) if outcomes else None
+
+# %% tags=["measured-data"]
+if outcomes:
+    arm = outcomes[1]
+    display(draw_rig(arm.rig, arm.fit, arm.trace))
+
+# %% tags=["measured-data"]
+if outcomes:
+    assert {o.trace.verdict for o in outcomes} == {"unexplained"}
+    assert [e.name for e in pump.trace.effects] == ["supply-droop"]
+    assert not arm.trace.effects
+shown(errors_before_and_after(arm.trace)) if outcomes else None
+
+# %% [markdown]
+# *What to see: the model moves when the pressure does, while the joint first holds, then goes further;
+# beneath, errors scatter widely at every command.* No effect of the library sticks and slips, none was
+# named, and the errors before and after are the same.
+#
+# ## What follows, and what does not
+#
+# Recordings turn assumptions into values with standard errors, and an honest remainder says whether these
+# may be believed. Where the missing effect is one of the library, as in the synthetic campaign, it was
+# named, sized, and shown to bring the error of recordings that took no part down to the noise. Where it is
+# not, as on both real rigs, the answer was "unexplained", with what the remainder depends on; that is where
+# an engineer goes on, and a plant that leaves so much unexplained is not one to tune on. You cannot
+# conclude that an effect which was named is the cause: it is the one of 14 that explains these recordings,
+# and others that they do not excite are listed for a reason. Nor does success on a synthetic campaign,
+# whose simulator is independent but whose authors are not, say how often real rigs will be explained: of
+# the two here, none was.
