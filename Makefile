@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 ENV := .venv/.installed
 
-.PHONY: compare test suite bench lint env clean
+.PHONY: compare test suite bench lint notebooks api env clean
 
 compare: $(ENV)
 	$(BIN)/wrist compare --example --samples 0 --mpc-plants 0 --out build/compare
@@ -22,6 +22,12 @@ lint: $(ENV)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+notebooks: $(ENV)
+	$(BIN)/python notebooks/build.py
+
+api: $(ENV)
+	$(BIN)/python -m docs.build
 
 env: $(ENV)
 
