@@ -68,7 +68,7 @@ def nyquist(wrist: Wrist, controllers: Mapping[str, PI]) -> "Figure":
                 L = loop.at(OMEGA)
                 panel.plot(L.real, L.imag, label=words, **looks.get(words, LINES[0]))
             _around_minus_one(panel)
-            panel.set_title(f"{name}\nKp {controller.Kp:.3g}, Ki {controller.Ki:.3g}")
+            panel.set_title(f"{name}\nKp {controller.Kp:.3g} kPa/deg\nKi {controller.Ki:.3g} kPa/(deg s)")
             panel.set_xlabel("Real part of L [1]")
         for panel in axes[len(controllers) :]:
             panel.set_visible(False)
@@ -166,7 +166,7 @@ def describing(wrist: Wrist, controller: PI, reference: float = 0.0) -> "Figure"
         axes.axhline(0.0, color=GREY, linewidth=0.8)
         axes.axvline(0.0, color=GREY, linewidth=0.8)
         said = f"{len(cycles) or 'no'} limit cycle{'s' if len(cycles) > 1 else ''} predicted"
-        axes.set_title(f"Kp {controller.Kp:.3g}, Ki {controller.Ki:.3g}: {said}")
+        axes.set_title(f"Kp {controller.Kp:.3g} kPa/deg, Ki {controller.Ki:.3g} kPa/(deg s): {said}")
         figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
 

@@ -22,8 +22,8 @@ AXIS_WORDS = {
     "dead time": "none being\nbelieved [ms]",
 }
 METRIC_WORDS = {
-    "settling": "Worst settling time,\nratio to the plain PI's",
-    "IAE": "Mean IAE,\nratio to the plain PI's",
+    "settling": "Worst settling time,\nratio to the plain PI's [1]",
+    "IAE": "Mean IAE,\nratio to the plain PI's [1]",
 }
 
 
@@ -40,7 +40,7 @@ def break_even_figure(found: BreakEven, title: str = "") -> "Figure":
                 _panel(axes[row * len(kinds) + column], here, metric)
         for column, kind in enumerate(kinds):
             axes[len(kinds) + column].set_xlabel(AXIS_WORDS[kind])
-            axes[column].set_title(kind.capitalize(), fontsize=9.5)
+            axes[column].set_title(kind.capitalize(), fontsize=8.8)
         for row, metric in enumerate(METRICS):
             axes[row * len(kinds)].set_ylabel(METRIC_WORDS[metric])
         handles = axes[0].get_legend_handles_labels()[0]

@@ -5,25 +5,29 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from design.break_even import BreakEven
 from design.compare import Comparison
 from design.contest import Contest
 from design.contest.words import sentences
 from design.metrics import SETTLING_BAND
+from design.mpc.timing import Ledger
 from design.tasks import STEP
 from design.tuning import Tuning
 from plants.quantities import Fitted, ParameterSet, built_in
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
 from reports import comparison_contest as broad
+from reports import comparison_costs as costs
 from reports import comparison_tables as tables
 from reports import comparison_words as words
 from reports import figures, paper
+from reports.break_even_figure import break_even_figure
 from reports.comparison_designs import budgets, designs
 from reports.fitted import Fit, draw_fit
 from reports.gain_map import COST_WORDS
 from reports.html import Made, Shown, markup, render
 from reports.records import comparison_record, contest_csv_text, csv_text
 from reports.style import save, svg
-from reports.tables import number
+from reports.tables import number, spaced
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,13 +42,17 @@ def comparison_page(
     fits: Mapping[str, Fit],
     made: Made,
     contest: Contest | None = None,
+    break_even: Mapping[str, BreakEven] | None = None,
+    ledger: Mapping[str, Mapping[str, Ledger]] | None = None,
 ) -> str:
     """The whole comparison as one self-contained HTML text.
 
-    `tunings`, `sets` and `fits` go by motion; `fits` may lack motions that were not fitted.
+    `tunings`, `sets` and `fits` go by motion; `fits` may lack motions that were not fitted.  Sections of
+    what is None are left out: `contest` on other plants; `break_even`, the maps of how wrong a model may
+    be, by motion; `ledger`, how long steps take, by motion and controller.
     """
-    drawn = main_figures(comparison, tunings, sets, fits, contest)
-    return _page(comparison, tunings, sets, fits, made, drawn, contest)
+    drawn = main_figures(comparison, tunings, sets, fits, contest, break_even)
+    return _page(comparison, tunings, sets, fits, made, drawn, contest, break_even, ledger)
 
 
 def write_comparison(
@@ -55,18 +63,20 @@ def write_comparison(
     fits: Mapping[str, Fit],
     made: Made,
     contest: Contest | None = None,
+    break_even: Mapping[str, BreakEven] | None = None,
+    ledger: Mapping[str, Mapping[str, Ledger]] | None = None,
 ) -> Path:
     """Write comparison.html, .json and .csv, contest.csv where there was a contest, and the main figures
-    as PNG into a folder, each complete or not at all.  Returns the path of the page; raises InputError
-    where it cannot be written."""
+    as PNG into a folder, each complete or not at all; what it takes is as in `comparison_page`.  Returns
+    the path of the page; raises InputError where it cannot be written."""
     from plants.files import json_text, write_atomically
 
     folder = Path(folder)
-    drawn = main_figures(comparison, tunings, sets, fits, contest)
-    page = _page(comparison, tunings, sets, fits, made, drawn, contest)
+    drawn = main_figures(comparison, tunings, sets, fits, contest, break_even)
+    page = _page(comparison, tunings, sets, fits, made, drawn, contest, break_even, ledger)
     for name, figure in drawn.items():
         save(figure, folder / f"{name}.png")
-    record = comparison_record(comparison, tunings, sets, fits, made, contest)
+    record = comparison_record(comparison, tunings, sets, fits, made, contest, break_even, ledger)
     write_atomically(folder / "comparison.json", json_text(record))
     write_atomically(folder / "comparison.csv", csv_text(comparison))
     if contest:
@@ -81,6 +91,7 @@ def main_figures(
     sets: Mapping[str, ParameterSet],
     fits: Mapping[str, Fit],
     contest: Contest | None = None,
+    break_even: Mapping[str, BreakEven] | None = None,
 ) -> dict[str, "Figure"]:
     """The figures of the comparison by the names of their files."""
     wrists = {m: Wrist.of(s) for m, s in sets.items()}
@@ -91,6 +102,7 @@ def main_figures(
     found |= {f"steps-{slug(m)}": figures.step_responses(comparison, m) for m in _motions(comparison)}
     if contest:
         found["differences"] = broad.differences_figure(contest)
+    found |= {f"break-even-{slug(m)}": break_even_figure(b) for m, b in (break_even or {}).items()}
     found |= {f"gains-{slug(m)}": figures.gain_map(t) for m, t in tunings.items()}
     return found | {f"fit-{slug(m)}": draw_fit(f) for m, f in fits.items()}
 
@@ -116,35 +128,75 @@ def _page(
     made: Made,
     drawn: Mapping[str, "Figure"],
     contest: Contest | None,
+    break_even: Mapping[str, BreakEven] | None,
+    ledger: Mapping[str, Mapping[str, Ledger]] | None,
 ) -> str:
     def shown(name: str, caption: str) -> Shown:
         return Shown(markup(svg(drawn[name], name, caption)), caption)
 
     motions = _motions(comparison)
-    costs = {t.problem.cost for t in tunings.values()}
+    least = {t.problem.cost for t in tunings.values()}
     assumed = tables.assumption_table(sets)
     responses = [shown(f"steps-{slug(m)}", words.steps_caption(comparison, m)) for m in motions]
     responses.append(shown("loops", words.LOOPS_CAPTION))
     return render(
         "comparison.html",
         title=f"Holding {STEP:g} degrees: the tuned PI beside the paper's, textbook rules and other designs",
-        summary=words.summary(comparison, sets, fits),
+        kind="comparison of controllers", remarks=[made.remark] if made.remark else [],
+        summary=words.summary(comparison, sets, fits, contest),
+        sections=_sections(bool(fits), bool(comparison.designs), contest, break_even, ledger),
+        verdicts=[v[:1].upper() + v[1:] for v in comparison.verdicts],
         step=STEP, sample_ms=1000.0 * SAMPLE_TIME, command_range=COMMAND_RANGE, window=figures.WINDOW,
         band=100.0 * SETTLING_BAND, tasks=_tasks(comparison),
         limits=tables.limits_table(comparison.limits),
-        fitted_any=bool(fits),
         plants=[_plant(m, s, fits.get(m), shown) for m, s in sets.items()],
-        cost=" and ".join(COST_WORDS.get(c, c) for c in sorted(costs)),
+        cost=" and ".join(COST_WORDS.get(c, c) for c in sorted(least)),
         tunings=[_tuning(m, t, shown) for m, t in tunings.items()],
         designs=[(figures.title_of(m), designs(comparison, m)) for m in motions if comparison.designs],
         standings=tables.standings_table(comparison), worst=shown("worst-values", words.WORST_CAPTION),
         all_tasks=tables.task_table(comparison), row_count=len(comparison.rows),
         paper_note=tables.paper_note(),
         contest=_contest(comparison, tunings, contest, shown) if contest else None,
+        wrong=[_wrong(m, b, shown) for m, b in (break_even or {}).items()],
+        times=_times(ledger) if ledger else None,
         responses=responses, paper=_paper(sets),
         assumed=assumed, assumed_count=sum(len(g.rows) for g in assumed.groups), further=words.FURTHER,
         made=made,
     )  # fmt: skip
+
+
+def _sections(fitted: bool, designs: bool, contest: Any, break_even: Any, ledger: Any) -> dict[str, str]:
+    """Titles of the page's sections by their ids, of those that there are."""
+    titles = {
+        "asked": "What was asked",
+        "table": "The comparison",
+        "steps": "How they respond",
+        "contest": "On other plants and tasks, with a noisy sensor" if contest else "",
+        "wrong": "How wrong the model of a feedforward may be" if break_even else "",
+        "times": "How long the steps take" if ledger else "",
+        "tuning": "How the PI was tuned",
+        "designs": "Other designs under the same limits" if designs else "",
+        "fit": "The plant and its fit" if fitted else "The plant",
+        "assumptions": "Assumptions",
+        "paper": "The paper, redrawn",
+    }
+    return {name: title for name, title in titles.items() if title}
+
+
+def _wrong(motion: str, found: BreakEven, shown: Any) -> dict[str, Any]:
+    return {
+        "title": figures.title_of(motion),
+        "words": costs.break_even_words(motion, found),
+        "figure": shown(f"break-even-{slug(motion)}", costs.break_even_caption(motion, found)),
+        "table": costs.break_even_table(found),
+    }
+
+
+def _times(ledger: Mapping[str, Mapping[str, Ledger]]) -> dict[str, Any]:
+    return {
+        "words": costs.ledger_words(ledger), "table": costs.ledger_table(ledger),
+        "caption": costs.LEDGER, "note": costs.TIMES,
+    }  # fmt: skip
 
 
 def _contest(
@@ -162,7 +214,7 @@ def _contest(
 
 def _tasks(comparison: Comparison) -> list[str]:
     """The tasks of a motion in words, steps by their starts."""
-    names = list({r.task: None for r in comparison.rows})
+    names = list({spaced(r.task): None for r in comparison.rows})
     steps: dict[str, list[str]] = {}
     for name in names:
         step, _, start = name.partition(", ")

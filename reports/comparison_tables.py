@@ -10,7 +10,7 @@ from design.tuning import ACTIVE, Tuning
 from plants.quantities import KINDS, Assumed, Fitted, ParameterSet, Stated, kind_of
 from reports.figures import WINDOW, name_of, title_of
 from reports.fitted import Fit
-from reports.tables import Cell, Column, Group, Table, fixed, number, row, with_error
+from reports.tables import Cell, Column, Group, Table, fixed, number, row, spaced, with_error
 
 BEYOND = f"> {WINDOW:g}"
 """What a time reads that is longer than a task is watched."""
@@ -60,10 +60,10 @@ def parameter_table(sets: ParameterSet, before: ParameterSet | None = None) -> T
         value = with_error(p.value, origin.std_error) if isinstance(origin, Fitted) else number(p.value, 4)
         where = Cell(provenance(origin), marked=isinstance(origin, Assumed))
         first = [number(before.parameters[name].value, 4)] if before else []
-        rows.append(row(name, kind.meaning, p.unit, *first, value, where))
-    columns = [Column("Name", number=False), Column("Meaning", number=False), Column("Unit", number=False)]
-    columns += [Column("Before"), Column("Fitted")] if before else [Column("Value")]
-    return Table((*columns, Column("Where from", number=False)), (Group("", tuple(rows)),))
+        rows.append(row(name, *first, value, p.unit, where, kind.meaning))
+    values = [Column("Before"), Column("Fitted")] if before else [Column("Value")]
+    words = [Column(heading, number=False) for heading in ("Unit", "Where from", "Meaning")]
+    return Table((Column("Name", number=False), *values, *words), (Group("", tuple(rows)),))
 
 
 def provenance(origin: Stated | Assumed | Fitted) -> str:
@@ -104,7 +104,7 @@ def tuning_table(tuning: Tuning) -> Table:
         rows.append(row(
             words, f"{side} {number(bound)} {unit}".strip(),
             Cell(f"{number(value)} {unit}".strip(), "", broken), note,
-            problem.place(name, int(at.values_at[name][0])),
+            spaced(problem.place(name, int(at.values_at[name][0]))),
         ))  # fmt: skip
     columns = (
         Column("Limit", number=False), Column("Bound"), Column("Worst value"),
@@ -137,7 +137,7 @@ def standings_table(comparison: Comparison) -> Table:
     columns = (
         Column("Controller", number=False), Column("Kp", "kPa/deg"), Column("Ki", "kPa/(deg s)"),
         Column("Worst settling", "s"), Column("Worst overshoot", "%"), Column("Worst IAE", "deg s"),
-        Column("Settling / bound"), Column("IAE / bound"), Column("Ms"),
+        Column("Settling / bound", "1"), Column("IAE / bound", "1"), Column("Ms", "1"),
         Column("Delay margin", "ms"), Column("Limits broken", number=False),
     )  # fmt: skip
     return Table(columns, tuple(groups))
@@ -181,10 +181,10 @@ def task_table(comparison: Comparison) -> Table:
             for r in rows
         )
         strong = tuple(i for i, r in enumerate(rows) if r.controller == TUNED)
-        found.append(Group(f"{title_of(motion)}: {task}", cells, strong))
+        found.append(Group(f"{title_of(motion)}: {spaced(task)}", cells, strong))
     columns = (
         Column("Controller", number=False), *(Column(HEADINGS[m], UNITS[m]) for m in METRICS),
-        Column("Settling / bound"), Column("IAE / bound"),
+        Column("Settling / bound", "1"), Column("IAE / bound", "1"),
     )  # fmt: skip
     return Table(columns, tuple(found))
 

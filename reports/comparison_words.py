@@ -1,21 +1,25 @@
 """What a comparison page says in sentences: summary, verdict on the fit, evidence, captions."""
 
 from collections.abc import Mapping
+from math import isfinite
 
 from design.alternatives.convex_concave import NOISE_GAIN
 from design.alternatives.lqi_design import WASHOUT
 from design.answer import refusal
-from design.compare import TUNED, Comparison
+from design.compare import NEAREST, PAPER, TUNED, Comparison, Row
+from design.contest.scores import BESIDE, Contest, Score
+from design.contest.statistics import FEWEST, LEVEL
 from design.rules import PAPER_FACTOR, PAPER_GAINS
 from design.tasks import HEADROOM, STEP
 from design.tuning import ACTIVE, Tuning
 from plants.measured.fit import EXPLAINED, Fit
 from plants.quantities import Assumed, Fitted, ParameterSet
+from reports.comparison_contest import MAIN as PERTURBED
 from reports.comparison_tables import limit_name
-from reports.figures import SOON, name_of, title_of
+from reports.figures import PIS, SOON, WINDOW, name_of, title_of
 from reports.fitted import shown_run
 from reports.gain_map import COST_WORDS
-from reports.tables import number
+from reports.tables import fixed, listed, number, spaced
 
 FURTHER = (
     "The law by which the regulator's P gain varies: dP/dt = k(e) e with "
@@ -43,18 +47,121 @@ FURTHER = (
 """What is assumed besides the values of parameters."""
 
 WORST_CAPTION = (
-    "Worst settling time and overshoot over the tasks of a motion. The grey bar is the range that the "
-    "paper's PI takes over the range of its gains; an arrow means that it does not settle while it is "
-    "watched."
+    "Worst settling time and overshoot over the tasks of a motion. See who is quick, to the left above, and "
+    "still left of the dashed limit of the overshoot. The grey bar is the range that the paper's PI takes "
+    "over the range of its gains; an arrow means that it does not settle while it is watched."
 )
 LOOPS_CAPTION = (
-    "The step from rest under the tuned PI in the plane of pressure and angle: along the dead zone until "
-    "line 1 is met, then up beside it. The dots are instants after the step."
+    "The step from rest under the tuned PI in the plane of pressure and angle. See how the angle stays "
+    "while the pressure crosses the dead zone, until line 1 is met, and then rises beside it. The dots are "
+    "instants after the step."
 )
 
 
-def summary(comparison: Comparison, sets: Mapping[str, ParameterSet], fits: Mapping[str, Fit]) -> list[str]:
-    """At most three sentences: the verdicts, and what they rest on."""
+def summary(
+    comparison: Comparison,
+    sets: Mapping[str, ParameterSet],
+    fits: Mapping[str, Fit],
+    contest: Contest | None = None,
+) -> list[str]:
+    """Three sentences: what the tuned PI does, what would be better, and what both rest on."""
+    better = _on_others(comparison, contest) if contest else _as_it_is(comparison)
+    return [_ours(comparison), better, _rests_on(sets, fits)]
+
+
+def _ours(comparison: Comparison) -> str:
+    """How fast the tuned PI is on each motion, and how it stands to the paper's."""
+    said = []
+    for s in comparison.standings:
+        if s.controller == TUNED:
+            broken = listed([limit_name(n).lower() if n != "Ms" else n for n in s.breaks])
+            held = f"though it breaks the limit on {broken}" if s.breaks else "holding every limit"
+            if not _tuned(comparison, s.motion):
+                held += ", and no gains hold every limit on all plants tuned for"
+            paper = _paper([r for r in comparison.rows if (r.motion, r.controller) == (s.motion, PAPER)])
+            time = f"{'in ' if isfinite(s.worst_settling_s) else 'not within '}{_seconds(s.worst_settling_s)}"
+            said.append(f"on {s.motion} {time}{paper}, {held}")
+    return f"The tuned PI settles the worst of the {STEP:g} degree tasks {'; '.join(said)}."
+
+
+def _tuned(comparison: Comparison, motion: str) -> bool:
+    """Whether gains were found that hold every limit on all tuning scenarios."""
+    return not any(v.startswith(f"{motion}: ") and v.endswith(NEAREST) for v in comparison.verdicts)
+
+
+def _paper(rows: list[Row]) -> str:
+    """In brackets, how long the paper's PI takes over the range of its gains; empty where there is none."""
+    if not rows:
+        return ""
+    low, high = (max(getattr(r, side)["settling_time_s"] for r in rows) for side in ("low", "high"))
+    return f" (the paper's stand-in {_span(low, high)})"
+
+
+def _span(low: float, high: float) -> str:
+    if low == high:
+        return f"{_seconds(low)}" if isfinite(low) else f"not within {_seconds(low)}"
+    return f"{low:.2f} s to {f'{high:.2f} s' if isfinite(high) else f'more than {WINDOW:g} s'}"
+
+
+def _seconds(value: float) -> str:
+    return f"{value:.2f} s" if isfinite(value) else f"{WINDOW:g} s"
+
+
+def _as_it_is(comparison: Comparison) -> str:
+    """Which others are faster on the plants as they are."""
+    said = []
+    for ours in (s for s in comparison.standings if s.controller == TUNED):
+        others = [s for s in comparison.standings if s.motion == ours.motion and s.controller != TUNED]
+        held = [s for s in others if not s.breaks and s.worst_settling_s < ours.worst_settling_s]
+        if held:
+            best = min(held, key=lambda s: s.worst_settling_s)
+            said.append(
+                f"on {ours.motion} {len(held)} of {len(others)} others are faster under every limit, "
+                f"{name_of(best.controller)} with {_seconds(best.worst_settling_s)} first"
+            )
+        else:
+            said.append(f"on {ours.motion} none of {len(others)} others is faster under every limit")
+    lasts = "whether that lasts on other plants was not tried"
+    return f"Where the plant is as believed, {'; '.join(said)}; {lasts}."
+
+
+def _on_others(comparison: Comparison, contest: Contest) -> str:
+    """Who has the least error on the perturbed plants of those that keep the overshoot."""
+    limit = comparison.limits.overshoot_percent
+    said = []
+    for motion in dict.fromkeys(s.motion for s in comparison.standings):
+        scores = _played(contest, motion)
+        kept = [s for s in scores if limit is None or s.mean["overshoot_percent"] <= limit]
+        best = min(kept, key=lambda s: s.mean["iae_deg_s"], default=None)
+        if not scores:
+            said.append(f"none on {motion}, which was not tried")
+        elif best is None:
+            said.append(f"none on {motion}")
+        else:
+            said.append(_least(best, contest.reference, motion))
+    among = "" if limit is None else f", of those that keep the overshoot within {limit:g} % on average,"
+    where = "On perturbed plants with a noisy sensor, but without effects that the models lack"
+    return f"{where}{among or ','} the least IAE has {'; and '.join(said)}."
+
+
+def _played(contest: Contest, motion: str) -> list[Score]:
+    """The scores of the steps on perturbed plants, with the MPCs where these met enough of them."""
+    field, family = PERTURBED
+    beside = contest.of(motion, f"{field}{BESIDE}", family)
+    return beside if beside and beside[0].plants >= FEWEST else contest.of(motion, field, family)
+
+
+def _least(best: Score, reference: str, motion: str) -> str:
+    i, here = best.against["iae_deg_s"], f"on {motion}, over {best.plants} plants,"
+    if best.controller == reference:
+        return f"{here} the {name_of(reference)} itself, {number(best.mean['iae_deg_s'])} deg s"
+    level = f"{100 * LEVEL:g} % interval"
+    interval = f" ({level} {fixed(i.low, 2)} to {fixed(i.high, 2)})" if isfinite(i.low) else ""
+    return f"{here} {name_of(best.controller)}, {fixed(i.mean, 2)} deg s{interval} against the tuned PI"
+
+
+def _rests_on(sets: Mapping[str, ParameterSet], fits: Mapping[str, Fit]) -> str:
+    """What was measured, fitted and assumed."""
     origins = [p.provenance for s in sets.values() for p in s.parameters.values()]
     assumed = sum(isinstance(o, Assumed) for o in origins)
     rest = "All of this is simulated, on plants whose parameters are stated or fitted"
@@ -65,9 +172,10 @@ def summary(comparison: Comparison, sets: Mapping[str, ParameterSet], fits: Mapp
         )
     lacking = [m for m, f in fits.items() if any(r > EXPLAINED for r in f.ratios.values())]
     if lacking:
-        whose = " and ".join(lacking)
-        rest += f", and the fitted model of {whose} does not explain its recordings down to the noise"
-    return [*(v[:1].upper() + v[1:] for v in comparison.verdicts[:2]), f"{rest}."]
+        rest += (
+            f", and the fitted model of {listed(lacking)} does not explain its recordings down to the noise"
+        )
+    return f"{rest}."
 
 
 def misfit(fit: Fit) -> str:
@@ -88,9 +196,10 @@ def fit_words(fit: Fit) -> str:
 def fit_caption(motion: str, fit: Fit) -> str:
     """What the figure of a fit shows."""
     return (
-        f"{title_of(motion)}: measured and simulated on {shown_run(fit).recording.name}, with the parameters "
-        "before the fit and after it; the errors of both; and the angle against the pressure. The simulation "
-        "sees the command alone."
+        f"{title_of(motion)}: measured and simulated on {shown_run(fit).recording.name}, with the "
+        "parameters before the fit and after it; the errors of both; and the angle against the pressure. "
+        "See whether the error after the fit is noise or still moves with the signal. The simulation sees "
+        "the command alone."
     )
 
 
@@ -98,7 +207,7 @@ def found(t: Tuning) -> str:
     """Cost at the tuned gains, where it is taken, and what keeps it from being lower."""
     unit = COST_WORDS.get(t.problem.cost, "").partition("[")[2].rstrip("]")
     where = t.problem.place("cost", int(t.at.cost_at[0]))
-    words = f"Worst cost {number(float(t.at.cost[0]))} {unit}, on {where}."
+    words = f"Worst cost {number(float(t.at.cost[0]))} {unit}, on {spaced(where)}."
     no = refusal(t)
     if no:
         return f"{words} The answer is {no}."
@@ -128,8 +237,8 @@ def evidence(t: Tuning) -> str:
     if t.problem.set_aside:
         words += (
             f" {len(t.problem.set_aside)} of {len(t.problem.scenarios) + len(t.problem.set_aside)} scenarios "
-            f"were set aside, such as {t.problem.set_aside[0].name}: the command that holds them lies within "
-            f"{HEADROOM:g} V of the end of the range, or beyond it."
+            f"were set aside, such as {spaced(t.problem.set_aside[0].name)}: the command that holds them "
+            f"lies within {HEADROOM:g} V of the end of the range, or beyond it."
         )
     edge = " The optimum lies on the edge of the searched region: a wider one may hold a better one."
     return words + (edge if t.on_edge else "")
@@ -138,15 +247,19 @@ def evidence(t: Tuning) -> str:
 def map_caption(motion: str) -> str:
     """How to read the map of the gains."""
     return (
-        f"{title_of(motion)}: worst cost over the gains, dark is worse. Inside the black line every limit is "
-        "held; elsewhere the hatching tells which one is broken most."
+        f"{title_of(motion)}: worst cost over the gains, dark is worse. See where the star lies: at the "
+        "lightest place inside the black line, within which every limit is held; elsewhere the hatching "
+        "tells which one is broken most."
     )
 
 
 def steps_caption(comparison: Comparison, motion: str) -> str:
     """How to read the responses."""
-    count = sum(m == motion for m, _ in comparison.steps)
+    named = [name for m, name in comparison.steps if m == motion]
+    count = len(named)
+    scales = "" if set(named) <= set(PIS) else " The right column shows less of the time, larger."
     return (
-        f"{title_of(motion)}: a step of {STEP:g} deg from rest under {count} controllers; angle, pressure "
-        f"and command. The scale of time changes at {SOON:g} s. The {name_of(TUNED)} is drawn thick."
+        f"{title_of(motion)}: a step of {STEP:g} deg from rest under {count} controllers, the "
+        f"{name_of(TUNED)} in every panel. See who is there first without overshoot, what command that "
+        f"takes, and, in the last row, who is still on the way after {SOON:g} s.{scales}"
     )

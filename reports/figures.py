@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
 __all__ = ["gain_map", "loop_trajectories", "name_of", "step_responses", "title_of", "worst_values"]
 
-SOON = 3.0
-"""Where the axis of time changes its scale [s]: the tuned step is over, the paper's is on its way."""
+SOON = 2.5
+"""How long a step is drawn large [s]: the tuned one is over then, the paper's is on its way."""
 
 WINDOW = 10.0
 """How long a task is watched [s]; what has not settled by then counts as infinite."""
@@ -38,6 +38,12 @@ NAMES = {
     TUNED: "tuned PI", PAPER: "paper's PI (stand-in)", "SIMC": "SIMC", "AMIGO": "AMIGO",
     "Ziegler-Nichols": "Ziegler-Nichols",
 }  # fmt: skip
+SOONER = 1.0
+"""The same for the other designs, which are quicker."""
+
+PIS = (TUNED, "robust PI", "convex-concave PI", "SIMC", "AMIGO", "Ziegler-Nichols", PAPER)
+"""Controllers that are drawn together as PIs; all others are other designs."""
+
 TITLES = {"flexion": "Palmar/dorsal flexion", "deviation": "Radial/ulnar deviation"}
 
 
@@ -52,39 +58,50 @@ def title_of(motion: str) -> str:
 
 
 def step_responses(comparison: Comparison, motion: str) -> "Figure":
-    """Angle, pressure and command of every controller on the step from rest; the first seconds are
-    drawn at a larger scale than the rest."""
-    signals = (("angle", "Angle [deg]"), ("pressure", "Pressure [kPa]"), ("command", "Command [V]"))
+    """The step from rest: a column for PIs, one for the other designs, the tuned PI in both; angle,
+    pressure and command of the first seconds, and in the last row the angle until the end."""
+    named = [name for m, name in comparison.steps if m == motion]
+    others = [n for n in named if n not in PIS]
+    columns = {"PIs": [n for n in named if n in PIS]}
+    columns |= {"Other designs": [TUNED, *others]} if others else {}
     with styled():
-        figure, axes = new_figure(
-            3, 2, height=6.6, sharex="col", sharey="row", width_ratios=(3, 2), height_ratios=(4, 3, 3)
-        )
-        for row, (signal, label) in enumerate(signals):
-            for axis in axes[2 * row : 2 * row + 2]:
-                _signal(axis, comparison, motion, signal)
-            axes[2 * row].set_ylabel(label)
-        axes[0].set_title(f"{title_of(motion)}: the first {SOON:g} s")
-        axes[1].set_title(f"until {WINDOW:g} s")
-        for axis in axes[4:]:
-            axis.set_xlabel("Time [s]")
-            for bound in COMMAND_RANGE:
-                axis.axhline(bound, color=GREY, linewidth=0.8, linestyle=DASHED)
-        axes[4].set_xlim(0.0, SOON)
-        axes[5].set_xlim(SOON, WINDOW)
-        axes[5].text(9.9, COMMAND_RANGE[1] - 0.12, "range", fontsize=8, color=GREY, ha="right", va="top")
-        axes[4].set_ylim(COMMAND_RANGE[0] - 0.2, COMMAND_RANGE[1] + 0.2)
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+        figure, axes = new_figure(4, len(columns), height=6.4, sharey="row", height_ratios=(4, 2.4, 2.4, 2.2))
+        grid = np.array(axes).reshape(4, len(columns))
+        for column, (title, names) in zip(grid.T, columns.items(), strict=True):
+            _responses(column, comparison, motion, names, SOON if title == "PIs" else SOONER)
+            column[0].set_title(title)
+        labels = ("Angle [deg]", "Pressure [kPa]", "Command [V]", "Angle [deg]")
+        for panel, label in zip(grid[:, 0], labels, strict=True):
+            panel.set_ylabel(label)
+        handles: dict[str, Any] = {}
+        for panel in grid[0]:
+            lines, names = panel.get_legend_handles_labels()
+            handles |= dict(zip(names, lines, strict=True))
+        figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=3, handlelength=4.0)
+        figure.suptitle(title_of(motion), x=0.01, ha="left", fontsize=10, fontweight="bold")
     return figure
 
 
-def _signal(axes: "Axes", comparison: Comparison, motion: str, signal: str) -> None:
-    named = [name for m, name in comparison.steps if m == motion]
-    for position, name in enumerate(named):
-        t, look = comparison.steps[motion, name], controller_line(name, position)
-        on_top: dict[str, Any] = {"zorder": 4 - 0.1 * position}
-        axes.plot(t.time[::5], getattr(t, signal)[::5, 0], label=name_of(name), **look, **on_top)
-    if signal == "angle":
-        axes.axhline(STEP, color=BLACK, linewidth=0.8, zorder=1)
+def _responses(column: Any, comparison: Comparison, motion: str, names: list[str], end: float) -> None:
+    """The four panels of some controllers, the first three until `end` [s]."""
+    angle, pressure, command, late = column
+    for place, name in enumerate(names):
+        t, look = comparison.steps[motion, name], controller_line(name, place)
+        every: dict[str, Any] = {"zorder": 4 - 0.1 * place, "label": name_of(name), **look}
+        soon = slice(0, int(np.searchsorted(t.time, end)) + 1, 5)
+        for panel, values in ((angle, t.angle), (pressure, t.pressure), (command, t.command)):
+            panel.plot(t.time[soon], values[soon, 0], **every)
+        late.plot(t.time[::10], t.angle[::10, 0], **every)
+    for panel in (angle, late):
+        panel.axhline(STEP, color=BLACK, linewidth=0.8, zorder=1)
+    for panel in (angle, pressure, command):
+        panel.set_xlim(0.0, end)
+    for bound in COMMAND_RANGE:
+        command.axhline(bound, color=GREY, linewidth=0.8, linestyle=DASHED)
+    command.set_ylim(COMMAND_RANGE[0] - 0.2, COMMAND_RANGE[1] + 0.2)
+    command.set_xlabel("Time [s]")
+    near = 0.35 * STEP
+    late.set(xlim=(0.0, WINDOW), ylim=(STEP - near, STEP + near), xlabel="Time, all of it [s]")
 
 
 def loop_trajectories(comparison: Comparison, wrists: Mapping[str, Wrist]) -> "Figure":
@@ -148,7 +165,7 @@ def worst_values(comparison: Comparison) -> "Figure":
     bar is what the paper's PI takes over the range of its gains, the line the limit."""
     motions = list({s.motion: None for s in comparison.standings})
     columns = (
-        ("settling_time_s", f"Worst settling time [s], of {WINDOW:g} s watched", None),
+        ("settling_time_s", "Worst settling time [s]", None),
         ("overshoot_percent", "Worst overshoot [% of the step]", comparison.limits.overshoot_percent),
     )
     most = max(sum(s.motion == m for s in comparison.standings) for m in motions)

@@ -5,14 +5,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from plants.measured.fit import Fit, Run
-from reports.style import BLACK, BLUE, DASHED, DOTTED, GREY, VERMILLION, styled
+from reports.style import BLACK, BLUE, DASHED, DOTTED, GREY, POINTS, VERMILLION, WIDTH, seen, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-POINTS = 1500
-"""A curve is thinned to about this many points: more cannot be seen, and a page must stay light."""
 
 LOOP_SECONDS = 20.0
 """How much of a recording is drawn in the plane of pressure and angle [s]."""
@@ -39,12 +36,12 @@ def draw_fit(fit: Fit) -> "Figure":
     run = shown_run(fit)
     measured, after, before, label = _channel(run)
     time = run.recording.time
-    every = slice(None, None, max(1, len(time) // POINTS))
+    every = seen(len(time))
     loop = label.startswith("Angle") and run.recording.pressure is not None
     with styled():
         from matplotlib.figure import Figure
 
-        figure = Figure(figsize=(6.9, 6.7 if loop else 4.2), layout="constrained")
+        figure = Figure(figsize=(WIDTH, 6.7 if loop else 4.2), layout="constrained")
         rows = figure.add_gridspec(3 if loop else 2, 2, height_ratios=(3, 1.6, 3.2)[: 3 if loop else 2])
         signal = figure.add_subplot(rows[0, :])
         error = figure.add_subplot(rows[1, :], sharex=signal)

@@ -21,7 +21,7 @@ LIMIT_WORDS = {
 }
 HATCHES = {
     "overshoot_percent": "///",
-    "Ms": "...",
+    "Ms": "|||",
     "delay_margin_s": "xxx",
     "total_variation_V": "\\\\\\",
     "steady_error_percent": "---",

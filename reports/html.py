@@ -1,9 +1,11 @@
 """A page as one file: templates rendered with everything inside, and what made the page."""
 
 import os
+import re
 import subprocess
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -84,7 +86,9 @@ def _git(root: Path, *words: str) -> str | None:
 def render(template: str, **content: Any) -> str:
     """A template of ``reports/templates`` with its content, as one HTML text.
 
-    Strings are escaped; SVG goes in as ``markup(svg)``.  Raises
+    Strings are escaped; SVG goes in as ``markup(svg)``.  Figures and tables are numbered in the order in
+    which they stand.  Every template needs what ``base.html`` shows: title, kind (what kind of report of
+    what), summary (three sentences), remarks, sections (titles by id, in their order) and made.  Raises
     ``jinja2.UndefinedError`` for content that the template needs and did not get.
     """
     import jinja2
@@ -96,7 +100,34 @@ def render(template: str, **content: Any) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template(template).render(**content)
+    environment.globals |= {"figure_number": count(1).__next__, "table_number": count(1).__next__}
+    return shared_glyphs(environment.get_template(template).render(**content))
+
+
+_GLYPH = re.compile(r'<path id="([^"]+)" d="([^"]*)"( transform="scale\([\d.]+\)")?\s*/>')
+
+
+def shared_glyphs(page: str) -> str:
+    """A page in which every letter that figures draw is defined once, at its beginning, instead of in each
+    figure; the figures look the same."""
+    shapes: dict[tuple[str, str], str] = {}
+    names: dict[str, str] = {}
+
+    def noted(found: re.Match[str]) -> str:
+        name, d, scale = found.groups()
+        if "DejaVu" not in name:
+            return found.group(0)
+        names[name] = shapes.setdefault((d, scale or ""), f"letter-{len(shapes)}")
+        return ""
+
+    page = _GLYPH.sub(noted, page)
+    if not shapes:
+        return page
+    page = re.sub(r'(href="#)([^"]+)"', lambda m: f'{m.group(1)}{names.get(m.group(2), m.group(2))}"', page)
+    page = re.sub(r"<defs>\s*</defs>\n?", "", page)
+    letters = "\n".join(f'<path id="{name}" d="{d}"{scale}/>' for (d, scale), name in shapes.items())
+    hidden = 'width="0" height="0" style="position:absolute" aria-hidden="true"'
+    return page.replace("<body>", f"<body>\n<svg {hidden}><defs>\n{letters}\n</defs></svg>", 1)
 
 
 def markup(text: str) -> Any:

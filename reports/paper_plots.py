@@ -10,7 +10,7 @@ from design.tasks import STEP
 from plants.wrist import COMMAND_RANGE
 from reports.paper_series import HOLD, STAIRCASE
 from reports.series import Panel, Series
-from reports.style import BLACK, BLUE, DASHED, DOTTED, GREY, LINES, PALE, VERMILLION, new_figure
+from reports.style import BLACK, BLUE, DASHED, DOTTED, GREY, LINES, PALE, VERMILLION, new_figure, seen
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,7 +40,8 @@ def plot_series(axes: "Axes", panel: Panel) -> None:
             models += 1
         if s.low is not None and s.high is not None:
             band: dict[str, Any] = {"color": PALE, "linewidth": 0, "label": "over the range of its gains"}
-            axes.fill_between(s.x, s.low, s.high, **band)
+            every = seen(len(s.x), 400)  # smooth
+            axes.fill_between(s.x[every], s.low[every], s.high[every], **band)
         axes.plot(s.x, s.y, label=s.name, **look)
 
 

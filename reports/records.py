@@ -8,11 +8,14 @@ from math import isfinite
 from typing import Any
 
 from design.answer import tuning_record
+from design.break_even import BreakEven
 from design.compare import Comparison, row_record
 from design.contest import Contest, contest_record
 from design.contest.words import sentences
+from design.mpc.timing import Ledger
 from design.tuning import Tuning
 from plants.quantities import Fitted, ParameterSet
+from reports.comparison_costs import break_even_record, ledger_record
 from reports.fitted import Fit
 from reports.html import Made
 
@@ -24,12 +27,15 @@ def comparison_record(
     fits: Mapping[str, Fit],
     made: Made,
     contest: Contest | None = None,
+    break_even: Mapping[str, BreakEven] | None = None,
+    ledger: Mapping[str, Mapping[str, Ledger]] | None = None,
 ) -> dict[str, Any]:
     """The comparison as dictionaries, lists, numbers and text, for `plants.files.json_text`.
 
     Keys: verdicts, limits, standings, rows (see `design.compare.row_record`), tunings, plants,
-    fits (these three by motion), contest (see `design.contest.contest_record`; None where there was
-    none) and made.
+    fits (these three by motion), contest (see `design.contest.contest_record`), break_even (rows by
+    motion, see `design.break_even.BreakEven.rows`), ledger (times [s] by motion and controller), each of
+    these three None where there was none, and made.
     """
     return {
         "verdicts": list(comparison.verdicts),
@@ -40,6 +46,8 @@ def comparison_record(
         "plants": {m: s.record for m, s in sets.items()},
         "fits": {m: fit_record(f) for m, f in fits.items()},
         "contest": contest_record(contest) | {"said": sentences(contest)} if contest else None,
+        "break_even": break_even_record(break_even),
+        "ledger": ledger_record(ledger),
         "made": asdict(made),
     }
 

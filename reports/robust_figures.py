@@ -26,6 +26,7 @@ from reports.style import (
     SKY,
     VERMILLION,
     new_figure,
+    seen,
     styled,
 )  # fmt: skip
 
@@ -54,8 +55,9 @@ def draw_gain_plane(plane: GainPlane, limits: Limits, marks: Mapping[str, tuple[
         handles: list[Any] = []
         unstable = (~plane.stable).T.astype(float)
         if unstable.any():
-            axes.contourf(plane.Kp, plane.Ki, unstable, levels=[0.5, 1.5], colors=[PALE])
-            handles.append(Patch(facecolor=PALE, label="linear loop unstable on some branch"))
+            axes.contourf(plane.Kp, plane.Ki, unstable, levels=[0.5, 1.5], colors=[PALE], hatches=["xxx"])
+            words = "linear loop unstable on some branch"
+            handles.append(Patch(facecolor=PALE, edgecolor=GREY, hatch="xxx", linewidth=0.0, label=words))
         # The rung for the narrower class reaches further: it is drawn first, beneath.
         for (rung, found), look in reversed(list(zip(plane.certified.items(), CERTIFIED, strict=False))):
             if found.any():
@@ -112,13 +114,16 @@ def draw_envelopes(bands: Envelopes, reference: float) -> "Figure":
     step; beneath, the same about the reference."""
     with styled():
         figure, (whole, near) = new_figure(2, 1, height=4.8, sharex=True, height_ratios=(3, 2))
+        every = seen(len(bands.time), 400)
         for axes in (whole, near):
-            axes.fill_between(bands.time, bands.low, bands.high, color="#cfe3f2", label="5 % to 95 %")
+            axes.fill_between(
+                bands.time[every], bands.low[every], bands.high[every], color="#cfe3f2", label="5 % to 95 %"
+            )
             axes.plot(bands.time, bands.low, color=BLUE, linewidth=0.7)
             axes.plot(bands.time, bands.high, color=BLUE, linewidth=0.7)
             axes.plot(bands.time, bands.middle, color=BLUE, label="median")
             axes.axhline(reference, color=BLACK, linewidth=0.9, linestyle=DASHED, label="reference")
-        whole.set(ylabel="Angle [deg]", title=f"{bands.cases} independent cases")
+        whole.set(ylabel="Angle [deg]", title=f"{bands.cases} of the cases")
         whole.legend(loc="lower right")
         room = 4.0 * SETTLING_BAND * reference
         for side in (-1.0, 1.0):

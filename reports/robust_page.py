@@ -24,6 +24,18 @@ if TYPE_CHECKING:
 
 __all__ = ["robust_page", "write_robust"]
 
+SECTIONS = {
+    "verdict": "What holds, and how that is known",
+    "gains": "The plane of the gains",
+    "worst": "The worst scenario found",
+    "samples": "Samples",
+    "margins": "Margins on every branch",
+    "cycles": "Limit cycles",
+    "certificates": "Certificates",
+    "box": "Box and assumptions",
+}
+"""Titles of the page's sections by their ids."""
+
 
 def write_robust(folder: str | Path, assessment: Assessment, plane: GainPlane, made: Made) -> Path:
     """Write robust.html, robust.json, worst.toml and the figures as PNG into a folder, each complete or
@@ -77,7 +89,8 @@ def _page(a: Assessment, made: Made, drawn: Mapping[str, "Figure"]) -> str:
 
     content: dict[str, Any] = {
         "title": words.title(a),
-        "axis": a.box.plant.axis,
+        "kind": f"robustness of a PI, {a.box.plant.axis}",
+        "sections": SECTIONS,
         "summary": words.summary(a),
         "remarks": words.remarks(a),
         "verdict": tables.verdict_table(a),

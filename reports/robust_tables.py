@@ -11,10 +11,17 @@ from design.robustness.predictions.limit_cycles import LimitCycle
 from design.robustness.samples.monte_carlo import QUANTILES, Samples
 from design.robustness.statement import Statement
 from design.robustness.verdict import verdict
-from reports.tables import Cell, Column, Group, Table, number, row
+from reports.tables import Cell, Column, Group, Table, number, row, spaced
 
 HOLDS = {True: "yes", False: "no", None: "open"}
-KINDS = {"certificate": "Certificates", "prediction": "Predictions", "sample": "Samples"}
+KINDS = {
+    "sample": "Samples: seen in simulation",
+    "prediction": "Predictions: by linear theory and describing functions",
+    "certificate": "Certificates: proved, and checked outside the solver",
+}
+NO_LIMIT = "no limit"
+"""What stands for an answer where a prediction is told and no limit is set on it."""
+
 METRIC_WORDS = {
     "rise_time_s": "rise time", "settling_time_s": "settling time", "overshoot_percent": "overshoot",
     "steady_state_error_deg": "error at the end", "iae_deg_s": "IAE", "ise_deg2_s": "ISE",
@@ -49,10 +56,10 @@ def verdict_table(assessment: Assessment) -> Table:
 
 
 def _verdict(s: Statement) -> tuple[Cell, ...]:
-    holds = "told" if s.holds is None and s.kind == "prediction" else HOLDS[s.holds]
+    holds = NO_LIMIT if s.holds is None and s.kind == "prediction" else HOLDS[s.holds]
     return row(
-        s.statement, Cell(holds, broken=s.holds is False), Cell(shown(s), broken=s.holds is False), s.branch,
-        s.because,
+        s.statement, Cell(holds, broken=s.holds is False), Cell(shown(s), broken=s.holds is False),
+        spaced(s.branch), s.because,
     )  # fmt: skip
 
 
@@ -60,9 +67,9 @@ def margin_table(assessment: Assessment) -> Table:
     """Margins of every branch and rate; beyond a limit marked."""
     limits = assessment.limits.named
     columns = (
-        Column("Branch", number=False), Column("Regulator rate", number=False), Column("Gain margin"),
-        Column("Phase margin", "deg"), Column("Delay margin", "ms"), Column("Ms"), Column("Mt"),
-        Column("Disk margin"),
+        Column("Branch", number=False), Column("Regulator rate", number=False), Column("Gain margin", "1"),
+        Column("Phase margin", "deg"), Column("Delay margin", "ms"), Column("Ms", "1"), Column("Mt", "1"),
+        Column("Disk margin", "1"),
     )  # fmt: skip
     rows = []
     for m in assessment.margins:
@@ -73,7 +80,7 @@ def margin_table(assessment: Assessment) -> Table:
         high = "Ms" in limits and m["Ms"] > limits["Ms"] * ROUNDING
         rows.append(
             row(
-                m["branch"], m["rate"], number(m["gain_margin"]), number(m["phase_margin_deg"]),
+                spaced(m["branch"]), m["rate"], number(m["gain_margin"]), number(m["phase_margin_deg"]),
                 Cell(number(1000 * m["delay_margin_s"]), broken=late), Cell(number(m["Ms"]), broken=high),
                 number(m["Mt"]), number(m["disk_margin"]),
             )
@@ -85,7 +92,7 @@ def ladder_table(assessment: Assessment) -> Table:
     """Rung by rung: whether it was found, how fast, and how it was checked."""
     columns = (
         Column("Rung", number=False), Column("Found", number=False), Column("Certified decay", "1/s"),
-        Column("Margin of the check"), Column("Solver, or why not", number=False),
+        Column("Margin of the check", "1"), Column("Solver, or why not", number=False),
     )  # fmt: skip
     groups = []
     for dead_time in dict.fromkeys(c.dead_time for c in assessment.ladder):
@@ -105,13 +112,13 @@ def ladder_table(assessment: Assessment) -> Table:
 def constant_table(assessment: Assessment) -> Table:
     """How far the box may grow with constant parameters, by branch."""
     columns = (
-        Column("Branch and rate", number=False), Column("Holds", number=False), Column("Box may grow"),
-        Column("Because", number=False),
+        Column("Branch and rate", number=False), Column("Holds", number=False),
+        Column("Box may grow", "times"), Column("Because", number=False),
     )  # fmt: skip
     by_claim: dict[str, list[tuple[Cell, ...]]] = {}
     for s in (*assessment.certificates, *assessment.predictions):
         if "constant" in s.statement:
-            cells = row(s.branch, HOLDS[s.holds], number(s.value) + " x" if s.value else "–", s.because)
+            cells = row(spaced(s.branch), HOLDS[s.holds], number(s.value) if s.value else "–", s.because)
             by_claim.setdefault(s.statement, []).append(cells)
     return Table(columns, tuple(Group(claim, tuple(rows)) for claim, rows in by_claim.items()))
 

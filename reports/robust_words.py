@@ -1,11 +1,13 @@
 """What the page of robustness says in sentences: summary, captions, assumptions."""
 
+from collections.abc import Mapping
+
 from design.requirements import LIMIT_UNITS
 from design.robustness.assess import Assessment
 from design.robustness.samples.monte_carlo import LEVEL
 from plants.wrist import COMMAND_RANGE
 from reports.robust_tables import limit_words
-from reports.tables import number
+from reports.tables import number, spaced
 
 
 def title(a: Assessment) -> str:
@@ -26,53 +28,8 @@ def title(a: Assessment) -> str:
 
 
 def summary(a: Assessment) -> list[str]:
-    """Three sentences: what is proved, what is predicted, what was seen."""
-    return [proved(a), foreseen(a), seen(a)]
-
-
-def proved(a: Assessment) -> str:
-    """What certificates say."""
-    held = [c for c in a.ladder if c.holds]
-    if not held:
-        words = "Certificates: none was found for a loop that switches between branches at will"
-        words += ", and none exists where the rate switches too" if a.word is not None else ""
-    else:
-        late = [c for c in held if c.dead_time]
-        best = max(late or held, key=lambda c: c.decay or 0.0)
-        words = (
-            f"Certificates: the loop dies away at {number(best.decay, 2)} 1/s at least, however it switches "
-            "between branches"
-        )
-        words += (
-            f", with {1000 * best.dead_time:g} ms of dead time too"
-            if late
-            else ", though not with dead time on top"
-        )
-        words += f" ({best.rung})"
-    constant = [s for s in a.certificates if "constant" in s.statement]
-    if constant and all(s.holds for s in constant):
-        least = min(s.value for s in constant if s.value is not None)
-        words += (
-            f"; with constant parameters it is stable on every branch in a box {number(least)} times as large"
-        )
-    return words + "."
-
-
-def foreseen(a: Assessment) -> str:
-    """What predictions say."""
-    if not a.stable:
-        unstable = [row for row in a.margins if not row["stable"]]
-        places = ", ".join(dict.fromkeys(f"{r['branch']} ({r['rate']} rate)" for r in unstable))
-        return f"Predictions: the linear loop is unstable on {places}."
-    Ms = max(float(r["Ms"]) for r in a.margins)
-    late = min(float(r["delay_margin_s"]) for r in a.margins)
-    words = (
-        f"Predictions: Ms is {number(Ms)} at most and the delay margin {1000 * late:.0f} ms at least, over "
-        "every branch and rate"
-    )
-    there = [c for c in a.cycles if c.confirmed]
-    words += f"; {len(there)} limit cycles are predicted and there in simulation" if there else ""
-    return words + "."
+    """Three sentences: what was seen, what theory foresees, what is proved."""
+    return [seen(a), foreseen(a), proved(a)]
 
 
 def seen(a: Assessment) -> str:
@@ -82,21 +39,87 @@ def seen(a: Assessment) -> str:
     if broken:
         worst = max(broken, key=lambda v: v.count)
         words = (
-            f"Samples: of {worst.trials} independent cases {worst.count} break a requirement most often "
-            f"({worst.words}), {number(100 * worst.low, 2)} to {number(100 * worst.high, 2)} % at 95 % "
-            "confidence"
+            f"Of {worst.trials} independent simulated cases {worst.count} break the requirement broken most "
+            f"({worst.words}), which is {number(100 * worst.low, 2)} to {number(100 * worst.high, 2)} % of "
+            "cases at 95 % confidence"
         )
     else:
-        words = f"Samples: none of {len(cases)} independent cases breaks a requirement"
-    return words + f"; {worst_phrase(a)}."
+        words = f"None of {len(cases)} independent simulated cases breaks a requirement"
+    return f"{words}, {'and' if bool(broken) == bool(a.worst.violated) else 'but'} {worst_phrase(a)}."
+
+
+def foreseen(a: Assessment) -> str:
+    """What predictions say."""
+    if not a.stable:
+        unstable = [row for row in a.margins if not row["stable"]]
+        places = ", ".join(dict.fromkeys(f"{spaced(r['branch'])} ({r['rate']} rate)" for r in unstable))
+        return f"By linear theory the loop is unstable on {places} of the hysteresis."
+    Ms = max(float(r["Ms"]) for r in a.margins)
+    late = min(float(r["delay_margin_s"]) for r in a.margins)
+    limits = a.limits.named
+    words = (
+        "By linear theory, on every branch of the hysteresis and at every rate of the regulator, the peak "
+        f"of the sensitivity Ms is at most {number(Ms)}{_of(limits, 'Ms', 1.0, '')} and the loop bears at "
+        f"least {1000 * late:.0f} ms more dead time{_of(limits, 'delay_margin_s', 1e3, ' ms')}"
+    )
+    there = [c for c in a.cycles if c.confirmed]
+    if there:
+        words += (
+            f", but {len(there)} lasting oscillation{'s are' if len(there) > 1 else ' is'} predicted and "
+            "there in simulation"
+        )
+    return words + "."
+
+
+def _of(limits: Mapping[str, float], name: str, scale: float, unit: str) -> str:
+    """The limit that a value is held against, in brackets, where there is one."""
+    return f" (limit: {number(scale * limits[name])}{unit})" if name in limits else ""
+
+
+def proved(a: Assessment) -> str:
+    """What certificates say."""
+    held = [c for c in a.ladder if c.holds]
+    if held:
+        late = [c for c in held if c.dead_time]
+        best = max(late or held, key=lambda c: c.decay or 0.0)
+        dead_time = (
+            f"with {1000 * best.dead_time:g} ms of dead time too"
+            if late
+            else "though not with dead time on top"
+        )
+        words = (
+            "It is proved that, while the command is not clipped, what is left of a motion dies away at "
+            f"{number(best.decay, 2)} 1/s or faster however the loop switches between the slopes of the "
+            f"branches, {dead_time} ({best.rung})"
+        )
+    else:
+        words = "Nothing is proved of a loop that switches between branches at will: no certificate was found"
+        words += ", and none exists where the regulator's rate switches too" if a.word is not None else ""
+    constant = [s for s in a.certificates if "constant" in s.statement]
+    if constant and all(s.holds for s in constant):
+        least = min(s.value for s in constant if s.value is not None)
+        words += (
+            f"; with parameters that stay constant it is proved stable in a box {number(least)} times as "
+            "wide as the one assumed"
+        )
+    return words + "."
 
 
 def worst_phrase(a: Assessment) -> str:
     """The worst scenario in half a sentence."""
     w = a.worst
     if w.violated:
-        return f"the worst scenario found has {beyond(a)}"
-    return f"no scenario was found that breaks a limit in {w.evaluations} runs of the search"
+        return f"a search of {w.evaluations} runs for the worst scenario found {_article(beyond(a))}"
+    return f"a search of {w.evaluations} runs for the worst scenario found none that breaks a limit"
+
+
+def _article(words: str) -> str:
+    """Words with "a" or "an" before them.
+
+    >>> _article("overshoot of 6 %"), _article("travel of 17 V")
+    ('an overshoot of 6 %', 'a travel of 17 V')
+    """
+    return f"{'an' if words[0] in 'aeiouAEIOU' or words.startswith('Ms') else 'a'} {words}"
 
 
 def beyond(a: Assessment) -> str:
@@ -119,40 +142,36 @@ def limit_name(name: str) -> str:
 def plane_caption(a: Assessment) -> str:
     """Beneath the plane of the gains."""
     return (
-        "What each kind of statement allows. Grey: unstable on some branch. Filled: certified for slopes "
-        "that switch at "
-        "any time, by the rung named; the one that knows the regulator's law to be fixed reaches further. "
-        "Lines: the "
-        "limits; Ms and delay margin of the linear loops, overshoot the worst of the simulated tuning "
-        "scenarios. Between "
-        "grid points the edges are drawn, not computed."
+        "What each kind of statement allows. See whether the star lies below the lines of the limits and "
+        "within what is certified: the further below, the more the gains bear. Cross-hatched: unstable on "
+        "some branch. Filled: certified for slopes that switch at any time, by the rung named; the one "
+        "that knows the regulator's law to be fixed reaches further. Ms and delay margin are those of the "
+        "linear loops, overshoot the worst of the simulated tuning scenarios. Between grid points the "
+        "edges are drawn, not computed."
     )
 
 
 NYQUIST = (
-    "Open loops of all branches and rates. The circle is Ms = 2: a curve that enters it breaks the limit. "
-    "The "
-    "branches of the hysteresis differ in slope alone, so that their curves are one curve at several sizes."
+    "Nyquist curves of the open loop on all branches and rates. See that none enters the grey disc about −1: "
+    "one that does has a peak of the sensitivity above 2. The branches of the hysteresis differ in slope "
+    "alone, so that at one rate their curves are one curve at several sizes."
 )
 SENSITIVITIES = (
-    "Sensitivity |S| (how far disturbances are let through) and complementary sensitivity |T| on every "
-    "branch and rate, "
-    "with the limit on the peak."
+    "Sensitivity |S|, how far disturbances are let through, and complementary sensitivity |T|, how far noise "
+    "is, on every branch and rate. See how far the curves stay below the dashed limits."
 )
 DESCRIBING = (
-    "Harmonic balance: where a Nyquist curve of the linear part meets −1/N(A) of the four-segment loop, an "
-    "oscillation of "
+    "Harmonic balance. See whether a coloured curve, of the linear part of the loop, meets the black one, "
+    "−1/N(A) of the hysteresis for swings of the pressure of amplitude A: where they meet, an oscillation of "
     "that amplitude is predicted."
 )
 NO_CYCLES = (
-    "No limit cycle is predicted; simulations from large swings within the range of the command found none "
-    "either, "
-    "as the verdict says."
+    "No limit cycle is predicted. Whether simulations from large swings found one is said in the first table."
 )
 ENVELOPE = (
-    "True angle of the cases, in the direction of the step: the median and the band between 5 % and 95 %; "
-    "below, the "
-    "same near the reference, with the settling band."
+    "True angle of the cases, in the direction of the step: the median, and the band that holds 90 % of "
+    "them. See in the lower panel, the same near the reference, when the band comes to stay within the "
+    "dotted lines of the settling band."
 )
 
 
@@ -235,11 +254,10 @@ def worst_words(a: Assessment) -> str:
         else f"It breaks no limit; it is the one with the largest IAE per degree, {number(w.cost_per_deg)} s."
     )
     return (
-        f"{w.sequence.name}. {what} Found in {w.evaluations} runs by differential evolution and "
-        "Nelder-Mead over the box, the starting "
-        "memory, three references and how long they are held; a lower bound of the true worst case, no "
-        "proof that there is "
-        "none worse."
+        f"References in turn, in brackets how long each is held: {spaced(w.sequence.name)}. {what} Found in "
+        f"{w.evaluations} runs by differential evolution and Nelder-Mead over the box, the starting memory, "
+        "three references and how long they are held; a lower bound of the true worst case, no proof that "
+        "there is none worse."
     )
 
 
@@ -247,7 +265,8 @@ def worst_caption(a: Assessment) -> str:
     """Beneath the worst scenario."""
     m = a.worst.metrics
     return (
-        f"The last step is judged: overshoot {number(m['overshoot_percent'], 2)} %, error at the end "
+        "The worst scenario that was found, played by the exact simulator. See the last step, shaded, which "
+        f"is judged: overshoot {number(m['overshoot_percent'], 2)} %, error at the end "
         f"{number(m['steady_state_error_deg'], 2)} deg, travel of the command "
         f"{number(m['total_variation_V'], 3)} V."
     )

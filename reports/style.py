@@ -45,11 +45,17 @@ CONTROLLER_LINES: Mapping[str, dict[str, Any]] = {
     "robust PI": {"color": GREEN, "linestyle": (0, (5, 1, 1, 1))},
     "linear MPC": {"color": PURPLE, "linestyle": (0, (1, 0.7)), "linewidth": 2.0},
     "real-time MPC": {"color": ORANGE, "linestyle": (0, (10, 1.5, 1, 1.5)), "linewidth": 2.0},
-    "robust MPC": {"color": SKY, "linestyle": (0, (2, 2)), "linewidth": 2.0},
+    "robust MPC": {"color": GREEN, "linestyle": (0, (2, 1.4)), "linewidth": 2.0},
 }
 
-WIDTH = 6.9
-"""Width of a figure [inch]: the text of a page, so that print needs no scaling."""
+WIDTH = 5.8
+"""Width of a figure [inch]: between a phone and paper, so that its letters are read on both."""
+
+POINTS = 1500
+"""A curve is thinned to about this many points: more cannot be seen, and a page must stay light."""
+
+LARGEST = 1.6
+"""How many times its width in points a figure may take in a page [px]."""
 
 STYLE: Mapping[Any, Any] = {
     "font.family": "DejaVu Sans",  # ships with matplotlib
@@ -63,6 +69,7 @@ STYLE: Mapping[Any, Any] = {
     "axes.spines.right": False,
     "axes.edgecolor": "#444444",
     "axes.grid": True,
+    "axes.formatter.useoffset": False,
     "axes.axisbelow": True,
     "grid.color": "#e4e4e4",
     "grid.linewidth": 0.7,
@@ -102,6 +109,15 @@ def new_figure(
     return figure, list(axes.ravel())
 
 
+def seen(count: int, points: int = POINTS) -> slice:
+    """Which of `count` points of a curve to draw.
+
+    >>> seen(10_000), seen(700)
+    (slice(None, None, 6), slice(None, None, 1))
+    """
+    return slice(None, None, max(1, count // points))
+
+
 def controller_line(name: str, position: int = 0) -> dict[str, Any]:
     """Colour and line style of a controller; of an unknown one, by its position among them."""
     return dict(CONTROLLER_LINES.get(name, LINES[position % len(LINES)]))
@@ -112,7 +128,8 @@ def svg(figure: "Figure", name: str, description: str = "") -> str:
 
     name: unique within the page; it goes before every id, since several figures
     share a page's ids.  description: what those hear who cannot see the figure.
-    The same figure gives the same text: no dates, ids hashed from the name.
+    The same figure gives the same text: no dates, ids hashed from the name.  Coordinates are rounded
+    to a hundredth of a point, which no screen and no printer shows.
     """
     import matplotlib
 
@@ -124,15 +141,41 @@ def svg(figure: "Figure", name: str, description: str = "") -> str:
     text = buffer.getvalue()
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+    text = _light(text)
     text = re.sub(r'\bid="', f'id="{name}-', text)
     text = re.sub(r'((?:xlink:)?href="#|url\(#)', rf"\g<1>{name}-", text)
     width = figure.get_size_inches()[0]
     head = (
         f'<svg class="figure" role="img" aria-label="{escape(description or name, quote=True)}" '
-        f'style="width:100%;max-width:{width * 72 * 1.5:.0f}px;height:auto" '
+        f'style="width:100%;max-width:{width * 72 * LARGEST:.0f}px;height:auto" '
     )
     opening = re.sub(r'\s(?:width|height)="[^"]*"', "", text[: text.index(">") + 1], count=2)
     return head + opening.removeprefix("<svg").lstrip() + text[text.index(">") + 1 :].strip()
+
+
+def _light(text: str) -> str:
+    """An SVG with coordinates rounded, without the ids that nothing refers to and without blanks at the
+    ends of its lines; ids that are left are numbered, but for those of letters, which pages share: they
+    are hashes of coordinates before rounding, which differ in the last digit from run to run."""
+    used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', text))
+    ids = [name for name in re.findall(r' id="([^"]*)"', text) if name in used]
+    names = {n: n if "DejaVu" in n else f"i{place}" for place, n in enumerate(ids)}
+    text = re.sub(
+        r' id="([^"]*)"', lambda m: f' id="{names[m.group(1)]}"' if m.group(1) in names else "", text
+    )
+    text = re.sub(
+        r'((?:href="#|url\(#))([^")]+)', lambda m: m.group(1) + names.get(m.group(2), m.group(2)), text
+    )
+    for where in (r'(?<=\sd=")[^"]+', r'(?<=\s[xy]=")[^"]+', r"translate\([^)]+"):
+        text = re.sub(where, lambda m: _LONG.sub(_rounded, m.group(0)), text)
+    return re.sub(r"\s*\n\s*", "\n", text)
+
+
+_LONG = re.compile(r"-?\d+\.\d{3,}")
+
+
+def _rounded(number: re.Match[str]) -> str:
+    return f"{float(number.group(0)):.2f}".rstrip("0").rstrip(".")
 
 
 def save(figure: "Figure", path: str | Path, dpi: int = 200) -> Path:

@@ -1,5 +1,6 @@
 """Tables as values, and numbers as people read them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import floor, isfinite, log10
 
@@ -87,3 +88,21 @@ def with_error(value: float, error: float | None) -> str:
         return f"{number(value, 4)} ± 0"
     decimals = min(max(1 - floor(log10(error)), 0), 8)
     return f"{value:.{decimals}f} ± {error:.{decimals}f}".replace("-", "−")
+
+
+def spaced(branch: str) -> str:
+    """Words with the lines of the loop as people write them.
+
+    >>> spaced("line1, slow regulator rate")
+    'line 1, slow regulator rate'
+    """
+    return branch.replace("line1", "line 1").replace("line2", "line 2")
+
+
+def listed(words: Sequence[str]) -> str:
+    """Words as a list in a sentence.
+
+    >>> listed(["a", "b", "c"]), listed(["a"])
+    ('a, b and c', 'a')
+    """
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)

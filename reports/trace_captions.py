@@ -3,40 +3,74 @@
 from design.metrics import SETTLING_BAND
 from design.retune import Control
 from design.tasks import STEP
-from plants.measured.trace.choose import WORTH
+from plants.measured.trace.choose import SHARE, TRIFLE, WORTH
+from plants.measured.trace.stage import BLOCK
 from plants.measured.trace.trace import StageTrace, Trace
 from reports.comparison_tables import CHANNELS
-from reports.tables import number
+from reports.tables import listed, number
 from reports.trace_fit_figures import shown_run
 from reports.trace_words import added, describe, description
 
 TITLES = {
     "nothing-missing": "Nothing is missing",
-    "explained": "What the declared wrist lacks",
+    "explained": "What the declared wrist lacks: {}",
     "unexplained": "Something is left unexplained",
 }
-"""The title of a page, by verdict."""
+"""The title of a page, by verdict; the effects stand in it."""
 
 REVISED = "the revised wrist"
 
 ERRORS = (
-    "Errors of free runs on the recordings that took no part, their intervals at 95 % as bars, and the "
-    "noise of the sensors as a line."
+    "Errors of free runs on the recordings that took no part, their intervals at 95 % as bars. See how far "
+    "the model still is from the dashed line, the noise of the sensors: nothing can be nearer than that."
 )
 RANKING = (
     "Each effect in the best of its forms: by how much it would lower chi-square, beyond what a refit of "
-    "the parameters that are there could do. The tick is what the largest of so many comparisons "
-    "would reach on noise alone, in 95 % of draws; the dashed line is the least that an effect must bring. "
-    "Coloured: refitted fully, with the chi-square that it came to. Green: taken. "
-    "Of rounds after the first only the strongest are drawn."
+    "the parameters that are there could do. See which bars pass the dashed line, the least that an effect "
+    "must bring. The tick is what the largest of so many comparisons would reach on noise alone, in 95 % of "
+    "draws."
 )
 DESCRIPTION = (
-    "What is left against what it depends on: rows of the recordings, their mean, and, where one earned "
-    "its place, the curve learnt from them. It is a description, not a cause."
+    "What is left against what it depends on: rows of the recordings as dots, and their mean. See the shape "
+    "of the mean, and, where one earned its place, of the curve learnt from the rows: a description, not a "
+    "cause."
 )
 CAUTION = (
     "The revised plant does not explain its recordings, so a rig may well answer otherwise than this says."
 )
+
+
+def title(trace: Trace) -> str:
+    """The heading of a page."""
+    return TITLES[trace.verdict].format(listed([e.name for e in trace.effects]))
+
+
+def choice_words() -> list[str]:
+    """How effects are chosen, in paragraphs."""
+    return [
+        "In each round every effect that the model lacks is ranked by how far it would bring down "
+        "chi-square, the mean square of the remainder in units of the noise: 1 is noise alone. The first "
+        "few are then refitted fully, together with all other parameters.",
+        "Where the tests above find structure in what is left, an effect is taken if chi-square on blocks "
+        f"of {BLOCK:g} s that did not fit it falls by more than {WORTH:g}, by more than {100 * SHARE:g} % "
+        f"of its excess over 1, and by more than {100 * TRIFLE:g} % of what effects taken before brought. "
+        "Where what is left looks like noise, chi-square on all rows must fall by as much, and the "
+        "log-likelihood of what is left, as noise of any colour, must rise by more than following slow "
+        "noise for a while would. Of several the best is taken; where there is none the search ends.",
+    ]
+
+
+def ranking(stage: StageTrace) -> str:
+    """How to read the ranking of a stage."""
+    words = [RANKING]
+    rounds = stage.search.rounds
+    if any(r.candidates for r in rounds):
+        words.append("Dark: refitted fully, with the chi-square that it came to.")
+    if any(r.taken is not None for r in rounds):
+        words.append("Hatched: taken.")
+    if len(rounds) > 1:
+        words.append("Of rounds after the first only the strongest are drawn.")
+    return " ".join(words)
 
 
 def after_words(trace: Trace) -> str:
@@ -51,15 +85,19 @@ def series(trace: Trace, channel: str) -> str:
     run, word = shown_run(trace, channel), CHANNELS[channel][0].lower()
     part = "took no part in fitting or choosing" if run.role == "validate" else "took part in the fit"
     return (
-        f"The {word} of {run.recording.name}, which {part}: measured, and simulated from the command alone; "
-        "beneath, what each model leaves, measured minus simulated. The grey band holds 95 % of the noise."
+        f"The {word} of {run.recording.name}, which {part}: measured, and simulated from the command alone. "
+        "See beneath whether what a model leaves, measured minus simulated, stays within the grey band, "
+        "which holds 95 % of the noise."
     )
 
 
 def loop(trace: Trace) -> str:
     """What the loop shows."""
     models = "the declared and the revised wrist" if trace.effects else "the declared wrist"
-    return f"The loop: angle over pressure in the first seconds, measured and simulated with {models}."
+    return (
+        f"The loop: angle over pressure in the first seconds, measured and simulated with {models}. See "
+        "where the thin line leaves the broad one."
+    )
 
 
 def left(stage: StageTrace, after_name: str) -> str:
@@ -80,10 +118,11 @@ def remainder(stage: StageTrace, after_name: str) -> str:
     """What the figure of a remainder shows."""
     both = stage.after is not stage.before
     which = "the declared wrist" + (f" and by {after_name}" if both else "")
+    latter = ", drawn for the latter" if both else ""
     return (
-        f"What is left by {which}: mean over the variables that tell most, autocorrelation and spectrum. "
-        f"Noise alone stays in the grey band{', for the latter' if both else ''}; for the autocorrelation, "
-        "white noise."
+        f"What is left by {which}: mean over the variables that tell most, autocorrelation and spectrum. See "
+        f"which points lie outside the grey band, where noise alone stays{latter}"
+        " (for the autocorrelation, white noise), and whether a peak stands out of the spectrum."
     )
 
 
@@ -136,8 +175,8 @@ def control(control: Control) -> str:
     """What the figure of the steps shows."""
     which = "the PI that was tuned" if control.same else "the PIs of the declared and of the revised plant"
     return (
-        f"A step of {STEP:g} deg from rest on {control.judge}, under {which}: angle of the joint with the "
-        f"band of ±{100 * SETTLING_BAND:g} %, and command."
+        f"A step of {STEP:g} deg from rest on {control.judge}, under {which}: angle of the joint, and "
+        f"command. See when the angle comes to stay within the grey band of ±{100 * SETTLING_BAND:g} %."
     )
 
 

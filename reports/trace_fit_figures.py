@@ -10,8 +10,8 @@ from design.tasks import STEP
 from plants.measured.problem import measured
 from plants.measured.trace.trace import Played, Trace
 from reports.comparison_tables import CHANNELS
-from reports.fitted import LOOP_SECONDS, POINTS
-from reports.style import BLACK, BLUE, DASHED, GREY, PALE, VERMILLION, new_figure, styled
+from reports.fitted import LOOP_SECONDS
+from reports.style import BLACK, BLUE, DASHED, GREY, PALE, POINTS, VERMILLION, WIDTH, new_figure, seen, styled
 from reports.tables import number
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def draw_series(trace: Trace, channel: str) -> "Figure":
     run = shown_run(trace, channel)
     words, unit = CHANNELS[channel]
     time, truth, (before, after) = run.recording.time, _truth(run, channel), _sides(run, channel)
-    every = slice(None, None, max(1, len(time) // POINTS))
+    every = seen(len(time))
     noise = SPREAD * (trace.noise.get(channel) or 0.0)
     revised = bool(trace.effects)
     with styled():
@@ -126,7 +126,7 @@ def draw_loop(trace: Trace) -> "Figure | None":
     sides = [(run.pressure_before, run.angle_before, BEFORE), (run.pressure, run.angle, AFTER)]
     with styled():
         figure, axes = new_figure(1, 2 if trace.effects else 1, height=3.5, sharex=True, sharey=True,
-                                  width=6.9 if trace.effects else 4.2)  # fmt: skip
+                                  width=WIDTH if trace.effects else 4.2)  # fmt: skip
         for panel, (pressure, angle, look) in zip(axes, sides, strict=False):
             assert angle is not None
             assert truth.pressure is not None
@@ -155,7 +155,7 @@ def draw_control(control: Control) -> "Figure | None":
         angle.axhspan(STEP * (1.0 - SETTLING_BAND), STEP * (1.0 + SETTLING_BAND), **BAND)
         angle.axhline(STEP, color=BLACK, linewidth=0.7)
         for side, r in shown:
-            every = slice(None, None, max(1, len(r.time) // POINTS))
+            every = seen(len(r.time))
             angle.plot(r.time[every], r.angle[every], **looks[side.plant])
             command.plot(r.time[every], r.command[every], **looks[side.plant])
         angle.set(ylabel="Angle [deg]", title=f"A step of {STEP:g} deg from rest")

@@ -10,6 +10,7 @@ from plants.measured.trace.trace import StageTrace, Trace
 from reports import trace_captions as captions
 from reports import trace_tables as tables
 from reports import trace_words as words
+from reports.comparison_tables import assumption_table
 from reports.html import Made, Shown, markup, render
 from reports.style import save, svg
 from reports.trace_fit_figures import draw_control, draw_errors, draw_loop, draw_series
@@ -80,14 +81,15 @@ def _page(trace: Trace, made: Made, control: Control | None, drawn: Mapping[str,
     fits += [shown("loop", captions.loop(trace))] if "loop" in drawn else []
     return render(
         "trace.html",
-        title=captions.TITLES[trace.verdict],
-        campaign=trace.campaign.name, axis=trace.campaign.axis,
-        summary=[words.verdict_sentence(trace)], remarks=list(trace.remarks),
-        after_words=captions.after_words(trace), revised=bool(trace.effects),
+        title=captions.title(trace),
+        kind=f"trace of the campaign “{trace.campaign.name}”, {trace.campaign.axis}",
+        summary=words.summary(trace), remarks=list(trace.remarks), sections=_sections(trace, control),
+        after_words=captions.after_words(trace), choice_words=captions.choice_words(),
         errors=tables.error_table(trace), errors_figure=shown("errors", captions.ERRORS),
         recordings=tables.recording_table(trace), fit_figures=fits,
         stages=[_stage(s, captions.after_name(trace), shown) for s in trace.stages],
         plant_words=captions.plant_words(trace), parameters=tables.parameter_table(trace),
+        assumed=assumption_table({trace.campaign.axis: trace.revised}),
         separations=[s for e in trace.effects for s in e.separations],
         no_alternatives=captions.no_alternatives(trace),
         judge=tables.judge_table(trace.cannot_judge) if trace.cannot_judge else None, count=len(EFFECTS),
@@ -95,6 +97,20 @@ def _page(trace: Trace, made: Made, control: Control | None, drawn: Mapping[str,
         control=None if control is None else _control(trace, control, drawn, shown),
         versions=captions.versions(), made=made,
     )  # fmt: skip
+
+
+def _sections(trace: Trace, control: Control | None) -> dict[str, str]:
+    """Titles of the page's sections by their ids."""
+    left = "What the declared wrist leaves" + (", and what the revised one does" if trace.effects else "")
+    return {
+        "errors": "Errors before and after",
+        "fit": "Before and after, on the same axes",
+        "plant": "The revised plant" if trace.effects else "The plant",
+        **({} if control is None else {"control": "Tuned again"}),
+        "doubt": "What is open",
+        "left": left,
+        "choice": "How it was chosen",
+    }
 
 
 def _stage(s: StageTrace, after: str, shown: Any) -> dict[str, Any]:
@@ -107,7 +123,7 @@ def _stage(s: StageTrace, after: str, shown: Any) -> dict[str, Any]:
         "findings": tables.finding_table(s.before, s.after),
         "decisions": tables.decision_table(s.search.rounds) if refitted else None,
         "nothing": captions.nothing_refitted(s),
-        "ranking": shown(f"ranking-{s.name}", captions.RANKING),
+        "ranking": shown(f"ranking-{s.name}", captions.ranking(s)),
     }
 
 

@@ -60,7 +60,7 @@ def draw_remainder(stage: StageTrace, after_name: str = "revised") -> "Figure":
     """
     revised = stage.after is not stage.before
     with styled():
-        figure, axes = new_figure(3, 2, height=7.4)
+        figure, axes = new_figure(3, 2, height=6.8)
         unit = CHANNELS[stage.stage.channel][1]
         for panel, variable in zip(axes, telling(stage), strict=False):
             _means(panel, stage, variable, unit, after_name if revised else None)

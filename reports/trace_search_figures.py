@@ -53,7 +53,8 @@ def _round(axes: "Axes", round_: Round, best: list[Ranked]) -> None:
         refitted |= dict.fromkeys(taken, round_.taken.model.chi2)
     for y, r in enumerate(best):
         colour = GREEN if r.name in taken else BLUE if r.name in refitted else PALE
-        axes.barh(y, max(r.drop, FLOOR) - 0.1 * FLOOR, left=0.1 * FLOOR, height=0.68, color=colour)
+        hatched = {"hatch": "////", "edgecolor": "white", "linewidth": 0.0} if r.name in taken else {}
+        axes.barh(y, max(r.drop, FLOOR) - 0.1 * FLOOR, left=0.1 * FLOOR, height=0.68, color=colour, **hatched)
         axes.plot([max(r.chance, FLOOR)] * 2, [y - 0.42, y + 0.42], color=BLACK, linewidth=1.4)
         words = f" refitted: {number(refitted[r.name])}" if r.name in refitted else ""
         if r.name in taken:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from design.retune import Control, Judged, Side
 from plants.measured.problem import measured
 from plants.measured.residual.examine import Examination, Finding
-from plants.measured.trace.choose import Round
+from plants.measured.trace.choose import Candidate, Round
 from plants.measured.trace.trace import Played, Trace
 from plants.quantities import Assumed, Fitted, Provenance, kind_of
 from reports.comparison_tables import CHANNELS, provenance
@@ -35,14 +35,14 @@ def error_table(trace: Trace) -> Table:
         if before is None or after is None:
             continue
         intervals = (trace.before_interval.get(channel), trace.after_interval.get(channel))
-        ratio = number(after / noise) if noise else "–"
+        ratio = fixed(after / noise, 2) if noise else "–"
         rows.append(row(
             f"{words} [{unit}]", _ranged(before, intervals[0]), _ranged(after, intervals[1]), number(noise),
             ratio,
         ))  # fmt: skip
     columns = (
         Column("Channel", number=False), Column("Before"), Column("After"), Column("Noise"),
-        Column("After / noise"),
+        Column("After / noise", "1"),
     )  # fmt: skip
     return Table(columns, (Group("", tuple(rows)),))
 
@@ -88,17 +88,17 @@ def parameter_table(trace: Trace) -> Table:
         value = with_error(p.value, origin.std_error) if isinstance(origin, Fitted) else number(p.value, 4)
         before = [number(declared[name].value, 4) if name in declared else "–"] if revised.effects else []
         cells = row(
-            name, kind_of(name, revised.effects).meaning, p.unit, *before, value,
-            Cell(_where_from(origin), marked=isinstance(origin, Assumed)),
+            name, *before, value, p.unit, Cell(_where_from(origin), marked=isinstance(origin, Assumed)),
+            kind_of(name, revised.effects).meaning,
         )  # fmt: skip
         (rows if name in declared else effects).append(cells)
-    columns = [Column("Name", number=False), Column("Meaning", number=False), Column("Unit", number=False)]
-    columns += [Column("Declared wrist"), Column("Revised plant")] if revised.effects else [Column("Value")]
-    columns.append(Column("Where from", number=False))
+    values = [Column("Declared wrist"), Column("Revised plant")] if revised.effects else [Column("Value")]
+    words = [Column(heading, number=False) for heading in ("Unit", "Where from", "Meaning")]
+    columns = (Column("Name", number=False), *values, *words)
     if not effects:
-        return Table(tuple(columns), (Group("", tuple(rows)),))
+        return Table(columns, (Group("", tuple(rows)),))
     first = Group("Effects", tuple(effects), tuple(range(len(effects))))
-    return Table(tuple(columns), (first, Group("Declared parameters, fitted together", tuple(rows))))
+    return Table(columns, (first, Group("Declared parameters, fitted together", tuple(rows))))
 
 
 def _where_from(origin: Provenance) -> str:
@@ -141,7 +141,7 @@ def _found(f: Finding) -> Cell:
 
 
 def _share(f: Finding) -> str:
-    return fixed(100.0 * max(0.0, f.share), 1)
+    return fixed(100.0 * min(max(0.0, f.share), 1.0), 1)
 
 
 def seen_words(variable: str) -> str:
@@ -150,25 +150,40 @@ def seen_words(variable: str) -> str:
 
 
 def decision_table(rounds: tuple[Round, ...]) -> Table:
-    """Each round's models that were refitted fully, on all data and on blocks that did not fit them."""
+    """Each round's models that were refitted fully: chi-square on all data, and what the decision rested
+    on, chi-square on blocks that did not fit them or, where what was left looked like noise, the
+    log-likelihood that they gain."""
     groups = []
     for count, r in enumerate(rounds, start=1):
+        if not r.candidates:
+            continue
         models = [r.before, *r.candidates]
         if r.taken is not None and all(r.taken.model.forms != c.model.forms for c in r.candidates):
             models.insert(1, r.taken)  # the best of them, in another form
-        rows = []
-        for c in models:
-            name = " + ".join(f"{f.NAME} ({f.FORM})" for f in c.model.forms) or "the declared wrist alone"
-            said = "as it was" if c is r.before else ""
-            rows.append(row(name, number(c.model.chi2), number(c.held_out), said))
+        noisy = not r.before.examined.structured
+        rows = tuple(_decided(c, r, noisy) for c in models)
         taken = None if r.taken is None else " + ".join(r.taken.model.effects)
-        words = f"Round {count}: {f'{taken} taken' if taken else 'nothing more taken'}"
-        groups.append(Group(words, tuple(rows)))
+        by = "likelihood, since what is left looks like noise" if noisy else "blocks left out"
+        words = f"Round {count}, by {by}: {f'{taken} taken' if taken else 'nothing more taken'}"
+        strong = tuple(i for i, c in enumerate(models) if r.taken is not None and _same(c, r.taken))
+        groups.append(Group(words, rows, strong))
     columns = (
-        Column("Model", number=False), Column("Chi-square"), Column("On blocks left out"),
-        Column("", number=False),
+        Column("Model", number=False), Column("Chi-square", "1"), Column("On blocks left out", "1"),
+        Column("Log-likelihood gained", "1"), Column("", number=False),
     )  # fmt: skip
     return Table(columns, tuple(groups))
+
+
+def _same(one: Candidate, other: Candidate) -> bool:
+    return one.model.forms == other.model.forms
+
+
+def _decided(c: Candidate, r: Round, noisy: bool) -> tuple[Cell, ...]:
+    """A model of a round, with the figure that the decision rested on."""
+    name = " + ".join(f"{f.NAME} ({f.FORM})" for f in c.model.forms) or "the declared wrist alone"
+    gained = fixed(c.log_likelihood - r.before.log_likelihood, 1) if noisy and c is not r.before else "–"
+    said = "as it was" if c is r.before else "taken" if r.taken is not None and _same(c, r.taken) else ""
+    return row(name, fixed(c.model.chi2, 2), "–" if noisy else fixed(c.held_out, 2), gained, said)
 
 
 def judge_table(reasons: Mapping[str, str]) -> Table:

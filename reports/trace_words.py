@@ -10,7 +10,7 @@ from plants.measured.residual.examine import Examination
 from plants.measured.trace.learnt import Learnt
 from plants.measured.trace.trace import Named, StageTrace, Trace
 from reports.comparison_tables import limit_name
-from reports.tables import number
+from reports.tables import fixed, listed, number
 
 UNITS = {"angle_deg": "deg", "pressure_kPa": "kPa"}
 """Channels of an answer, and their units."""
@@ -53,6 +53,52 @@ SLOW = 1.25
 
 BEHAVES = {"events": "jumps now and then", "changing size": "changes in size", "offset": "has an offset"}
 """What else a remainder may do."""
+
+
+def summary(trace: Trace) -> list[str]:
+    """Three sentences: the verdict, what it rests on, what is open."""
+    return [verdict_sentence(trace), evidence(trace), still_open(trace)]
+
+
+def evidence(trace: Trace) -> str:
+    """How chi-square moved in each stage, and out of how many effects was chosen."""
+    said = []
+    for s in trace.stages:
+        declared, chosen = s.search.declared.model.chi2, s.search.chosen.model.chi2
+        moved = f"is {fixed(declared, 2)}"
+        if s.model.forms:
+            moved = f"falls from {fixed(declared, 2)} to {fixed(chosen, 2)} with {listed(s.model.effects)}"
+        said.append(f"{moved} for the {_channel(s.stage.channel)}")
+    rounds = [r for s in trace.stages for r in s.search.rounds]
+    tried = len({name for r in rounds for c in r.candidates for name in c.model.effects})
+    how = f"{tried} of which {'was' if tried == 1 else 'were'} refitted in full"
+    if not tried:
+        how = "none of which promised enough to be refitted in full"
+    return (
+        "Chi-square per row, the mean square of what is left in units of the noise (1: noise alone), "
+        f"{listed(said)}; the causes tried were {len(EFFECTS)} known effects, {how}."
+    )
+
+
+def still_open(trace: Trace) -> str:
+    """What these recordings do not tell, and how much of the plant is assumed."""
+    blind = list(trace.cannot_judge)
+    told = (
+        f"These recordings cannot tell whether the rig has {_or(blind)}"
+        if blind
+        else f"Each of the {len(EFFECTS)} effects would have shown in these recordings"
+    )
+    count, assumed = len(trace.revised.parameters), len(trace.revised.assumed)
+    rest = (
+        f"{assumed} of the plant's {count} parameters {'is' if assumed == 1 else 'are'} assumed, not measured"
+        if assumed
+        else f"all {count} parameters of the plant are fitted to them or stated by the paper"
+    )
+    return f"{told}, and {rest}."
+
+
+def _or(words: Sequence[str]) -> str:
+    return " or ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 
 def verdict_sentence(trace: Trace) -> str:
@@ -141,15 +187,6 @@ def added(effects: Sequence[Named]) -> str:
 
 def _and(words: Iterable[str]) -> str:
     return listed(list(words))
-
-
-def listed(words: Sequence[str]) -> str:
-    """Words as a list in a sentence.
-
-    >>> listed(["a", "b", "c"]), listed(["a"])
-    ('a, b and c', 'a')
-    """
-    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 
 def depends(names: Sequence[str]) -> str:

@@ -2,20 +2,32 @@
 
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from design.alternatives.designs import design_others
+from design.break_even import BreakEven, break_even
 from design.compare import Comparison, compare
 from design.contest import Contest, contest
+from design.controllers.feedforward import Feedforward
 from design.controllers.pi import PI
+from design.mpc.fallback import HELD, SOLVED, Info
+from design.mpc.timing import Ledger, ledger
 from design.requirements import Problem
-from design.tasks import tuning_scenarios
+from design.robustness.assess import Assessment, assess
+from design.robustness.box import box_of
+from design.robustness.certificates.continuous.search import RUNGS
+from design.robustness.gain_plane import GainPlane, gain_plane
+from design.tasks import Spread, tuning_scenarios
 from design.tuning import Region, Tuning, tune
 from plants import ParameterSet, Wrist, built_in
-from plants.measured.campaign import Campaign
+from plants.measured.campaign import Campaign, load_campaign
 from plants.measured.fit import Fit, Run
 from plants.measured.recording import Recording
+from plants.measured.trace.trace import Trace, trace_campaign
+from tests.rig.campaign import make_campaign
 
 
 @dataclass(frozen=True)
@@ -58,6 +70,46 @@ def small_contest() -> Contest:
     sets = {m: built_in(m) for m in ("flexion", "deviation")}
     given = {"tuned": PI(3.0, 10.0), "paper": PI(1.2, 2.2)}
     return contest(sets, dict.fromkeys(sets, given), count=12)
+
+
+@cache
+def small_break_even() -> dict[str, BreakEven]:
+    """Feedforward alone on few errors of two kinds, short steps."""
+    wrist = Wrist.flexion()
+    grids = {"loop width": np.array([-0.3, 0.0, 0.3]), "dead time": np.array([0.0, 0.04])}
+    others = {"feedforward": Feedforward.of(wrist)}
+    return {"flexion": break_even(wrist, PI(3.0, 10.0), others, grids, duration=4.0)}
+
+
+def small_ledgers() -> dict[str, dict[str, Ledger]]:
+    """Made up, so that its numbers are known: a PI that misses 5 of 1000 steps and a punctual MPC."""
+    late = [Info(SOLVED, "", 0, 0, 0, 2_000_000 if k < 5 else 10_000) for k in range(1000)]
+    punctual = [Info(HELD if k == 3 else SOLVED, "", 4, 20_000, 50_000, 30_000) for k in range(100)]
+    return {"flexion": {"tuned": ledger(late, 1e-3), "linear MPC": ledger(punctual, 20e-3)}}
+
+
+@cache
+def small_trace() -> Trace:
+    """The trace of a short campaign of a rig whose branches are curved."""
+    with TemporaryDirectory() as place:
+        folder = Path(place) / "bent"
+        curved = "branch-curvature"
+        make_campaign(folder, "flexion", [curved], seed=21, short=True, variants={curved: 1})
+        return trace_campaign(load_campaign(folder), built_in("flexion"))
+
+
+@cache
+def small_assessment() -> Assessment:
+    """What can be said of a PI from few samples and a short search."""
+    box = box_of(built_in("flexion"), Spread())
+    return assess(box, PI(2.3, 6.4), samples=60, budget=400)
+
+
+def small_plane(assessment: Assessment) -> GainPlane:
+    """A coarse plane of the gains, on few scenarios."""
+    wrist = assessment.wrist
+    problem = Problem.of(wrist, tuning_scenarios(wrist)[:6], duration=4.0)
+    return gain_plane(problem, tuple(RUNGS), points=5)
 
 
 @cache

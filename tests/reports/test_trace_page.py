@@ -5,28 +5,25 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_comparison_page import Page
+from report_samples import small_trace
+from test_comparison_page import Page, summary_of
 
-from plants import built_in
-from plants.measured.campaign import load_campaign
+from plants.measured.trace.choose import Round
 from plants.measured.trace.learnt import Curve, Learnt
-from plants.measured.trace.trace import trace_campaign
 from reports.html import Made
+from reports.tables import fixed
 from reports.trace_page import draw_all, shown_channels, trace_page
 from reports.trace_record import trace_record
 from reports.trace_residual_figures import means, telling, thinned
-from reports.trace_words import depends, verdict_sentence
-from tests.rig.campaign import make_campaign
+from reports.trace_tables import decision_table
+from reports.trace_words import depends, summary, verdict_sentence
 
 BENT = "branch-curvature"
 
 
 @pytest.fixture(scope="module")
-def bent(tmp_path_factory):
-    """The trace of a short campaign of a rig whose branches are curved."""
-    folder = tmp_path_factory.mktemp("rigs") / "bent"
-    make_campaign(folder, "flexion", [BENT], seed=21, short=True, variants={BENT: 1})
-    return trace_campaign(load_campaign(folder), built_in("flexion"))
+def bent():
+    return small_trace()
 
 
 def stripped(trace, **changes):
@@ -74,7 +71,14 @@ def test_the_page_loads_nothing_from_elsewhere_and_its_links_lead_somewhere(page
             assert target == "#" or target[1:] in ids
 
 
-def test_it_opens_with_the_verdict_in_one_sentence(page, bent):
+def test_it_opens_with_three_sentences_the_verdict_first(text, page, bent):
+    opening = summary_of(text)
+    assert len(opening) == 3
+    assert opening[0] == verdict_sentence(bent)
+    chi2 = bent.stages[1].search
+    falls = f"falls from {chi2.declared.model.chi2:.2f} to {chi2.chosen.model.chi2:.2f} with {BENT}"
+    assert falls in opening[1]
+    assert all(name in opening[2] for name in bent.cannot_judge)
     said = verdict_sentence(bent)
     assert said.startswith("The branches of the loop are curved: with branch-curvature (")
     assert ") added, the angle error on the recordings that took no part falls from " in said
@@ -87,7 +91,7 @@ def test_it_shows_errors_evidence_parameters_and_provenance(page, bent):
         assert p.unit in page.text
     for words in (
         "On blocks left out",
-        f"Round 1: {BENT} taken",
+        f"Round 1, by blocks left out: {BENT} taken",
         "Took no part",
         "sine.csv",
         "conditional mean",
@@ -104,13 +108,37 @@ def test_it_shows_errors_evidence_parameters_and_provenance(page, bent):
 def test_every_figure_has_data_labels_with_units_and_a_description(bent, page):
     drawn = draw_all(bent)
     assert {"errors", "fit-angle", "loop", "left-wrist", "left-regulator", "ranking-wrist"} <= set(drawn)
-    assert sum(t == "svg" for t, _ in page.tags) == len(drawn)
+    assert sum(a.get("class") == "figure" for t, a in page.tags if t == "svg") == len(drawn)
     for name, figure in drawn.items():
         for axes in figure.axes:
             assert axes.lines or axes.patches or axes.collections, name
         labels = [x for a in figure.axes for x in (a.get_xlabel(), a.get_ylabel()) if x]
         assert labels, name
         assert all(re.search(r"\[.+\]", x) for x in labels), (name, labels)
+
+
+def test_a_decision_in_what_looks_like_noise_is_told_by_its_likelihood(bent):
+    search = bent.stages[1].search
+    noise, other = search.chosen, search.declared
+    assert not noise.examined.structured
+    (group,) = decision_table((Round(noise, (), (other,), None),)).groups
+    assert group.heading == (
+        "Round 1, by likelihood, since what is left looks like noise: nothing more taken"
+    )
+    blocks, gained = (group.rows[1][i].text for i in (2, 3))
+    assert blocks == "–"
+    assert gained == fixed(other.log_likelihood - noise.log_likelihood, 1)
+    (group,) = decision_table((Round(other, (), (noise,), noise),)).groups
+    assert group.heading == f"Round 1, by blocks left out: {BENT} taken"
+    assert [cell.text for cell in group.rows[1][2:]] == [fixed(noise.held_out, 2), "–", "taken"]
+
+
+def test_what_is_open_is_said_where_nothing_is(bent, unexplained):
+    clear = replace(bent, stages=tuple(replace(s, cannot_judge={}) for s in bent.stages))
+    assert summary(clear)[2].startswith("Each of the 14 effects would have shown in these recordings, and ")
+    said = summary(unexplained)
+    assert len(said) == 3
+    assert said[0].startswith("Something is left that none of the 14 effects explains")
 
 
 def test_the_noise_is_drawn_where_the_errors_are_judged(bent):

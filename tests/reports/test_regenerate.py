@@ -1,0 +1,96 @@
+"""The committed examples are those of the commands that are said to make them, and a number that differs
+from them is found."""
+
+import html
+import json
+import re
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+import pytest
+
+from reports.regenerate import ALL, TOLERANCES, differences, flat
+
+EXAMPLES = Path(__file__).parents[2] / "reports" / "examples"
+RECORD = {
+    "standings": [
+        {"motion": "flexion", "controller": "tuned", "Ms": 1.98, "worst_settling_s": 1.676},
+        {"motion": "flexion", "controller": "linear MPC", "Ms": None, "worst_settling_s": 0.39},
+    ],
+    "verdicts": ["flexion: settles in 1.68 s."],
+    "ledger": {"flexion": {"tuned": {"total_s": {"median": 1e-5}}}},
+    "made": {"commit": "one"},
+}
+
+
+def changed(path: str, value):
+    """The record with one value changed."""
+    record = json.loads(json.dumps(RECORD))
+    *way, last = path.split("/")
+    at = record
+    for step in way:
+        at = at[int(step) if step.isdigit() else step]
+    at[int(last) if last.isdigit() else last] = value
+    return record
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        ("standings/0/Ms", 1.98 * 1.02),
+        ("standings/0/worst_settling_s", 1.72),
+        ("standings/0/Ms", None),
+        ("standings/1/Ms", 1.0),
+        ("verdicts/0", "flexion: does not settle in 1.68 s."),
+        ("standings", RECORD["standings"][1:]),
+        ("standings/0/more", 1.0),
+    ],
+)
+def test_what_differs_is_found(path, value):
+    assert len(differences(RECORD, changed(path, value))) >= 1
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        ("standings/0/Ms", 1.98 * 1.001),
+        ("standings/0/worst_settling_s", 1.682),
+        ("verdicts/0", "flexion: settles in 1.70 s."),
+        ("made/commit", "two"),
+        ("ledger/flexion/tuned/total_s/median", 1.0),
+    ],
+)
+def test_what_may_differ_does_not_count(path, value):
+    assert differences(RECORD, changed(path, value)) == []
+
+
+def test_what_the_quick_command_leaves_out_may_lack_and_nothing_else():
+    less = changed("standings", RECORD["standings"][:1])
+    assert differences(RECORD, less, ("standings.*MPC*",)) == []
+    assert differences(RECORD, less)
+    assert differences(RECORD, changed("standings", RECORD["standings"][1:]), ("standings.*MPC*",))
+
+
+def test_every_tolerance_is_said_why_and_meets_a_number_of_some_example():
+    paths = {p for e in ALL.values() for p in flat(json.loads((EXAMPLES / e.record).read_text()))}
+    for t in TOLERANCES:
+        assert t.why
+        assert t.pattern.startswith("ledger") or any(fnmatchcase(p, t.pattern) for p in paths), t.pattern
+
+
+@pytest.mark.parametrize("name", list(ALL))
+def test_the_committed_page_was_made_by_its_command_and_its_files_are_there(name):
+    example = ALL[name]
+    page = html.unescape((EXAMPLES / example.page).read_text(encoding="utf-8"))
+    (command,) = re.findall(r"<dt>Command</dt><dd><code>(.*?)</code>", page)
+    assert command.startswith(" ".join(("wrist", *example.command)) + " --out build/")
+    for kept in (example.record, *example.files.values()):
+        assert (EXAMPLES / kept).stat().st_size > 100, kept
+    assert not re.search(r"/(?:root|home|tmp|work)/", page)
+
+
+def test_the_readme_of_the_examples_says_the_commands():
+    said = (EXAMPLES / "README.md").read_text(encoding="utf-8")
+    for name, example in ALL.items():
+        assert f"`wrist {' '.join(example.command)} --out build/examples/{name}`" in said
+        assert f"({example.page})" in said
