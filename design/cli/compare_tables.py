@@ -64,12 +64,15 @@ def contest_table(broad: "Contest") -> list[object]:
 
 
 def _score(s: "Score", reference: str) -> tuple[str, ...]:
+    from design.contest.statistics import FEWEST
+
     i, (best, worst) = s.against["iae_deg_s"], s.ranks["iae_deg_s"]
+    known = s.plants >= FEWEST  # fewer give neither interval nor rank
     return (
         s.controller,
         f"{s.mean['iae_deg_s']:.3g}",
-        "-" if s.controller == reference else f"{i.low:+.2f} to {i.high:+.2f}",
-        f"{best}" if best == worst else f"{best}-{worst}",
+        f"{i.low:+.2f} to {i.high:+.2f}" if known and s.controller != reference else "-",
+        "-" if not known else f"{best}" if best == worst else f"{best}-{worst}",
         f"{s.mean['settling_time_s']:.2f}",
         f"{s.settling_q95:.2f}",
         f"{s.mean['overshoot_percent']:.2g}",

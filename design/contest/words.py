@@ -2,6 +2,7 @@
 
 from design.contest.plants import RIGS
 from design.contest.scores import BOTH, Contest, Score
+from design.contest.statistics import FEWEST
 
 
 def sentences(found: Contest) -> list[str]:
@@ -9,7 +10,8 @@ def sentences(found: Contest) -> list[str]:
     controller in the error, who cannot be told apart from it, who is behind."""
     said = []
     for motion, field, family in found.tables:
-        if family == "steps" and (field.startswith("perturbed plants") or motion == BOTH):
+        told = found.of(motion, field, family)[0].plants >= FEWEST
+        if told and family == "steps" and (field.startswith("perturbed plants") or motion == BOTH):
             said.append(
                 f"{motion}, {field}, steps: {against(found.of(motion, field, family), found.reference)}."
             )
