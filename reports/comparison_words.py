@@ -7,6 +7,7 @@ from design.alternatives.convex_concave import NOISE_GAIN
 from design.alternatives.lqi_design import WASHOUT
 from design.answer import refusal
 from design.compare import NEAREST, PAPER, TUNED, Comparison, Row
+from design.contest.plants import RIGS
 from design.contest.scores import BESIDE, Contest, Score
 from design.contest.statistics import FEWEST, LEVEL
 from design.rules import PAPER_FACTOR, PAPER_GAINS
@@ -128,7 +129,7 @@ def _as_it_is(comparison: Comparison) -> str:
 def _on_others(comparison: Comparison, contest: Contest) -> str:
     """Who has the least error on the perturbed plants of those that keep the overshoot."""
     limit = comparison.limits.overshoot_percent
-    said = []
+    said, lost = [], []
     for motion in dict.fromkeys(s.motion for s in comparison.standings):
         scores = _played(contest, motion)
         kept = [s for s in scores if limit is None or s.mean["overshoot_percent"] <= limit]
@@ -139,9 +140,29 @@ def _on_others(comparison: Comparison, contest: Contest) -> str:
             said.append(f"none on {motion}")
         else:
             said.append(_least(best, contest.reference, motion))
+            lost += [name_of(best.controller)] if _loses_itself(contest, best) else []
     among = "" if limit is None else f", of those that keep the overshoot within {limit:g} % on average,"
     where = "On perturbed plants with a noisy sensor, but without effects that the models lack"
-    return f"{where}{among or ','} the least IAE has {'; and '.join(said)}."
+    return f"{where}{among or ','} the least IAE has {'; and '.join(said)}{_but(lost)}."
+
+
+LATE = next(name for name in RIGS if name.startswith("dead time"))
+"""The rig that is late, as real ones are."""
+
+
+def _loses_itself(contest: Contest, best: Score) -> bool:
+    """Whether a controller fails to settle on most plants of the rig that is late."""
+    scores = contest.of(best.motion, f"{LATE}{BESIDE}", best.family)
+    scores = scores or contest.of(best.motion, LATE, best.family)
+    return any(s.mean["unsettled"] > 0.5 for s in scores if s.controller == best.controller)
+
+
+def _but(lost: list[str]) -> str:
+    if not lost:
+        return ""
+    names, late = list(dict.fromkeys(lost)), LATE.replace("dead time", "a dead time of")
+    settles = "settles" if len(names) == 1 else "settle"
+    return f"; but with {late} that no model knows, {listed(names)} never {settles}"
 
 
 def _played(contest: Contest, motion: str) -> list[Score]:

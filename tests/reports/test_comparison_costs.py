@@ -7,7 +7,7 @@ from report_samples import compare_both, small_break_even, small_contest, small_
 from design.compare import NEAREST
 from reports.comparison_contest import main_table
 from reports.comparison_costs import break_even_table, break_even_words, ledger_table, ledger_words
-from reports.comparison_words import summary
+from reports.comparison_words import LATE, summary
 from reports.tables import number
 
 
@@ -76,3 +76,17 @@ def test_the_opening_stays_true_where_limits_are_broken_and_nothing_settles():
     assert len(alone) == 3
     assert "deviation" not in " ".join(alone)
     assert "none of 0 others" in alone[1]
+
+
+def test_a_leader_that_a_dead_time_undoes_is_named_as_such():
+    compared, contest = compare_both(), small_contest()
+
+    def lost(score):
+        late = score.field.startswith(LATE)
+        return replace(score, mean=dict(score.mean) | {"unsettled": 0.9 if late else score.mean["unsettled"]})
+
+    calm = summary(compared.comparison, compared.sets, {}, contest)[1]
+    undone = replace(contest, scores=tuple(lost(s) for s in contest.scores))
+    said = summary(compared.comparison, compared.sets, {}, undone)[1]
+    assert "never settle" not in calm
+    assert said == calm[:-1] + "; but with a dead time of 50 ms that no model knows, tuned PI never settles."
