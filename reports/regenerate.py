@@ -205,12 +205,13 @@ def main(arguments: list[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     if not EXAMPLES.is_dir():
         parser.exit(2, f"no folder {EXAMPLES} here: run it from the root of a checkout\n")
-    wrong = 0
-    for name in given.names or ALL:
+    names, wrong = given.names or list(ALL), 0
+    for name in names:
         try:
             make(ALL[name], BUILT / name, quick=given.check)
         except subprocess.CalledProcessError as error:
             parser.exit(2, f"{name}: its command ended with {error.returncode}; what it said stands above\n")
+    for name in names:  # after all are made: a page names the commit, and whether files differ from it
         if not given.check:
             keep(ALL[name], BUILT / name)
             continue
