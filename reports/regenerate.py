@@ -39,7 +39,7 @@ class Example:
 
 ALL: Mapping[str, Example] = {
     "comparison": Example(
-        ("compare", "--example", "--samples", "40", "--mpc-plants", "10"),
+        ("compare", "--example", "--samples", "50", "--mpc-plants", "10"),
         "comparison.html",
         "comparison.json",
         {n: n for n in ("comparison.csv", "contest.csv", "steps-flexion.png")},

@@ -31,16 +31,19 @@ def against(scores: list[Score], reference: str, metric: str = "iae_deg_s") -> s
 
 
 def rig_sentences(found: Contest) -> list[str]:
-    """Of each motion, in whose IAE each rig turns a lead over the reference controller into none."""
+    """Of each motion, who loses its lead over the reference controller in IAE on which rigs, of rigs that
+    enough plants were seen with."""
     said = []
     for motion in dict.fromkeys(m for m, _, _ in found.tables if m != BOTH):
-        before = {s.controller for s in found.of(motion, "perturbed plants", "steps")
-                  if s.against["iae_deg_s"].sign < 0}  # fmt: skip
+        ahead = {s.controller for s in found.of(motion, "perturbed plants", "steps")
+                 if s.against["iae_deg_s"].sign < 0}  # fmt: skip
+        lost: dict[tuple[str, ...], list[str]] = {}
         for name in RIGS:
-            scores = found.of(motion, name, "steps")
-            lost = [
-                s.controller for s in scores if s.controller in before and s.against["iae_deg_s"].sign >= 0
-            ]
-            if lost:
-                said.append(f"{motion}, {name}: the lead in IAE is lost by {', '.join(lost)}.")
+            scores = [s for s in found.of(motion, name, "steps") if s.plants >= FEWEST]
+            losers = tuple(s.controller for s in scores
+                           if s.controller in ahead and s.against["iae_deg_s"].sign >= 0)  # fmt: skip
+            if losers:
+                lost.setdefault(losers, []).append(name)
+        for losers, names in lost.items():
+            said.append(f"{motion}, {' and '.join(names)}: the lead in IAE is lost by {', '.join(losers)}.")
     return said

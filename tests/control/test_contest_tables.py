@@ -1,6 +1,7 @@
 """Every controller of a contest meets the same plants, and what is reported is what was played."""
 
 import json
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -9,10 +10,10 @@ import pytest
 from design.contest import Contest, contest, contest_record
 from design.contest.plants import FORMS, RIGS, day_to_day, first, nominal, perturbed, rig, within_reach
 from design.contest.run import METRICS
-from design.contest.scores import BESIDE, BOTH, by_plant, play
-from design.contest.statistics import FEWEST
+from design.contest.scores import BESIDE, BOTH, Score, by_plant, play
+from design.contest.statistics import FEWEST, Interval
 from design.contest.tasks import FAMILIES, tasks
-from design.contest.words import against, sentences
+from design.contest.words import against, rig_sentences, sentences
 from design.controllers.pi import PI
 from design.mpc.linear import linear_mpc
 from design.mpc.problem import Problem
@@ -156,6 +157,21 @@ def test_the_sentences_name_each_motion_that_enough_plants_tell_of():
     of_steps = [s.split(",")[0] for s in sentences(small()) if ", steps: " in s]
     assert of_steps == ["flexion", "deviation"]
     assert small().of(*next(k for k in small().tables if k[0] == BOTH))[0].plants < FEWEST
+
+
+def test_a_rig_takes_a_lead_away_only_where_enough_plants_say_so():
+    def score(field, plants, low, high):
+        against = {m: Interval(0.5 * (low + high), low, high) for m in ("iae_deg_s", "settling_time_s")}
+        return Score("flexion", field, "steps", "quick", plants, {}, 1.0, against, {})
+
+    def said(plants, low, high):
+        rigs = [score(name, plants, low, high) for name in RIGS]
+        return rig_sentences(replace(small(), scores=(score("perturbed plants", 50, -2.0, -1.0), *rigs)))
+
+    assert said(10, -2.0, -1.0) == []
+    assert said(9, -np.inf, np.inf) == []
+    (one,) = said(10, -1.0, 0.1)
+    assert one == f"flexion, {' and '.join(RIGS)}: the lead in IAE is lost by quick."
 
 
 def test_too_few_plants_are_refused():
