@@ -25,7 +25,9 @@ def copy_of_the_project(folder: Path) -> Path:
 
 def run(arguments: list[str], folder: Path) -> str:
     """What a process says that imports the copy rather than the project."""
-    environment = os.environ | {"PYTHONPATH": str(folder), "MPLBACKEND": "Agg"}
+    # In a pipe lines are as long as they come, but for who asks otherwise.
+    known = {k: v for k, v in os.environ.items() if k != "COLUMNS"}
+    environment = known | {"PYTHONPATH": str(folder), "MPLBACKEND": "Agg"}
     done = subprocess.run(
         [sys.executable, *arguments], cwd=folder, env=environment, capture_output=True, text=True, check=False
     )

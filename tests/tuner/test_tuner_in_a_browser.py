@@ -27,8 +27,11 @@ def until_drawn_anew(page, selector, before):
     )
 
 
-def colour(page, selector, what="color"):
-    return page.locator(selector).first.evaluate(f"e => getComputedStyle(e)['{what}']")
+def turns(page, selector, value, what="color"):
+    """Wait until what a selector finds first has a colour; a drawing may be made anew meanwhile."""
+    from playwright.sync_api import expect
+
+    expect(page.locator(selector).first).to_have_css(what, value, timeout=30_000)
 
 
 def point(page):
@@ -96,10 +99,10 @@ def test_a_violated_limit_turns_red_and_says_so(shown, put, tmp_path):
     row = page.locator(".wrist-tuner .tables tr", has_text="Ms, peak")
     assert row.locator("td").first.inner_text().startswith("✗ ")
     assert "violated" in row.inner_text()
-    assert colour(page, ".wrist-tuner td.violated") == RED
-    assert colour(page, ".wrist-tuner .status") == RED
-    assert colour(page, ".wrist-tuner .limit.Ms.violated", "stroke") == RED
-    assert colour(page, ".wrist-tuner .point", "fill") == RED
+    turns(page, ".wrist-tuner td.violated", RED)
+    turns(page, ".wrist-tuner .status", RED)
+    turns(page, ".wrist-tuner .limit.Ms.violated", RED, "stroke")
+    turns(page, ".wrist-tuner .point", RED, "fill")
     page.screenshot(path=tmp_path / "red.png")
 
 
@@ -145,7 +148,7 @@ def test_a_file_of_somebody_else_is_not_touched(shown):
     page.get_by_role("button", name="Keep gains").click()
     page.get_by_text("exists already; choose another name").wait_for()
     assert other.read_text() == "mine = 1\n"
-    assert colour(page, ".wrist-tuner .kept") == RED
+    turns(page, ".wrist-tuner .kept", RED)
 
 
 def test_it_fits_a_narrow_window_and_a_dark_page(shown, put, tmp_path):
