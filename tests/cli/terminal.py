@@ -5,6 +5,7 @@ import os
 import pty
 import re
 import select
+import signal
 import struct
 import subprocess
 import sys
@@ -50,6 +51,13 @@ class Seen(NamedTuple):
         return [re.sub(r"\x1b\[[\d;?]*[A-Za-z]", "", line) for line in self.screen.splitlines()]
 
 
+def _as_in_a_shell() -> None:
+    """In the new process: the terminal is its own, and Ctrl-C is heard, which a CI that runs its jobs in the
+    background has told all that it starts to ignore."""
+    fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def on_terminal(
     *arguments: object,
     columns: int = 80,
@@ -66,7 +74,7 @@ def on_terminal(
             command + [str(a) for a in arguments],
             stdin=theirs, stdout=theirs if stdout is None else file, stderr=theirs,
             start_new_session=True, env=environment(**more),
-            preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
+            preexec_fn=_as_in_a_shell,
         )  # fmt: skip
     os.close(theirs)
     screen, pressed, begun = "", 0.0, time.monotonic()
