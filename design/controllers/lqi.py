@@ -27,6 +27,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from design.controllers.controller import Measured
+from design.controllers.double_pole import double_pole
 from plants import lag
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
 
@@ -67,9 +68,7 @@ class LQI:
         c = lag.sampled(self.Tw, dt)
         # Both poles of the observer's error at exp(-b dt).  Its matrix before the correction is
         # [[1, 0], [before + after, keep]] in (h', y'), and the correction sees the prediction.
-        pole, rest = np.exp(-self.bandwidth * dt), 1.0 - c.keep
-        correct_y = 1.0 - pole * pole / c.keep
-        correct_h = (c.keep * (1.0 - correct_y) + 1.0 - 2.0 * pole) / rest
+        correct_y, correct_h = double_pole(c.keep, np.exp(-self.bandwidth * dt))
         return SampledLQI(
             self.Ke * dt, self.Kd * dt, self.Kq * dt, self.jump, self.slope, c, correct_h, correct_y,
             -np.expm1(-self.washout * dt), self.low * self.gain, self.high * self.gain, 1.0 / self.gain,

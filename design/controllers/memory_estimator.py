@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from design.controllers.double_pole import double_pole
 from plants import hysteresis, lag
 from plants.hysteresis import Hysteresis, Memory
 from plants.wrist import SAMPLE_TIME, Number, Wrist
@@ -95,8 +96,7 @@ class MemoryObserver:
         # Both poles of the error at exp(-b dt), as those of the observer in `controllers.lqi`; at b = 0 none.
         pole = np.exp(-np.asarray(self.bandwidth, float) * dt)
         corrects = np.where(np.asarray(self.bandwidth) > 0.0, 1.0, 0.0)
-        correct_y = corrects * (1.0 - pole * pole / c.keep)
-        correct_h = corrects * (c.keep * (1.0 - correct_y) + 1.0 - 2.0 * pole) / (1.0 - c.keep)
+        correct_y, correct_h = (corrects * gain for gain in double_pole(c.keep, pole))
         return SampledObserver(
             self.a1, self.w1, self.a2, self.w2, self.s, self.rest_pressure, c,
             correct_h, correct_y, self.doubt,

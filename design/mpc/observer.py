@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.controller import Measured
+from design.controllers.double_pole import double_pole
 from design.controllers.memory_estimator import memory_at_rest
 from design.mpc.prediction import STATES, indented, inlined
 from design.mpc.problem import Believed, Problem
@@ -106,8 +107,7 @@ class Gains(NamedTuple):
 def gains(problem: Problem) -> Gains:
     """Gains that put both poles of angle and shift at exp(-bandwidth period)."""
     keep, pole = exp(-problem.period / problem.wrist.Tw), exp(-problem.observer.bandwidth * problem.period)
-    angle = 1.0 - pole * pole / keep
-    shift = (keep * (1.0 - angle) + 1.0 - 2.0 * pole) / (1.0 - keep)
+    angle, shift = double_pole(keep, pole)
     at_rest = 1.0 - exp(-problem.wrist.regulator.k_slow * problem.period)
     return Gains(angle, shift, problem.observer.lack, problem.wrist.regulator.gain, at_rest, problem.substeps)
 
