@@ -8,8 +8,10 @@ which the runner (`plants.compiled`) lays there before every step.
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 Number = Any
+Array = NDArray[np.float64]
 LONGEST = 511
 """Samples that a line holds."""
 
@@ -52,3 +54,24 @@ def step(line: DelayLine, value: Number, c: SampledDelay) -> tuple[DelayLine, Nu
     """
     near = np.where(c.samples < 0.5, value, line.near)
     return line._replace(newest=value), near + c.share * (line.far - near)
+
+
+def arriving(commands: Array, before: Array, late: Array, index: Array) -> Array:
+    """Commands [V], (samples, lanes), as they arrive at the samples of an index, `late` samples after they
+    were given, linear between two of them as a line has it; `before` [V] was held until the start; (lanes,).
+
+    For a loop that is cut into calls, which no line outlasts.
+
+    >>> given = np.array([[1.0], [2.0], [3.0]])
+    >>> arriving(given, np.array([0.0]), np.array([1.5]), np.arange(3.0)).ravel().tolist()
+    [0.0, 0.5, 1.5]
+    """
+    whole = np.floor(late + 1e-9).astype(int)
+    share, lanes = np.maximum(late - whole, 0.0), np.arange(late.size)
+
+    def given(at_: NDArray[np.intp]) -> Array:
+        return np.where(at_ >= 0, commands[np.maximum(at_, 0), lanes], before)
+
+    near = index.astype(int)[:, None] - whole
+    found: Array = (1.0 - share) * given(near) + share * given(near - 1)
+    return found

@@ -21,6 +21,7 @@ from design.contest.tasks import DURATION, Course
 from design.controllers.controller import Measured
 from design.robustness.samples.noisy_loop import HOLD, Sensor, rounded
 from plants import wrist as plant
+from plants.delay import arriving
 from plants.effects.effect import Around
 from plants.errors import InputError
 from plants.simulate import run_lanes
@@ -201,17 +202,3 @@ def advance(s: Side, first: int, other: Array | None = None) -> tuple[Played, Ar
         jobs=1, held=own, hold=1,
     )  # fmt: skip
     return played, rows[0]
-
-
-def arriving(commands: Array, before: Array, late: Array, index: Array) -> Array:
-    """Commands [V] as they arrive at samples, `late` samples (lanes,) after they were given, linear between
-    two samples as `plants.delay` has it; `before` (lanes,) was held until the start."""
-    whole = np.floor(late + 1e-9).astype(int)
-    share, lanes = np.maximum(late - whole, 0.0), np.arange(late.size)
-
-    def given(at_: NDArray[np.intp]) -> Array:
-        return np.where(at_ >= 0, commands[np.maximum(at_, 0), lanes], before)
-
-    near = index.astype(int)[:, None] - whole
-    found: Array = (1.0 - share) * given(near) + share * given(near - 1)
-    return found

@@ -20,6 +20,7 @@ from design.mpc.fallback import State as MPCState
 from design.mpc.problem import Problem
 from plants import tree
 from plants import wrist as plant
+from plants.delay import arriving
 from plants.effects.dead_time import DeadTime, TubeDeadTime
 from plants.effects.effect import Around
 from plants.errors import InputError
@@ -128,7 +129,8 @@ def run(
     if memory is None:
         seen = see(float(plant.read(at_rest, c.plant, Around(begin))))
         memory = controller.init(Measured(0.0, seen, float(at_rest.pressure)))
-    held, commands = memory.command, np.full(periods * substeps, memory.command)
+    held, late = np.array([memory.command]), np.array([delay / SAMPLE_TIME])
+    commands = np.full(periods * substeps, memory.command)
     loop, infos = Played(at_rest, metrics.begin(memory.command)), list[Info]()
     names = [n for n in tree.names(loop) if n.startswith("plant.")] if record else []
     pieces = []
@@ -142,7 +144,7 @@ def run(
         commands[first:] = command
         index = np.arange(first, last, dtype=float)
         signals = {
-            "arrives": _late(commands, held, delay, first, last), "given": commands[first:last],
+            "arrives": arriving(commands[:, None], held, late, index)[:, 0], "given": commands[first:last],
             "index": index, "time": begin + index * SAMPLE_TIME,
         }  # fmt: skip
         after, rows = run_lanes(
@@ -164,16 +166,6 @@ def _sensor(s: Sensor) -> Any:
         return float(np.round(noisy / s.quantum) * s.quantum) if s.quantum else noisy
 
     return see
-
-
-def _late(commands: Array, held: float, delay: float, first: int, last: int) -> Array:
-    """Commands [V] of some samples as they arrive, as `plants.delay` has it: linear between samples."""
-    whole = int(np.floor(delay / SAMPLE_TIME + 1e-9))
-    share = max(delay / SAMPLE_TIME - whole, 0.0)
-    at = np.arange(first, last) - whole
-    # Before the start the command was that which holds the wrist at rest, whatever the first one is.
-    near, far = (np.where(i >= 0, commands[np.maximum(i, 0)], held) for i in (at, at - 1))
-    return np.asarray(near + share * (far - near), float)
 
 
 def _trajectory(
