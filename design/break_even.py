@@ -255,8 +255,8 @@ def _believed(case: Case) -> float:
     p, start = case.scenario.wrist.hysteresis, case.scenario.start
     known: Start = start
     rest = case.scenario.wrist.rest(known)
-    low = float(hysteresis.line1(rest.pressure, p)) - rest.memory.h
-    high = float(hysteresis.line2(rest.pressure, p)) - rest.memory.h
+    low = float(p.ascending(rest.pressure)) - rest.memory.h
+    high = float(p.descending(rest.pressure)) - rest.memory.h
     farther = high if high >= -low * (1.0 - 1e-9) else low
     return float(rest.memory.h + case.belief * farther)
 

@@ -152,14 +152,14 @@ figure
 
 # %%
 loop = flexion.hysteresis
-low, high = hysteresis.line1(100.0, loop), hysteresis.line2(100.0, loop)
+low, high = loop.ascending(100.0), loop.descending(100.0)
 print(f"at 100 kPa the wrist may rest anywhere from {low:+.1f} to {high:+.1f} deg")
 
 once = many = Memory(0.0, 1.0)
 for before, after in pairwise(turns):
-    once = hysteresis.step(once, before, after, loop)
+    once = loop.step(once, before, after)
     for a, b in pairwise(np.linspace(before, after, 1000)):
-        many = hysteresis.step(many, a, b, loop)
+        many = loop.step(many, a, b)
 print(f"the same path in 8 steps and in 8 x 999: {once.h:.6f} and {many.h:.6f} deg")
 assert abs(once.h - many.h) < 1e-9
 

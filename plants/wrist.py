@@ -7,11 +7,11 @@ floats, arrays (one lane each, for batches) or CasADi symbols: the laws are the 
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plants import hysteresis, lag, regulator
 from plants.effects.effect import Around, Effect
-from plants.hysteresis import Hysteresis, Memory
+from plants.hysteresis import STARTS, Bend, HysteresisLaw, Start
 from plants.regulator import Regulator
 
 if TYPE_CHECKING:
@@ -24,16 +24,14 @@ SAMPLE_TIME = 0.001
 COMMAND_RANGE = (0.0, 4.0)
 """Range of the command [V] (section 3)."""
 
-Start = Literal["virgin", "line1", "line2", "inside"]
-STARTS: tuple[Start, ...] = ("virgin", "line1", "line2", "inside")
-
+__all__ = ["COMMAND_RANGE", "SAMPLE_TIME", "STARTS", "Start", "State", "Wrist"]
 
 class State(NamedTuple):
-    """What the wrist remembers: pressure [kPa], the loop's memory, angle [deg], and the state of
-    each effect."""
+    """What the wrist remembers: pressure [kPa], the memory of its hysteresis, which has the static angle
+    `h` [deg], angle [deg], and the state of each effect."""
 
     pressure: Number
-    memory: Memory
+    memory: Any
     angle: Number
     effects: tuple[Any, ...] = ()
 
@@ -42,19 +40,9 @@ class SampledWrist(NamedTuple):
     """Coefficients of the wrist, and of each effect, for one sample time."""
 
     regulator: regulator.SampledRegulator
-    a1: Number
-    w1: Number
-    a2: Number
-    w2: Number
-    s: Number
-    rest_pressure: Number
+    hysteresis: HysteresisLaw
     lag: lag.SampledLag
     effects: tuple[Any, ...] = ()
-
-    @property
-    def loop(self) -> Hysteresis:
-        """The parameters of the hysteresis."""
-        return Hysteresis(self.a1, self.w1, self.a2, self.w2, self.s, self.rest_pressure)
 
     def at(self, port: str) -> list[tuple[int, Any]]:
         """The effects that act at a port, with their places, in order."""
@@ -96,16 +84,19 @@ def bend(
     state: State, pressure: Number, effects: tuple[Any, ...], c: SampledWrist, around: Around = QUIET
 ) -> State:
     """Second half of a step: the wrist as its pressure [kPa] has moved on."""
-    s, loop = list(effects), c.loop
+    s, loop, bend_by = list(effects), c.hysteresis, None
     before, after = state.pressure, pressure
     for i, effect in c.at("drive"):
         s[i], before, after = effect(s[i], before, after, around)
-    low, high, slope = hysteresis.line1(after, loop), hysteresis.line2(after, loop), loop.s
     for i, effect in c.at("bend"):
-        s[i], down, up, factor = effect(s[i], before, after, loop, around)
-        low, high, slope = low + down, high + up, slope * factor
-    inside = state.memory.h + slope * (1.0 - state.memory.virgin) * (after - before)
-    memory = hysteresis.between(state.memory, inside, low, high)
+        s[i], *shifts = effect(s[i], before, after, loop, around)
+        more = Bend(*shifts)
+        bend_by = (
+            more
+            if bend_by is None
+            else Bend(bend_by.low + more.low, bend_by.high + more.high, bend_by.slope * more.slope)
+        )
+    memory = loop.step(state.memory, before, after, bend_by)
 
     before, after = state.memory.h, memory.h
     for i, effect in c.at("static"):
@@ -157,7 +148,7 @@ class Wrist:
     """
 
     regulator: Regulator
-    hysteresis: Hysteresis
+    hysteresis: HysteresisLaw
     Tw: Number
     effects: tuple[Effect, ...] = ()
 
@@ -178,7 +169,7 @@ class Wrist:
         the forms given."""
         declared = cls(
             Regulator(*(values[n] for n in ("gain", "k_fast", "k_slow", "e0"))),
-            Hysteresis(*(values[n] for n in ("a1", "w1", "a2", "w2", "s", "rest_pressure"))),
+            hysteresis.with_values(values),
             values["Tw"],
         )
         for form in effects:
@@ -207,7 +198,7 @@ class Wrist:
     @property
     def values(self) -> dict[str, Number]:
         """The parameters by name, flat, as in a parameter set; an effect's as ``creep.gain``."""
-        values = {**vars(self.regulator), **vars(self.hysteresis), "Tw": self.Tw}
+        values = {**vars(self.regulator), **self.hysteresis.values, "Tw": self.Tw}
         for effect in self.effects:
             values |= effect.values
         return values
@@ -230,13 +221,12 @@ class Wrist:
 
     def sampled(self, dt: float = SAMPLE_TIME) -> SampledWrist:
         """Coefficients of the wrist for a sample time `dt` [s]."""
-        p = self.hysteresis
         return SampledWrist(
             regulator.sampled(self.regulator, dt),
-            p.a1, p.w1, p.a2, p.w2, p.s, p.rest_pressure,
+            self.hysteresis,
             lag.sampled(self.Tw, dt),
             tuple(e.sampled(self, dt) for e in self.effects),
-        )  # fmt: skip
+        )
 
     def rest(self, start: Start = "virgin", angle: float = 0.0) -> State:
         """The state of a wrist that holds still at an angle [deg], having come there by `start`.

@@ -114,8 +114,8 @@ def loop_trajectories(comparison: Comparison, wrists: Mapping[str, Wrist]) -> "F
             pressure, angle, static = t.pressure[:, 0], t.angle[:, 0], t.static_angle[:, 0]
             low, high = float(pressure.min()) - 28.0, float(pressure.max()) + 8.0
             p = np.array([low, high])
-            axes.plot(p, hysteresis.line1(p, loop), color=GREY, linestyle=DASHED, linewidth=1.0)
-            axes.plot(p, hysteresis.line2(p, loop), color=GREY, linestyle=DASHED, linewidth=1.0)
+            axes.plot(p, loop.ascending(p), color=GREY, linestyle=DASHED, linewidth=1.0)
+            axes.plot(p, loop.descending(p), color=GREY, linestyle=DASHED, linewidth=1.0)
             axes.axhline(STEP, color=BLACK, linewidth=0.8)
             axes.plot(pressure, static, color=VERMILLION, linestyle=DASHED, label="static angle of the loop")
             axes.plot(pressure, angle, color=BLUE, linewidth=2.0, label="angle")
@@ -146,7 +146,7 @@ def _mark_times(axes: "Axes", time: Any, pressure: Any, angle: Any) -> None:
         )  # fmt: skip
 
 
-def _line_names(axes: "Axes", loop: hysteresis.Hysteresis, low: float, high: float) -> None:
+def _line_names(axes: "Axes", loop: FourSegment, low: float, high: float) -> None:
     bottom, top = axes.get_ylim()
     for name, y, pressure, dx, side in (
         ("line 1", bottom + 0.06 * (top - bottom), hysteresis.line1_pressure, 4, "left"),

@@ -121,9 +121,9 @@ def initial_motion(flexion: Wrist, deviation: Wrist) -> tuple[Panel, ...]:
         reached = np.array([r.pressure[-1] for r in ends]), np.array([r.angle[-1] for r in ends])
         loop = wrist.hysteresis
         p: Array = np.linspace(0.0, wrist.regulator.gain * COMMAND_RANGE[1], 200)
-        ends_of_zone = [hysteresis.line2_pressure(0.0, loop), hysteresis.line1_pressure(0.0, loop)]
+        ends_of_zone = [loop.descending_pressure(0.0), loop.ascending_pressure(0.0)]
         p = np.sort(np.concatenate([p, np.clip(ends_of_zone, p[0], p[-1])]))
-        virgin = np.minimum(np.maximum(0.0, hysteresis.line1(p, loop)), hysteresis.line2(p, loop))
+        virgin = np.minimum(np.maximum(0.0, loop.ascending(p)), loop.descending(p))
         series = (Series("virgin curve", p, virgin), Series("held for 20 s", *reached, "points"))
         panels.append(Panel(MOTIONS[motion], PRESSURE, f"Steady-state angle, + {PLUS[motion]} [deg]", series))
     return tuple(panels)
@@ -148,8 +148,8 @@ def loops(flexion: Wrist, deviation: Wrist) -> tuple[Panel, ...]:
         ends = np.arange(1, len(STAIRCASE) + 1) * round(HOLD / SAMPLE_TIME) // 20
         p: Array = np.linspace(0.0, wrist.regulator.gain * COMMAND_RANGE[1], 50)
         series = (
-            Series("line 1", p, hysteresis.line1(p, wrist.hysteresis), "guide"),
-            Series("line 2", p, hysteresis.line2(p, wrist.hysteresis), "guide"),
+            Series("line 1", p, wrist.hysteresis.ascending(p), "guide"),
+            Series("line 2", p, wrist.hysteresis.descending(p), "guide"),
             Series("path", r.pressure, r.static_angle),
             Series("steady states", r.pressure[ends], r.angle[ends], "points"),
         )

@@ -24,7 +24,7 @@ import numpy as np
 
 from design.controllers.double_pole import double_pole
 from plants import hysteresis, lag
-from plants.hysteresis import Hysteresis, Memory
+from plants.hysteresis import FourSegment, Memory
 from plants.wrist import SAMPLE_TIME, Number, Wrist
 
 NEAR_ANGLE = 0.3
@@ -34,12 +34,12 @@ NEAR_PRESSURE = 1.5
 """Pressure [kPa] from that of rest up to which a wrist at rest may be virgin.  Assumed."""
 
 
-def memory_at_rest(angle: Number, pressure: Number, p: Hysteresis) -> Memory:
+def memory_at_rest(angle: Number, pressure: Number, p: FourSegment) -> Memory:
     """The memory of a loop that rests at a measured angle [deg] and pressure [kPa].
 
     What noise has put outside the loop is projected onto it: the angle moves to the nearest line.
 
-    >>> loop = Hysteresis(a1=0.36, w1=6.0, a2=0.36, w2=6.0, s=0.08)
+    >>> loop = FourSegment(a1=0.36, w1=6.0, a2=0.36, w2=6.0, s=0.08)
     >>> [float(x) for x in memory_at_rest(0.1, 100.4, loop)]      # as good as never moved
     [0.0, 1.0]
     >>> [float(x) for x in memory_at_rest(11.9, 150.0, loop)]     # below line 1, by noise
@@ -47,14 +47,14 @@ def memory_at_rest(angle: Number, pressure: Number, p: Hysteresis) -> Memory:
     """
     near = np.where(np.abs(angle) < NEAR_ANGLE, 1.0, 0.0)
     virgin = near * np.where(np.abs(pressure - p.rest_pressure) < NEAR_PRESSURE, 1.0, 0.0)
-    low, high = hysteresis.line1(pressure, p), hysteresis.line2(pressure, p)
+    low, high = p.ascending(pressure), p.descending(pressure)
     return Memory(np.where(virgin > 0.5, 0.0, np.minimum(np.maximum(angle, low), high)), virgin)
 
 
-def pressure_at_rest(angle: Number, pressure: Number, p: Hysteresis) -> Number:
+def pressure_at_rest(angle: Number, pressure: Number, p: FourSegment) -> Number:
     """The pressure [kPa] nearest to the one measured at which the loop can rest at the angle [deg]: the other
     projection onto the loop, for one who trusts the angle more."""
-    low, high = hysteresis.line2_pressure(angle, p), hysteresis.line1_pressure(angle, p)
+    low, high = p.descending_pressure(angle), p.ascending_pressure(angle)
     return np.minimum(np.maximum(pressure, low), high)
 
 
@@ -126,9 +126,9 @@ class SampledObserver(NamedTuple):
     doubt: Number
 
     @property
-    def loop(self) -> Hysteresis:
+    def loop(self) -> FourSegment:
         """The parameters of the hysteresis."""
-        return Hysteresis(self.a1, self.w1, self.a2, self.w2, self.s, self.rest_pressure)
+        return FourSegment(self.a1, self.w1, self.a2, self.w2, self.s, self.rest_pressure)
 
 
 def init(angle: Number, pressure: Number, c: SampledObserver) -> ObserverState:
@@ -145,11 +145,11 @@ def step(s: ObserverState, angle: Number, pressure: Number, c: SampledObserver) 
     (0.0, 1.0)
     """
     loop = c.loop
-    ahead = hysteresis.step(s.memory, s.pressure, pressure, loop)
+    ahead = loop.step(s.memory, s.pressure, pressure)
     predicted = lag.step(s.angle, s.memory.h, ahead.h, c.lag)
     off = angle - predicted
     virgin = np.where(np.abs(off) > c.doubt, 0.0, ahead.virgin)
     corrected = ahead.h + (1.0 - virgin) * c.correct_h * off
-    low, high = hysteresis.line1(pressure, loop), hysteresis.line2(pressure, loop)
+    low, high = loop.ascending(pressure), loop.descending(pressure)
     memory = Memory(np.minimum(np.maximum(corrected, low), high), virgin)
     return ObserverState(memory, predicted + c.correct_y * off, pressure)

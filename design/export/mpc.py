@@ -156,7 +156,7 @@ def parameters(m: Memory, command: Number, reference: Number, c: SampledWrist, p
     memory, P = b.plant.memory, b.plant.pressure
 
     def static(v: Number) -> Number:
-        return hysteresis.step(memory, P, gain * v + b.lack, loop).h
+        return loop.step(memory, P, gain * v + b.lack).h
 
     least, most = static(problem.low), static(problem.high)
     was = np.where(m.planned > 0.5, m.u, static(command))

@@ -27,7 +27,7 @@ import numpy as np
 
 from design.limit.replay import Array
 from plants import hysteresis, regulator
-from plants.hysteresis import Hysteresis
+from plants.hysteresis import FourSegment
 from plants.wrist import COMMAND_RANGE, SampledWrist, State, Wrist
 
 AFTER = (4, 6, 8, 11, 15, 20, 26, 33, 41, 50, 62)
@@ -52,7 +52,7 @@ def knows(wrist: Wrist, state: State, reference: float, sign: float) -> bool:
     return (
         all(e.NAME == "dead-time" for e in wrist.effects)
         and not (bool(state.memory.virgin) and sign * reference < 0.0)
-        and bool(np.all(hysteresis.line1(ends, p) <= hysteresis.line2(ends, p)))
+        and bool(np.all(p.ascending(ends) <= p.descending(ends)))
     )
 
 
@@ -105,7 +105,7 @@ def _fallen(c: SampledWrist, back: float, pressure: Array, samples: int) -> Arra
     return out
 
 
-def _risen(c: SampledWrist, p: Hysteresis, sign: float, back: float, goal: Array, samples: int) -> Array:
+def _risen(c: SampledWrist, p: FourSegment, sign: float, back: float, goal: Array, samples: int) -> Array:
     """The static angle on the braking line [deg], times `sign`, that is brought to `goal` by so many
     samples of throttle backwards, (samples + 1, goals)."""
     line, inverse = (

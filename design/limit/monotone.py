@@ -138,7 +138,7 @@ def _check_lines(wrist: Wrist, state: State) -> None:
     c, loop, grid, quiet = wrist.sampled(), wrist.hysteresis, _pressures(wrist, state), Around()
     rest = wrist.rest().effects
     acting = driven(wrist, grid)
-    low, high = hysteresis.line1(acting, loop), hysteresis.line2(acting, loop)
+    low, high = loop.ascending(acting), loop.descending(acting)
     for i, effect in c.at("bend"):
         _, down, up, _ = effect(rest[i], acting, acting, loop, quiet)
         low, high = low + down, high + up

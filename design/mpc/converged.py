@@ -153,7 +153,7 @@ class ConvergedMPC:
         N, p, loop = self.problem.horizon, self.problem, self.problem.wrist.hysteresis
         aim = reference - believed.shift
         to, back = (p.high, p.low) if aim > believed.plant.memory.h else (p.low, p.high)
-        pressures = (hysteresis.line1_pressure(aim, loop), hysteresis.line2_pressure(aim, loop))
+        pressures = (loop.ascending_pressure(aim), loop.descending_pressure(aim))
         families = []
         for k in range(min(N, BACK) + 1):
             for pressure in pressures:

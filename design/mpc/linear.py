@@ -211,8 +211,8 @@ def plan(
     return of.static_free @ x + of.static_forced @ solution.x, solution
 
 
-def _static(memory: Memory, before: float, after: float, p: hysteresis.Hysteresis) -> float:
-    """`hysteresis.step(...).h` of plain floats: the ufuncs cost more than the rest of a plan."""
+def _static(memory: Memory, before: float, after: float, p: FourSegment) -> float:
+    """`....step().h` of plain floats: the ufuncs cost more than the rest of a plan."""
     inside = memory.h + p.s * (1.0 - memory.virgin) * (after - before)
     low = p.a1 * (after - p.rest_pressure) - p.w1
     high = p.a2 * (after - p.rest_pressure) + p.w2

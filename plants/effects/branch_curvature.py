@@ -6,7 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plants.effects.effect import Around, Effect, Linear, Nothing, Number, parameter
+from plants.hysteresis import SIDES
 
+OUTER = SIDES[:2]
 SPAN = 100.0
 """Pressure from rest [kPa] at which the coefficients of the polynomials count in full."""
 
@@ -57,7 +59,7 @@ class Polynomial(Effect):
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         x = _from_rest(wrist, reach)
         slope = _least_and_largest(1.0 + x * (2.0 * self.quadratic + 3.0 * self.cubic * x))
-        return Linear(slopes=dict.fromkeys(("transit", "line1", "line2"), slope))
+        return Linear(slopes=dict.fromkeys(SIDES, slope))
 
 
 class SampledSaturation(NamedTuple):
@@ -92,7 +94,7 @@ class Saturation(Effect):
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         slope = _least_and_largest(1.0 - np.tanh(_from_rest(wrist, reach) * SPAN / self.range) ** 2)
-        return Linear(slopes=dict.fromkeys(("transit", "line1", "line2"), slope))
+        return Linear(slopes=dict.fromkeys(SIDES, slope))
 
 
 class SampledBow(NamedTuple):
@@ -130,11 +132,12 @@ class Bow(Effect):
         return SampledBow(wrist.hysteresis.rest_pressure, self.bow1, self.bow2, self.cubic)
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
-        p, x = wrist.hysteresis, _from_rest(wrist, reach)
-        slopes = {}
-        for line, bow, straight in (("line1", self.bow1, p.a1), ("line2", self.bow2, p.a2)):
+        x, slopes = _from_rest(wrist, reach), {}
+        for side, bow, straight in zip(
+            OUTER, (self.bow1, self.bow2), wrist.hysteresis.steepness, strict=True
+        ):
             bend = x * (2.0 * bow + 3.0 * self.cubic * x) / SPAN  # deg/kPa
-            slopes[line] = _least_and_largest(1.0 + bend / straight)
+            slopes[side] = _least_and_largest(1.0 + bend / straight)
         return Linear(slopes=slopes)
 
 
@@ -153,7 +156,8 @@ class SampledCurve(NamedTuple):
             lower, here = here, 2.0 * x * here - lower
             # Minus its value at rest, so that a wrist at rest stays at 0.
             curve = curve + share * (here - np.cos(degree * np.pi / 2.0))
-        return s, loop.a1 * SPAN * curve, loop.a2 * SPAN * curve, 1.0
+        up, down = loop.steepness
+        return s, up * SPAN * curve, down * SPAN * curve, 1.0
 
 
 @dataclass(frozen=True)
@@ -182,4 +186,4 @@ class Curve(Effect):
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         shares = [0.0, 0.0, self.t2, self.t3, self.t4, self.t5, self.t6, self.t7]
         bend = np.polynomial.Chebyshev(shares).deriv()(np.clip(_from_rest(wrist, reach), -1.2, 1.2))
-        return Linear(slopes=dict.fromkeys(("line1", "line2"), _least_and_largest(1.0 + bend)))
+        return Linear(slopes=dict.fromkeys(OUTER, _least_and_largest(1.0 + bend)))

@@ -24,7 +24,8 @@ from dataclasses import dataclass, field, fields
 from itertools import product
 from typing import Any, ClassVar, Literal, NamedTuple
 
-from plants.quantities import Kind
+from plants.hysteresis import Side
+from plants.parameters.spec import Kind
 
 Number = Any
 EffectStage = Literal["regulator", "wrist", "sensor"]
@@ -45,14 +46,14 @@ class Linear:
     command, static: frequency responses, shape of z, in the commanded pressure and in the
     static angle; joint: that from the static angle to the angle, in place of the lag's;
     rates: factors of the regulator's rate that occur; slopes: least and largest factor
-    of the slope of each branch that is changed.
+    of the slope on each side of the loop where it is changed.
     """
 
     command: Any = 1.0
     static: Any = 1.0
     joint: Any = None
     rates: tuple[float, ...] = (1.0,)
-    slopes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    slopes: Mapping[Side, tuple[float, float]] = field(default_factory=dict)
 
 
 class Nothing(NamedTuple):

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 
 from plants import hysteresis, inverse, one_page, regulator
 from plants.compiled import jacobians
-from plants.hysteresis import Hysteresis, Memory
+from plants.hysteresis import FourSegment, Memory
 from plants.quantities import loop_problem
 from plants.regulator import Regulator
 from plants.wrist import Wrist
@@ -23,7 +23,7 @@ def loops(draw):
     a1, a2 = draw(slope), draw(slope)
     width = st.floats(0.2, 15.0)
     s = draw(share) * min(a1, a2)
-    p = Hysteresis(a1, draw(width), a2, draw(width), s, draw(st.floats(80.0, 120.0)))
+    p = FourSegment(a1, draw(width), a2, draw(width), s, draw(st.floats(80.0, 120.0)))
     assume(loop_problem(vars(p), LOW, HIGH) is None)
     return p
 
@@ -35,7 +35,7 @@ def at_the_end(p, history):
     """Memory, and pressure, of a loop that was virgin at rest and taken to one pressure after the other."""
     memory, pressure = Memory(0.0, 1.0), p.rest_pressure
     for after in history:
-        memory, pressure = hysteresis.step(memory, pressure, after, p), after
+        memory, pressure = p.step(memory, pressure, after), after
     return memory, pressure
 
 
@@ -46,7 +46,7 @@ def test_the_loop_goes_to_the_angle_that_was_asked_for(p, history, share):
     angle = low + share * (high - low)
     after = inverse.pressure_for(memory, pressure, angle, p)
     assert LOW - 1e-9 <= after <= HIGH + 1e-9
-    assert abs(hysteresis.step(memory, pressure, after, p).h - angle) <= 1e-9
+    assert abs(p.step(memory, pressure, after).h - angle) <= 1e-9
 
 
 @given(loops(), histories, st.lists(st.floats(0.0, 1.0), min_size=2, max_size=8))
@@ -56,7 +56,7 @@ def test_it_does_so_along_a_whole_way_of_reversals(p, history, shares):
     for share in shares:
         angle = low + share * (high - low)
         after = inverse.pressure_for(memory, pressure, angle, p)
-        memory, pressure = hysteresis.step(memory, pressure, after, p), after
+        memory, pressure = p.step(memory, pressure, after), after
         assert abs(memory.h - angle) <= 1e-9
 
 
@@ -74,7 +74,7 @@ def test_no_shorter_move_gives_the_angle(p, history, share):
     after = inverse.pressure_for(memory, pressure, angle, p)
     shorter = pressure + np.linspace(0.0, 0.999, 50) * (after - pressure)
     assume(abs(after - pressure) > 1e-6 and abs(angle - memory.h) > 1e-6)
-    assert (np.abs(hysteresis.step(memory, pressure, shorter, p).h - angle) > 1e-12).all()
+    assert (np.abs(p.step(memory, pressure, shorter).h - angle) > 1e-12).all()
 
 
 @given(st.floats(-29.9, 29.1), st.lists(st.floats(0.5, 3.9), max_size=4))

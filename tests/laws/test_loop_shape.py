@@ -49,7 +49,7 @@ def test_wandering_within_the_dead_zone_leaves_no_trace(loop, shares):
 @given(loops(), pressures, pressures)
 def test_falling_from_line_1_the_angle_takes_the_transit_until_line_2(loop, one, other):
     after, before = sorted((one, other))
-    memory = hysteresis.step(Memory(line1(before, loop), 0.0), before, after, loop)
+    memory = loop.step(Memory(line1(before, loop), 0.0), before, after)
     transit = line1(before, loop) - loop.s * (before - after)
     assert abs(float(memory.h) - min(transit, line2(after, loop))) < ROUNDING
 
@@ -57,7 +57,7 @@ def test_falling_from_line_1_the_angle_takes_the_transit_until_line_2(loop, one,
 @given(loops(), pressures, pressures)
 def test_rising_from_line_2_the_angle_takes_the_transit_until_line_1(loop, one, other):
     before, after = sorted((one, other))
-    memory = hysteresis.step(Memory(line2(before, loop), 0.0), before, after, loop)
+    memory = loop.step(Memory(line2(before, loop), 0.0), before, after)
     transit = line2(before, loop) + loop.s * (after - before)
     assert abs(float(memory.h) - max(transit, line1(after, loop))) < ROUNDING
 

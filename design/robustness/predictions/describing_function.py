@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants import hysteresis
-from plants.hysteresis import Hysteresis, Memory
+from plants.hysteresis import FourSegment, Memory
 from plants.regulator import Regulator
 
 Array = NDArray[np.float64]
@@ -50,12 +50,12 @@ def backlash(half_gap: float, amplitude: Any) -> NDArray[np.complex128]:
     return np.asarray(np.where(half_gap < A, real - 1j * (1.0 - c * c) / np.pi, 0.0), complex)
 
 
-def half_gap(p: Hysteresis) -> float:
+def half_gap(p: FourSegment) -> float:
     """Amplitude of pressure [kPa] up to which an oscillation stays between parallel lines."""
     return float((p.w1 + p.w2) / (2.0 * (p.a1 - p.s)))
 
 
-def swept(p: Hysteresis, amplitude: Any, centre: Any, points: int = POINTS) -> tuple[Array, Array]:
+def swept(p: FourSegment, amplitude: Any, centre: Any, points: int = POINTS) -> tuple[Array, Array]:
     """Pressure [kPa] and static angle [deg] over one steady cycle, each (points + 1, amplitudes).
 
     The pressure is centre + amplitude sin, from the centre upwards, stepped by the law of the simulator
@@ -65,16 +65,16 @@ def swept(p: Hysteresis, amplitude: Any, centre: Any, points: int = POINTS) -> t
     A, middle = (np.ravel(x) for x in np.broadcast_arrays(np.asarray(amplitude, float), centre))
     sine = np.sin(np.arange(2 * points + 1) * (2.0 * np.pi / points))
     pressure = np.asarray(middle + A * sine[:, None], float)
-    start = 0.5 * (hysteresis.line1(middle, p) + hysteresis.line2(middle, p))
+    start = 0.5 * (p.ascending(middle) + p.descending(middle))
     memory, angle = Memory(start, np.zeros_like(A)), [start]
     for before, after in pairwise(pressure):
-        memory = hysteresis.step(memory, before, after, p)
+        memory = p.step(memory, before, after)
         angle.append(memory.h)
     return pressure[points:], np.asarray(angle, float)[points:]
 
 
 def hysteresis_function(
-    p: Hysteresis, amplitude: Any, centre: Any = None
+    p: FourSegment, amplitude: Any, centre: Any = None
 ) -> tuple[NDArray[np.complex128], Array]:
     """Describing function [deg/kPa] of the loop and the mean static angle [deg], each (amplitudes,).
 
@@ -82,7 +82,7 @@ def hysteresis_function(
     shape.  An oscillation that stays between the lines keeps what memory it came with; the mean is then
     that of one from half-way between them.
 
-    >>> N, mean = hysteresis_function(Hysteresis(0.36, 6.0, 0.36, 6.0, 0.08), [1.0, 1e6])
+    >>> N, mean = hysteresis_function(FourSegment(0.36, 6.0, 0.36, 6.0, 0.08), [1.0, 1e6])
     >>> [complex(n.round(3)) for n in N]                 # the transit, and in the end the lines
     [(0.08+0j), (0.36-0j)]
     """
@@ -120,14 +120,14 @@ def _integrals(size: Any, level: Any, turn: Array) -> tuple[NDArray[np.complex12
     return np.asarray(real + 1j * imag, complex), np.asarray(level * turn - size * cosine, float)
 
 
-def centre_of(p: Hysteresis, amplitude: Any, angle: float) -> Array:
+def centre_of(p: FourSegment, amplitude: Any, angle: float) -> Array:
     """Pressure [kPa] about which an oscillation has a mean static angle [deg], shape of `amplitude`.
 
     An integrator holds the mean error at zero, so that this is where a limit cycle about a reference
     sits.  By secants; the mean angle rises with the centre.
     """
     A = np.atleast_1d(np.asarray(amplitude, float))
-    middle = 0.5 * (hysteresis.line1_pressure(angle, p) + hysteresis.line2_pressure(angle, p))
+    middle = 0.5 * (p.ascending_pressure(angle) + p.descending_pressure(angle))
     x0 = np.full(A.shape, float(middle))
     x1 = x0 + 1.0
     f0, f1 = (hysteresis_function(p, A, x)[1] - angle for x in (x0, x1))

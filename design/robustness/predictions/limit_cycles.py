@@ -96,7 +96,7 @@ def predicted(wrist: Wrist, controller: PI, reference: float = 0.0) -> list[Limi
     for A, w, stable in balances(wrist, controller, reference):
         centre = float(centre_of(loop, A, reference)[0])
         ends = np.array([centre - A, centre + A])
-        if np.any(hysteresis.line1(ends, loop) > hysteresis.line2(ends, loop)):
+        if np.any(loop.ascending(ends) > loop.descending(ends)):
             continue
         N, _ = hysteresis_function(loop, A, centre)
         known = parts(wrist, controller, w)
