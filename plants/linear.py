@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants import lag, regulator, tree
-from plants.compiled import jacobians
 from plants.hysteresis import Memory
+from plants.kernel.graphs import jacobians
 from plants.regulator import Regulator
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist, step
 

@@ -28,7 +28,7 @@ from design.mpc import linear, observer
 from design.mpc.prediction import coefficients
 from design.mpc.problem import Believed, Problem
 from plants import hysteresis, inverse, tree, wrist
-from plants.compiled import baked, c_source, graph
+from plants.kernel.graphs import baked, c_source, graph
 from plants.wrist import SampledWrist, State
 
 Number = Any

@@ -16,8 +16,8 @@ from design.controllers.memory_estimator import MemoryObserver, init
 from design.controllers.memory_estimator import step as observe
 from design.export.fields import ANGLE, COMMAND, PRESSURE, REFERENCE, Field, described, lines_of
 from plants import tree
-from plants.compiled import baked, c_source, graph, used
 from plants.delay import SampledDelay
+from plants.kernel.graphs import baked, c_source, graph, used
 from plants.wrist import SAMPLE_TIME
 
 Number = Any

@@ -29,8 +29,8 @@ from design.limit.monotone import delay_of, without
 from design.limit.replay import Replay, replay
 from design.metrics import SETTLING_BAND
 from plants import hysteresis, lag, regulator
-from plants.compiled import graph
 from plants.errors import InputError
+from plants.kernel.graphs import graph
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, SampledWrist, State, Wrist
 
 Goal = Literal["settling", "iae"]

@@ -32,8 +32,8 @@ from design.mpc.fallback import State as MPCState
 from design.mpc.prediction import STATES, coefficients, indented, inlined, plain
 from design.mpc.problem import Believed, Problem
 from plants import hysteresis, inverse, tree, wrist
-from plants.compiled import load
 from plants.hysteresis import Memory
+from plants.kernel.cache import load
 from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from plants import hysteresis, inverse, one_page, regulator
-from plants.compiled import jacobians
 from plants.hysteresis import Hysteresis, Memory
+from plants.kernel.graphs import jacobians
 from plants.quantities import loop_problem
 from plants.regulator import Regulator
 from plants.wrist import Wrist

@@ -26,7 +26,7 @@ Flags = NDArray[np.bool_]
 
 CHUNK = 1024
 """Samples that are drawn and run together: large enough that drawing costs little, and fixed, since
-what a sample is depends on it.  A multiple of `plants.compiled.LANES`."""
+what a sample is depends on it.  A multiple of `plants.kernel.templates.LANES`."""
 
 CASES, NOISE = 0, 1  # streams of a chunk
 LINES: tuple[Start, Start] = ("line1", "line2")
