@@ -126,7 +126,7 @@ def by_do_mpc(problem: Problem, state: State, before: float, plan: Array) -> tup
         warnings.simplefilter("ignore")  # it tells which of its optional parts are missing
         import do_mpc
 
-    casadi.GlobalOptions.setNumpyMode(1)  # our laws on symbols, as in plants.compiled
+    casadi.GlobalOptions.setNumpyMode(1)  # our laws on symbols, as in plants.kernel.graphs
     wrist = problem.wrist
     c, model = wrist.sampled(), do_mpc.model.Model("discrete", "SX")
     names = ("pressure", "h", "virgin", "angle")

@@ -78,7 +78,7 @@ def by_do_mpc(c: SampledLoop, s: Loop) -> Callable[[], Array]:
         warnings.simplefilter("ignore")  # do-mpc tells which of its optional parts are missing
         import do_mpc
 
-    casadi.GlobalOptions.setNumpyMode(1)  # our laws on symbols, as in plants.compiled
+    casadi.GlobalOptions.setNumpyMode(1)  # our laws on symbols, as in plants.kernel.graphs
     like: tuple[State, PIState] = (s.plant, s.controller)
     model = do_mpc.model.Model("discrete", "SX")
     names = [n.replace(".", "_") for n in ("pressure", "h", "virgin", "angle", "integral")]

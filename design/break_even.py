@@ -24,7 +24,7 @@ from design.controllers.controller import Controller, Measured
 from design.loop import run
 from design.metrics import Metrics
 from design.tasks import HEADROOM, STEP, Scenario, corner, unreachable
-from plants import hysteresis, tree
+from plants import tree
 from plants.effects.dead_time import DeadTime
 from plants.errors import InputError
 from plants.wrist import COMMAND_RANGE, STARTS, Start, Wrist

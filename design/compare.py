@@ -203,7 +203,7 @@ def _standing(
 def _settings(controller: Any) -> dict[str, float]:
     """Settings by name: all of a controller's, and of an MPC those of its problem that are numbers."""
     of = controller.problem if hasattr(controller, "problem") else controller
-    found = dict(vars(of))
+    found = dict(getattr(of, "settings", None) or vars(of))
     for part in ("weights", "observer"):
         if part in found:
             found |= {f"{part}.{n}": v for n, v in vars(found[part]).items()}

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.pi import PI
-from plants.linear import BRANCHES, RATES, branch_ss, responses
+from plants.linear import RATES, branch_slopes, branch_ss, responses
 from plants.wrist import SAMPLE_TIME, Wrist
 
 Array = NDArray[np.float64]
@@ -51,7 +51,7 @@ class Margins:
 
 
 def branch_responses(wrist: Wrist, points: int = 800) -> list[BranchResponse]:
-    """Frequency responses on {transit, line1, line2} x {slow, fast}, up to the Nyquist frequency.
+    """Frequency responses on every branch of the hysteresis at both rates, up to the Nyquist frequency.
 
     Effects that change slopes or rates add to that list, see `plants.linear.responses`.
     """
@@ -61,7 +61,7 @@ def branch_responses(wrist: Wrist, points: int = 800) -> list[BranchResponse]:
     if wrist.effects:
         return [BranchResponse(r.branch, r.rate, omega, r.response) for r in responses(wrist, omega)]
     found = []
-    for branch in BRANCHES:
+    for branch in branch_slopes(wrist):
         for rate in RATES:
             system = branch_ss(wrist, branch, rate)
             response = control.frequency_response(system, omega).complex
@@ -208,7 +208,7 @@ def open_loops(
             if n[1].startswith(rates)
         ]
     found = []
-    for branch in BRANCHES:
+    for branch in branch_slopes(wrist):
         for rate in rates:
             loop = loop_tf(wrist, controller, branch, rate)
             poles = control.feedback(loop, 1).poles()

@@ -97,7 +97,7 @@ def simc(wrist: Wrist) -> PI:
     effects = {n: v for e in wrist.effects for n, v in e.values.items()}
     lag, dead = large + small / 2, small / 2 + SAMPLE_TIME / 2
     dead += sum(rest) + effects.get("dead-time.delay", 0.0)
-    Kp = lag / (wrist.hysteresis.a1 * 2.0 * dead)
+    Kp = lag / (wrist.hysteresis.steepness[0] * 2.0 * dead)
     return _pi(wrist, Kp, min(lag, 8.0 * dead))
 
 

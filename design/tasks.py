@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from plants import hysteresis, tree
+from plants import tree
 from plants.rest import obstacle
 from plants.wrist import COMMAND_RANGE, STARTS, Start, State, Wrist
 
@@ -53,10 +53,11 @@ class Spread:
 
 def corner(wrist: Wrist, width: float, slope: float, lag: float) -> Wrist:
     """The wrist with its loop wider, its slopes steeper and its lag longer by factors."""
-    p = wrist.hysteresis
-    return wrist.with_values(
-        a1=p.a1 * slope, a2=p.a2 * slope, s=p.s * slope, w1=p.w1 * width, w2=p.w2 * width, Tw=wrist.Tw * lag
-    )
+    v, roles = wrist.values, wrist.hysteresis.roles(wrist.hysteresis.values)
+    loop = {n: v[n] * slope for n in (*roles["outer"], *roles["inner"])} | {
+        n: v[n] * width for n in roles["width"]
+    }
+    return wrist.with_values(**loop, Tw=wrist.Tw * lag)
 
 
 def corners(wrist: Wrist, spread: Spread) -> list[tuple[str, Wrist]]:
@@ -130,7 +131,7 @@ def unreachable(scenario: Scenario, low: float, high: float) -> float:
         start: Start = "line1" if plus else "line2"
         pressure = scenario.wrist.rest(start, scenario.reference).pressure
     else:
-        pressure = (hysteresis.line1_pressure if plus else hysteresis.line2_pressure)(scenario.reference, p)
+        pressure = (p.ascending_pressure if plus else p.descending_pressure)(scenario.reference)
     command = pressure / scenario.wrist.regulator.gain
     return float(max(low - command, command - high, 0.0))
 

@@ -21,7 +21,6 @@ import design
 import plants
 from design.rules import PAPER_GAINS
 from design.tasks import STEP, Scenario, stack
-from plants import hysteresis
 from plants.hysteresis import Memory
 from plants.linear import BRANCHES, RATES, wrist_x0
 from plants.quantities import built_in

@@ -2,7 +2,7 @@
 
 A delay of hundreds of samples is no state that a law could pass along one by
 one.  The law puts in `newest` and reads two neighbouring samples of the past,
-which the runner (`plants.compiled`) lays there before every step.
+which the runner (`plants.kernel`) lays there before every step.
 """
 
 from typing import Any, NamedTuple

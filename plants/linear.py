@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants import lag, regulator, tree
-from plants.compiled import jacobians
 from plants.hysteresis import Side
+from plants.kernel.graphs import jacobians
 from plants.regulator import Regulator
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist, step
+from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist, step
 
 RATES = ("slow", "fast")
 """The two ends of the regulator's rate: near to and far from the commanded pressure."""
@@ -43,8 +43,11 @@ def nlsys(wrist: Wrist) -> Any:
         raise ValueError(f"{_named(wrist)}: no control.nlsys of it is to be had; use Wrist.simulate")
     c, rest = wrist.sampled(), wrist.rest()
     names = {
-        "pressure": "pressure_kPa", "memory.h": "static_angle_deg", "memory.virgin": "virgin", "angle": "angle_deg",
-    }  # fmt: skip
+        "pressure": "pressure_kPa",
+        "memory.h": "static_angle_deg",
+        "memory.virgin": "virgin",
+        "angle": "angle_deg",
+    }
 
     def update(_t: float, x: Any, u: Any, _params: Any) -> Any:
         return np.array(tree.leaves(step(tree.like(rest, list(x)), u[0], c)), float)
@@ -160,7 +163,7 @@ def responses(wrist: Wrist, omega: Any) -> list[Response]:
     found = []
     for branch, straight in branch_slopes(wrist).items():
         sides = wrist.hysteresis.sides(branch)
-        slopes = _products([_factors(x.slopes, sides) for x in parts])
+        slopes = _products([slope_factors(x.slopes, sides) for x in parts])
         for slope, rate, speed in product(sorted({min(slopes), max(slopes)}), RATES, speeds):
             share = -np.expm1(-speed * (p.k_fast if rate == "fast" else p.k_slow) * SAMPLE_TIME)
             air = share / (z - 1.0 + share)
@@ -170,7 +173,7 @@ def responses(wrist: Wrist, omega: Any) -> list[Response]:
     return found
 
 
-def _factors(slopes: Mapping[Side, tuple[float, float]], sides: tuple[Side, ...]) -> tuple[float, ...]:
+def slope_factors(slopes: Mapping[Side, tuple[float, float]], sides: tuple[Side, ...]) -> tuple[float, ...]:
     """Least and largest factor of the slope that an effect has on some sides of the loop."""
     found = [factor for side in sides for factor in slopes.get(side, (1.0,))]
     return tuple(sorted({min(found), max(found)}))

@@ -65,8 +65,8 @@ JOINT: Mapping[str, Kind] = {"Tw": Kind("s", "time constant of the wrist's lag",
 
 
 def declared_kinds(law: type[HysteresisLaw], names: Iterable[str] = ()) -> dict[str, Kind]:
-    """The parameters of a declared wrist by name, in order: of the regulator, the hysteresis law and the joint;
-    `names` are those that a set has, for a law whose number of parameters varies.
+    """The parameters of a declared wrist by name, in order: of the regulator, the hysteresis law and the
+    joint; `names` are those that a set has, for a law whose number of parameters varies.
 
     >>> list(declared_kinds(law_of(["a1", "w1", "a2", "w2", "s", "rest_pressure"])))[4:]
     ['a1', 'w1', 'a2', 'w2', 's', 'rest_pressure', 'Tw']
@@ -74,12 +74,25 @@ def declared_kinds(law: type[HysteresisLaw], names: Iterable[str] = ()) -> dict[
     return {**REGULATOR, **law.kinds(names), **JOINT}
 
 
+def kinds_of(names: Iterable[str], effects: "Sequence[type[Effect]]" = ()) -> dict[str, Kind]:
+    """Unit, meaning and bounds of the parameters of a wrist with these names: the declared wrist's, then
+    those of its effects, such as ``creep.gain``.
+
+    >>> from plants.effects import Creep
+    >>> kinds_of(built_in("flexion").parameters, [Creep])["creep.time_constant"].unit
+    's'
+    """
+    given = tuple(names)
+    own = {f"{e.NAME}.{n}": kind for e in effects for n, kind in e.kinds().items()}
+    return declared_kinds(law_of(given), given) | own
+
+
 REGULATOR_NAMES = tuple(REGULATOR)
 
 
 def loop_names(names: Iterable[str]) -> tuple[str, ...]:
-    """The parameters of hysteresis law and joint that can be fitted, of a set with these names; the rest pressure
-    is not, since it is where a recording starts."""
+    """The parameters of hysteresis law and joint that can be fitted, of a set with these names; the rest
+    pressure is not, since it is where a recording starts."""
     given = tuple(names)
     return tuple(n for n in (*law_of(given).kinds(given), *JOINT) if n != "rest_pressure")
 
@@ -126,8 +139,7 @@ class ParameterSet:
         >>> built_in("flexion").kinds["a1"].unit
         'deg/kPa'
         """
-        own = {f"{e.NAME}.{n}": kind for e in self.effects for n, kind in e.kinds().items()}
-        return declared_kinds(self.law, self.parameters) | own
+        return kinds_of(self.parameters, self.effects)
 
     @property
     def record(self) -> dict[str, Any]:

@@ -122,7 +122,8 @@ def _line_angle(wrist: Wrist, line: int, pressure: Number, h: Number) -> Number:
 
 
 def _bent(wrist: Wrist, pressure: Number, h: Number) -> tuple[Number, Number, Number]:
-    """The pressure [kPa] that drives a loop at rest at a pressure [kPa], and the shifts of its lines [deg]."""
+    """The pressure [kPa] that drives a loop at rest at a pressure [kPa], and the shifts of its branches
+    [deg]."""
     c, loop = wrist.sampled(), wrist.hysteresis
     s = _effects(wrist, pressure, h)
     driven, down, up = pressure, 0.0, 0.0

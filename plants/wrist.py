@@ -26,6 +26,7 @@ COMMAND_RANGE = (0.0, 4.0)
 
 __all__ = ["COMMAND_RANGE", "SAMPLE_TIME", "STARTS", "Start", "State", "Wrist"]
 
+
 class State(NamedTuple):
     """What the wrist remembers: pressure [kPa], the memory of its hysteresis, which has the static angle
     `h` [deg], angle [deg], and the state of each effect."""

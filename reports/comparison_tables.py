@@ -7,7 +7,7 @@ from design.compare import METRICS, PAPER, TUNED, Comparison, Row
 from design.metrics import UNITS
 from design.requirements import LIMIT_UNITS, Limits
 from design.tuning import ACTIVE, Tuning
-from plants.quantities import KINDS, Assumed, Fitted, ParameterSet, Stated, kind_of
+from plants.quantities import Assumed, Fitted, ParameterSet, Stated
 from reports.figures import WINDOW, name_of, title_of
 from reports.fitted import Fit
 from reports.tables import Cell, Column, Group, Table, fixed, number, row, spaced, with_error
@@ -56,7 +56,7 @@ def parameter_table(sets: ParameterSet, before: ParameterSet | None = None) -> T
     """Every parameter with its evidence; with the set before the fit, where there was one."""
     rows = []
     for name, p in sets.parameters.items():
-        kind, origin = kind_of(name, sets.effects), p.provenance
+        kind, origin = sets.kinds[name], p.provenance
         value = with_error(p.value, origin.std_error) if isinstance(origin, Fitted) else number(p.value, 4)
         where = Cell(provenance(origin), marked=isinstance(origin, Assumed))
         first = [number(before.parameters[name].value, 4)] if before else []
@@ -197,7 +197,7 @@ def assumption_table(sets: Mapping[str, ParameterSet]) -> Table:
             p = s.parameters[name]
             assert isinstance(p.provenance, Assumed)
             shared.setdefault((name, f"{number(p.value, 4)} {p.unit}", p.provenance.why), []).append(motion)
-    order = list(KINDS)
+    order = list(dict.fromkeys(n for s in sets.values() for n in s.kinds))
     keys = sorted(shared, key=lambda k: order.index(k[0]) if k[0] in order else len(order))
     rows = tuple(row(k[0], k[1], ", ".join(shared[k]), k[2]) for k in keys)
     columns = (Column("Name", number=False), Column("Value"), Column("Motion", number=False),

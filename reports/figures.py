@@ -7,7 +7,7 @@ import numpy as np
 
 from design.compare import PAPER, TUNED, Comparison
 from design.tasks import STEP
-from plants import hysteresis
+from plants.hysteresis import HysteresisLaw
 from plants.wrist import COMMAND_RANGE, Wrist
 from reports.gain_map import gain_map
 from reports.style import (
@@ -146,13 +146,13 @@ def _mark_times(axes: "Axes", time: Any, pressure: Any, angle: Any) -> None:
         )  # fmt: skip
 
 
-def _line_names(axes: "Axes", loop: FourSegment, low: float, high: float) -> None:
+def _line_names(axes: "Axes", loop: HysteresisLaw, low: float, high: float) -> None:
     bottom, top = axes.get_ylim()
     for name, y, pressure, dx, side in (
-        ("line 1", bottom + 0.06 * (top - bottom), hysteresis.line1_pressure, 4, "left"),
-        ("line 2", 0.62 * top, hysteresis.line2_pressure, -4, "right"),
+        ("line 1", bottom + 0.06 * (top - bottom), loop.ascending_pressure, 4, "left"),
+        ("line 2", 0.62 * top, loop.descending_pressure, -4, "right"),
     ):
-        x = float(pressure(y, loop))
+        x = float(pressure(y))
         if low < x < high:
             axes.annotate(
                 name, (x, y), (dx, 0), textcoords="offset points", fontsize=8.5, color=GREY, ha=side,

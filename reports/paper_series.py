@@ -12,7 +12,6 @@ from design.controllers.pi import PI
 from design.loop import run
 from design.rules import paper_range
 from design.tasks import STEP
-from plants import hysteresis
 from plants.quantities import REGULATOR_NAMES
 from plants.regulator import Regulator
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist

@@ -7,7 +7,7 @@ from plants.measured.problem import measured
 from plants.measured.residual.examine import Examination, Finding
 from plants.measured.trace.choose import Candidate, Round
 from plants.measured.trace.trace import Played, Trace
-from plants.quantities import Assumed, Fitted, Provenance, kind_of
+from plants.quantities import Assumed, Fitted, Provenance
 from reports.comparison_tables import CHANNELS, provenance
 from reports.tables import Cell, Column, Group, Table, fixed, number, row, with_error
 from reports.trace_words import VARIABLES, limits_words
@@ -89,7 +89,7 @@ def parameter_table(trace: Trace) -> Table:
         before = [number(declared[name].value, 4) if name in declared else "–"] if revised.effects else []
         cells = row(
             name, *before, value, p.unit, Cell(_where_from(origin), marked=isinstance(origin, Assumed)),
-            kind_of(name, revised.effects).meaning,
+            revised.kinds[name].meaning,
         )  # fmt: skip
         (rows if name in declared else effects).append(cells)
     values = [Column("Declared wrist"), Column("Revised plant")] if revised.effects else [Column("Value")]

@@ -104,7 +104,7 @@ def complete(wrist: Wrist, weights: Weights, bandwidth: float, feedback: Feedbac
     """A feedback as a controller: with an observer that takes every branch for the mean of the lines."""
     p, k = wrist.hysteresis, feedback.gains
     return LQI(
-        float(k[0]), float(k[1]), float(k[2]), feedback.jump, 0.5 * float(p.a1 + p.a2), float(wrist.Tw),
+        float(k[0]), float(k[1]), float(k[2]), feedback.jump, 0.5 * float(sum(p.steepness)), float(wrist.Tw),
         bandwidth, WASHOUT, float(wrist.regulator.gain),
     )  # fmt: skip
 

@@ -17,7 +17,7 @@ from design.controllers.lqi import LQI, LQIState, step
 from design.controllers.pi import PI
 from design.margins import BranchResponse, Margins, margins
 from plants import tree
-from plants.linear import BRANCHES, RATES, branch_ss
+from plants.linear import RATES, branch_slopes, branch_ss, slope_factors
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
 
 Array = NDArray[np.float64]
@@ -60,7 +60,7 @@ def worst_pole(wrist: Wrist, controller: LQI) -> tuple[float, str]:
     declared wrist, and where; below 1 where it is stable."""
     found = [
         (float(np.abs(np.linalg.eigvals(closed(wrist, controller, b, r))).max()), f"{b}, {r} regulator rate")
-        for b, r in product(BRANCHES, RATES)
+        for b, r in product(branch_slopes(wrist), RATES)
     ]
     return max(found)
 
@@ -82,8 +82,9 @@ def pressure_responses(wrist: Wrist, omega: Array) -> list[Complex]:
     speeds = list(dict.fromkeys(float(np.prod(x)) for x in product(*(x.rates for x in parts))))
     before = p.gain * np.prod([np.broadcast_to(x.command, z.shape) for x in parts], axis=0)
     found = []
-    for branch in BRANCHES:
-        factors = {float(np.prod(x)) for x in product(*(x.slopes.get(branch, (1.0,)) for x in parts))}
+    for branch in branch_slopes(wrist):
+        sides = wrist.hysteresis.sides(branch)
+        factors = {float(np.prod(x)) for x in product(*(slope_factors(x.slopes, sides) for x in parts))}
         for _, rate, speed in product({min(factors), max(factors)}, RATES, speeds):
             share = -np.expm1(-speed * (p.k_fast if rate == "fast" else p.k_slow) * SAMPLE_TIME)
             found.append(np.asarray(before * (share / (z - 1.0 + share)), complex))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from design.contest.run import lanes_of
 from design.contest.statistics import FEWEST
-from design.robustness.box import RATES, SIGMAS, Box, box_of
+from design.robustness.box import SIGMAS, Box, box_of, shares_of
 from design.robustness.samples.draws import generator
 from design.tasks import HEADROOM, STEP, Spread
 from plants.effects.branch_curvature import Polynomial
@@ -119,9 +119,7 @@ def day_to_day(plant: ParameterSet) -> tuple[Box, float]:
 
 def another_day(plant: ParameterSet, spread: Spread) -> ParameterSet:
     """The set without those standard errors that are smaller than what a refit on another day moves."""
-    shares = dict.fromkeys(("a1", "a2", "s"), spread.slope) | dict.fromkeys(("w1", "w2"), spread.width)
-    shares |= {"Tw": spread.lag} | dict.fromkeys(("k_fast", "k_slow", "e0"), RATES)
-    found = dict(plant.parameters)
+    shares, found = shares_of(plant, spread), dict(plant.parameters)
     for name, share in shares.items():
         p = plant.parameters[name]
         if isinstance(p.provenance, Fitted) and SIGMAS * (p.provenance.std_error or 0.0) < share * abs(

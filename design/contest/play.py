@@ -20,7 +20,7 @@ from plants.wrist import SAMPLE_TIME
 Array = NDArray[np.float64]
 
 CHUNK = 480
-"""Runs that go side by side: a multiple of `plants.compiled.LANES`, few enough for their noise to fit."""
+"""Runs that go side by side: a multiple of the kernel's `LANES`, few enough for their noise to fit."""
 
 WORST = ("settling_time_s", "unsettled", "overshoot_percent")
 """Metrics of which a plant's value is the worst over the tasks of a family; the mean of the others."""

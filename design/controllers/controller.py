@@ -13,11 +13,11 @@ takes the error alone), `design.controllers.lqi` another, which uses angle and p
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from plants.kernel import pytrees
 from plants.wrist import SAMPLE_TIME
 
 Number = Any
@@ -73,6 +73,11 @@ class Controller(Protocol):
 def stacked(controllers: Sequence[Any], repeat: int = 1) -> Any:
     """Controllers of one kind, whose settings are floats, as one with arrays of lanes, each `repeat` times
     in a row."""
-    kind = type(controllers[0])
-    names = [f.name for f in fields(kind)]
-    return kind(**{n: np.repeat([float(getattr(c, n)) for c in controllers], repeat) for n in names})
+    rows = zip(*(pytrees.leaves(c) for c in controllers), strict=True)
+    return pytrees.like(controllers[0], [np.repeat(np.array(row, float), repeat) for row in rows])
+
+
+def settings_of(controller: Any) -> dict[str, float]:
+    """The settings of a controller or an observer by name, those of its model included."""
+    declared = getattr(controller, "settings", None)
+    return {n: float(v) for n, v in (vars(controller) if declared is None else declared).items()}

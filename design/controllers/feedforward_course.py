@@ -25,7 +25,6 @@ import numpy as np
 
 from plants import inverse, wrist
 from plants.errors import InputError, InputWarning
-from plants.quantities import loop_problem
 from plants.wrist import COMMAND_RANGE, Number, SampledWrist, State, Wrist
 
 
@@ -51,11 +50,9 @@ class SampledCourse(NamedTuple):
 def at_return(m: State, r: Number, c: SampledCourse) -> Number:
     """Angle [deg] of the model when its static angle is back at `r` [deg], the brake being full from now on;
     its angle now if the static angle is not beyond."""
-    loop, up = c.wrist.loop, m.angle < r
-    end = inverse.pressure_for(m.memory, m.pressure, r, loop)
-    met = inverse.corner_pressure(m.memory, m.pressure, m.angle >= r, loop)
-    corner = np.where(up, np.maximum(met, end), np.minimum(met, end))
-    h = m.memory.h + loop.s * (1.0 - m.memory.virgin) * (corner - m.pressure)
+    loop, up = c.wrist.hysteresis, m.angle < r
+    end = loop.pressure_for(m.memory, m.pressure, r)
+    corner, h = loop.turn(m.memory, m.pressure, end, m.angle >= r)
     brake = c.wrist.regulator.gain * np.where(up, c.low, c.high)
     y = _after(m.angle, m.memory.h, h, _time(m.pressure, corner, brake, c), c)
     y = _after(y, h, r, _time(corner, end, brake, c), c)
@@ -84,16 +81,16 @@ def proceed(s: Course, reference: Number, c: SampledCourse) -> tuple[Course, Num
 
     A reference out of reach of the command's range is taken for the nearest within, and counted.
     """
-    m, loop, regulator = s.model, c.wrist.loop, c.wrist.regulator
+    m, loop, regulator = s.model, c.wrist.hysteresis, c.wrist.regulator
     reach = c.low * regulator.gain, c.high * regulator.gain
-    r = inverse.clamped(reference, loop, *reach)
+    r = loop.clamped(reference, *reach)
     y, off = at_return(m, r, c), m.memory.h - r
     # The way gone until the return grows about with the square of `off`: what h_d asks for now is
     # taken back by what it does to y, at that slope, or h_d would be met and missed in turns.
     slope = 2.0 * (y - m.angle) / np.where(off == 0.0, 1.0, off)
     wanted = m.memory.h + (r + c.lead * (r - y) - m.memory.h) / (1.0 + np.abs(c.lead) * slope)
-    wanted = inverse.clamped(wanted, loop, *reach)
-    pressure = inverse.pressure_for(m.memory, m.pressure, wanted, loop)
+    wanted = loop.clamped(wanted, *reach)
+    pressure = loop.pressure_for(m.memory, m.pressure, wanted)
     command = inverse.command_for(m.pressure, pressure, regulator)
     command = np.minimum(np.maximum(command, c.low), c.high)
     return Course(wrist.step(m, command, c.wrist), s.outside + np.where(r == reference, 0.0, 1.0)), command
@@ -112,7 +109,7 @@ def no_inverse(plant: Wrist, low: float = COMMAND_RANGE[0], high: float = COMMAN
     if stubborn:
         words = f"the effect{'s' * (len(stubborn) > 1)} {', '.join(stubborn)}"
         return f"no inverse of {words}: invert the wrist without it (replace effects by ()), or use a PI"
-    problem = loop_problem(plant.values, low * plant.regulator.gain, high * plant.regulator.gain)
+    problem = plant.hysteresis.problem(low * plant.regulator.gain, high * plant.regulator.gain)
     if problem:
         return f"no inverse of the loop: {problem}; correct the parameters, or use a PI"
     return None
@@ -126,7 +123,7 @@ def reachable(
     >>> [round(angle, 2) for angle in reachable(Wrist.flexion())]
     [-30.0, 29.14]
     """
-    found = inverse.reachable(plant.hysteresis, low * plant.regulator.gain, high * plant.regulator.gain)
+    found = plant.hysteresis.reachable(low * plant.regulator.gain, high * plant.regulator.gain)
     return float(found[0]), float(found[1])
 
 

@@ -44,7 +44,7 @@ def _pi(wrist: Wrist, g: Numbers) -> Controller:
 def _lqi(wrist: Wrist, g: Numbers) -> Controller:
     p = wrist.hysteresis
     Ke, Kd, Kq, jump, bandwidth = g
-    slope = 0.5 * float(p.a1 + p.a2)  # as `design.alternatives.lqi_design` completes a feedback
+    slope = 0.5 * float(sum(p.steepness))  # as `design.alternatives.lqi_design` completes a feedback
     return LQI(Ke, Kd, Kq, jump, slope, float(wrist.Tw), bandwidth, gain=float(wrist.regulator.gain))
 
 

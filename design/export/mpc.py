@@ -27,8 +27,9 @@ from design.export.part import SEEN, Part, Seen
 from design.mpc import linear, observer
 from design.mpc.prediction import coefficients
 from design.mpc.problem import Believed, Problem
-from plants import hysteresis, inverse, tree, wrist
-from plants.compiled import baked, c_source, graph
+from plants import tree, wrist
+from plants.hysteresis import FourSegment
+from plants.kernel.graphs import baked, c_source, graph
 from plants.wrist import SampledWrist, State
 
 Number = Any
@@ -122,7 +123,7 @@ def after_period(pressure: Number, command: Number, c: SampledWrist, substeps: i
     """Pressures [kPa] at the start of a period and after each of its substeps."""
     path = [pressure]
     for _ in range(substeps):
-        at = State(path[-1], hysteresis.Memory(0.0, 0.0), 0.0)
+        at = State(path[-1], None, 0.0)
         path.append(wrist.press(at, command, c)[0])
     return path
 
@@ -152,7 +153,8 @@ def believed_after(b: Believed, command: Number, seen: Given, c: SampledWrist, g
 
 def parameters(m: Memory, command: Number, reference: Number, c: SampledWrist, problem: Problem) -> Any:
     """theta, and the bounds [deg] on u: what `design.mpc.linear.plan` hands to its solver."""
-    b, loop, gain = m.believed, c.loop, c.regulator.gain
+    b, loop, gain = m.believed, c.hysteresis, c.regulator.gain
+    assert isinstance(loop, FourSegment)
     memory, P = b.plant.memory, b.plant.pressure
 
     def static(v: Number) -> Number:
@@ -177,7 +179,7 @@ def pressure_wanted(b: Believed, u: Number, c: SampledWrist, of: linear.Planner)
     still = np.where(memory.virgin > 0.5, 1.0, 0.0) * np.where(
         np.abs(angle - memory.h) < linear.STILL, 1.0, 0.0
     )
-    return inverse.pressure_for(memory, b.plant.pressure, np.where(still > 0.5, memory.h, angle), c.loop)
+    return c.hysteresis.pressure_for(memory, b.plant.pressure, np.where(still > 0.5, memory.h, angle))
 
 
 def condensed(of: linear.Planner) -> tuple[Array, Array]:

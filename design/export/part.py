@@ -6,18 +6,18 @@ are another export.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from design.controllers.controller import Controller, Measured
+from design.controllers.controller import Controller, Measured, settings_of
 from design.controllers.memory_estimator import MemoryObserver, init
 from design.controllers.memory_estimator import step as observe
 from design.export.fields import ANGLE, COMMAND, PRESSURE, REFERENCE, Field, described, lines_of
 from plants import tree
-from plants.compiled import baked, c_source, graph, used
 from plants.delay import SampledDelay
+from plants.kernel.graphs import baked, c_source, graph, used
 from plants.wrist import SAMPLE_TIME
 
 Number = Any
@@ -95,7 +95,7 @@ def of_controller(name: str, title: str, controller: Controller, period: float =
         return coefficients.act(state, measured)  # type: ignore[no-any-return]
 
     low, high = (float(getattr(controller, n)) for n in ("low", "high"))
-    settings = {f.name: float(getattr(controller, f.name)) for f in fields(controller)}  # type: ignore[arg-type]
+    settings = settings_of(controller)
     return _part(name, title, period, begin, law, c, COMMAND, low, high, settings)
 
 
@@ -112,7 +112,7 @@ def of_observer(name: str, title: str, observer: MemoryObserver, period: float =
         return after, after.memory.h
 
     output = Field("static_angle", "deg", "static angle as observed")
-    settings = {f.name: float(getattr(observer, f.name)) for f in fields(observer)}
+    settings = settings_of(observer)
     return _part(name, title, period, begin, law, c, output, None, None, settings)
 
 

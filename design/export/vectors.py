@@ -118,7 +118,7 @@ def vector(part: Part, wrist: Wrist, steps: int = STEPS, seed: int = 0) -> Vecto
 def _open_loop(wrist: Wrist, reference: float) -> float:
     """The command [V] at which the middle of the loop stands at the reference, within the range."""
     p = wrist.hysteresis
-    pressure = p.rest_pressure + reference / (0.5 * (p.a1 + p.a2))
+    pressure = p.rest_pressure + reference / (0.5 * sum(p.steepness))
     return float(np.clip(pressure / wrist.regulator.gain, 0.0, 4.0))
 
 

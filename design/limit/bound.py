@@ -43,7 +43,6 @@ from design.metrics import SETTLING_BAND
 from plants import tree
 from plants.effects.effect import Around
 from plants.errors import InputError
-from plants.hysteresis import Memory
 from plants.simulate import run_lanes
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
 from plants.wrist import step as wrist_step
@@ -97,18 +96,19 @@ def _envelope(wrist: Wrist, state: State, sign: float, samples: int, begin: floa
     ahead, back = (COMMAND_RANGE[1], COMMAND_RANGE[0]) if sign > 0 else COMMAND_RANGE
     straight, _ = _throttle(monotone, start, ahead, samples, begin)
     static, angle = sign * straight.memory.h, sign * straight.angle
-    if start.memory.virgin:
+    if monotone.hysteresis.DEAD_ZONE and start.memory.virgin:
         dip, _ = _throttle(monotone, start, back, samples, begin)
         left = np.flatnonzero(dip.memory.virgin < 0.5)
         if len(left):
             m = int(left[0])
             _, ready = _throttle(monotone, start, back, m - 1, begin)
             # Its z is that of line 2 at the pressure of sample m, which is past the one where that is met.
-            raised = monotone.hysteresis.s * (
+            raised = monotone.hysteresis.flattest * (
                 driven(monotone, ready.pressure) - driven(monotone, dip.pressure[m])
             )
             prompt, ready = without(monotone, ready, ("dead-time",))
-            ready = ready._replace(memory=Memory(float(raised), 0.0))
+            left_it = monotone.hysteresis.doubted(ready.memory, True)
+            ready = ready._replace(memory=left_it._replace(h=float(raised)))
             later = begin + (m - 1) * SAMPLE_TIME
             dipped, _ = _throttle(prompt, ready, ahead, samples - m + 1, later)
             static[m - 1 :] = np.maximum(static[m - 1 :], sign * dipped.memory.h)
@@ -116,7 +116,7 @@ def _envelope(wrist: Wrist, state: State, sign: float, samples: int, begin: floa
     until = claimed(wrist)
     if until is not None:
         angle[until:] = np.inf
-    return State(straight.pressure, Memory(sign * static, 0.0), sign * angle)
+    return State(straight.pressure, straight.memory._replace(h=sign * static), sign * angle)
 
 
 def _step(state: State, inputs: tuple[Any, ...], c: Any) -> State:
@@ -130,7 +130,7 @@ def _throttle(wrist: Wrist, state: State, command: float, samples: int, begin: f
     given = signals(wrist, np.full(samples, command), begin)
     last, rows = run_lanes(
         _step, state, wrist.sampled(), samples, given, inputs=tuple(given), every=1,
-        record=("pressure", "memory.h", "memory.virgin", "angle"), jobs=1,
+        record=tuple(n for n in tree.names(state) if not n.startswith("effects")), jobs=1,
     )  # fmt: skip
-    P, h, virgin, y = rows[:, :-1, 0]
-    return State(P, Memory(h, virgin), y), tree.like(last, [float(x[0]) for x in tree.leaves(last)])
+    bare = state._replace(effects=())
+    return tree.like(bare, list(rows[:, :-1, 0])), tree.like(last, [float(x[0]) for x in tree.leaves(last)])

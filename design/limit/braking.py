@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from design.limit.replay import Array
-from plants import hysteresis, regulator
+from plants import regulator
 from plants.hysteresis import FourSegment
 from plants.wrist import COMMAND_RANGE, SampledWrist, State, Wrist
 
@@ -44,13 +44,14 @@ LATEST = 60
 
 
 def knows(wrist: Wrist, state: State, reference: float, sign: float) -> bool:
-    """Whether the claim is made for a wrist and its start: no effect but a dead time, which only makes
-    braking later; no virgin curve beyond the reference; and lines that do not cross within the
-    pressures of the commands, since the loop has no inside beyond that."""
+    """Whether the claim is made for a wrist and its start: four straight segments; no effect but a dead
+    time, which only makes braking later; no virgin curve beyond the reference; and lines that do not cross
+    within the pressures of the commands, since the loop has no inside beyond that."""
     p, gain = wrist.hysteresis, wrist.regulator.gain
     ends = np.array([float(state.pressure), *(gain * v for v in COMMAND_RANGE)])
     return (
-        all(e.NAME == "dead-time" for e in wrist.effects)
+        isinstance(p, FourSegment)
+        and all(e.NAME == "dead-time" for e in wrist.effects)
         and not (bool(state.memory.virgin) and sign * reference < 0.0)
         and bool(np.all(p.ascending(ends) <= p.descending(ends)))
     )
@@ -65,6 +66,7 @@ def settles_after(
     and static [deg], (samples,): what no command passes in the direction of the step.
     """
     c, p, sign = wrist.sampled(), wrist.hysteresis, float(np.sign(reference - start))
+    assert isinstance(p, FourSegment)
     back = COMMAND_RANGE[0] if sign > 0 else COMMAND_RANGE[1]
     last = first + LATEST
     if last + AFTER[-1] >= len(static):
@@ -108,12 +110,8 @@ def _fallen(c: SampledWrist, back: float, pressure: Array, samples: int) -> Arra
 def _risen(c: SampledWrist, p: FourSegment, sign: float, back: float, goal: Array, samples: int) -> Array:
     """The static angle on the braking line [deg], times `sign`, that is brought to `goal` by so many
     samples of throttle backwards, (samples + 1, goals)."""
-    line, inverse = (
-        (hysteresis.line2, hysteresis.line2_pressure)
-        if sign > 0
-        else (hysteresis.line1, hysteresis.line1_pressure)
-    )
-    target: Any = inverse(sign * goal, p)
+    line, inverse = (p.descending, p.descending_pressure) if sign > 0 else (p.ascending, p.ascending_pressure)
+    target: Any = inverse(sign * goal)
     out = np.full((samples + 1, len(goal)), np.inf)
     out[0] = goal
     for k in range(1, samples + 1):
@@ -121,5 +119,5 @@ def _risen(c: SampledWrist, p: FourSegment, sign: float, back: float, goal: Arra
         for _ in range(4):  # the step is nearly the identity: each round gains two digits
             before = before + target - regulator.step(before, back, c.regulator)
         target = before
-        out[k] = sign * line(target, p)
+        out[k] = sign * line(target)
     return out

@@ -31,12 +31,12 @@ from typing import Any
 
 import numpy as np
 
-from plants import hysteresis
 from plants.effects import Effect
 from plants.effects.dead_time import DeadTime, TubeDeadTime
 from plants.effects.effect import Around
 from plants.effects.inertia import NULL, Inertia
 from plants.errors import InputError
+from plants.hysteresis import FourSegment
 from plants.regulator import Regulator
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist, press
 
@@ -142,8 +142,10 @@ def _check_lines(wrist: Wrist, state: State) -> None:
     for i, effect in c.at("bend"):
         _, down, up, _ = effect(rest[i], acting, acting, loop, quiet)
         low, high = low + down, high + up
-    rises = [np.diff(acting).min(), *(np.diff(x - loop.s * acting).min() for x in (low, high))]
-    if min(rises) < -ROUNDING or loop.s < 0.0:
+    # A sum of plays whose weights are not negative rises anyhow: only what bends it has to be looked at.
+    flattest = loop.flattest if isinstance(loop, FourSegment) else 0.0
+    rises = [np.diff(acting).min(), *(np.diff(x - flattest * acting).min() for x in (low, high))]
+    if min(rises) < -ROUNDING or loop.flattest < 0.0:
         raise InputError(
             "limit: a line of the loop is flatter somewhere than the transit: a larger pressure does not "
             "always give a larger angle later; check a1, a2 and s, and the curvature"

@@ -28,9 +28,10 @@ from design.limit.bound import Bound
 from design.limit.monotone import delay_of, without
 from design.limit.replay import Replay, replay
 from design.metrics import SETTLING_BAND
-from plants import hysteresis, lag, regulator
-from plants.compiled import graph
+from plants import lag, regulator
 from plants.errors import InputError
+from plants.hysteresis import FourSegment
+from plants.kernel.graphs import graph
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, SampledWrist, State, Wrist
 
 Goal = Literal["settling", "iae"]
@@ -84,6 +85,12 @@ class Problem:
     bound: int
 
     @property
+    def loop(self) -> FourSegment:
+        """The hysteresis, whose order of branches is known."""
+        assert isinstance(self.wrist.hysteresis, FourSegment)
+        return self.wrist.hysteresis
+
+    @property
     def nodes(self) -> int:
         """Nodes of the horizon."""
         return -(-(self.bound + round(TAIL / SAMPLE_TIME)) // HOLD)
@@ -95,15 +102,15 @@ class Problem:
 
     def ahead(self, pressure: Any) -> Any:
         """Static angle [deg] before the turn."""
-        p, m = self.wrist.hysteresis, self.state.memory
-        line = (hysteresis.line1 if self.sign > 0 else hysteresis.line2)(pressure, p)
+        p, m = self.loop, self.state.memory
+        line = (p.ascending if self.sign > 0 else p.descending)(pressure)
         transit = m.h + p.s * (1.0 - m.virgin) * (pressure - self.state.pressure)
         return self.sign * _larger(self.sign * transit, self.sign * line)
 
     def braking(self, pressure: Any, turn: Any) -> Any:
         """Static angle [deg] after the turn at a pressure `turn` [kPa]."""
-        p = self.wrist.hysteresis
-        line = (hysteresis.line2 if self.sign > 0 else hysteresis.line1)(pressure, p)
+        p = self.loop
+        line = (p.descending if self.sign > 0 else p.ascending)(pressure)
         transit = self.ahead(turn) + p.s * (pressure - turn)
         return -self.sign * _larger(-self.sign * transit, -self.sign * line)
 
@@ -120,6 +127,11 @@ def optimal(wrist: Wrist, reference: float, state: State, found: Bound, goal: Go
     `found`: its bound.  Raises InputError for a wrist with other effects, and for a step that the
     bound says, or the range of the commands, that it cannot be held.
     """
+    if not isinstance(wrist.hysteresis, FourSegment):
+        raise InputError(
+            f"limit: no trajectory for the hysteresis law {wrist.hysteresis.NAME!r}, only for "
+            f"{FourSegment.NAME!r}; ask for the bound alone"
+        )
     if any(e.NAME != "dead-time" or getattr(e, "lag", 0.0) for e in wrist.effects):
         names = ", ".join(f"{e.NAME} ({e.FORM})" for e in wrist.effects)
         raise InputError(f"limit: no trajectory for a wrist with {names}; ask for the bound alone")
@@ -157,8 +169,8 @@ def _best(score: Callable[[int], Any], problem: Problem, of: Callable[[int], Rep
 def _check_hold(problem: Problem) -> None:
     """InputError where no command in the range holds the reference after a turn."""
     p, gain = problem.wrist.hysteresis, problem.wrist.regulator.gain
-    pressures = (hysteresis.line2_pressure, hysteresis.line1_pressure)
-    volts = [line(problem.reference, p) / gain for line in pressures]
+    pressures = (p.descending_pressure, p.ascending_pressure)
+    volts = [pressure(problem.reference) / gain for pressure in pressures]
     if max(volts) < COMMAND_RANGE[0] or min(volts) > COMMAND_RANGE[1]:
         raise InputError(
             f"limit: holding {problem.reference:g} deg needs {min(volts):.3g} to {max(volts):.3g} V, outside "

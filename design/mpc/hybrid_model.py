@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.mpc.problem import Problem
-from plants import hysteresis, lag, regulator
+from plants import lag, regulator
 from plants.errors import InputError
 from plants.hysteresis import Memory
 from plants.wrist import State

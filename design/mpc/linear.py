@@ -14,7 +14,7 @@ approximate:
   pressures of the range, and the rate limit bounds changes of u through the slope of the steeper line,
   so that the plan may still ask for more than the rate on a transit: the command is clipped to both.
 
-The plan h_1, h_2, ... becomes commands by `plants.inverse.pressure_for` and the regulator's exact law.
+The plan h_1, h_2, ... becomes commands by the inverse of the hysteresis law and the regulator's exact law.
 """
 
 from collections.abc import Callable
@@ -31,9 +31,9 @@ from design.mpc.fallback import Attempt, Fallback, Info, begin, step
 from design.mpc.fallback import State as MPCState
 from design.mpc.prediction import STATES, coefficients, indented, inlined, plain
 from design.mpc.problem import Believed, Problem
-from plants import hysteresis, inverse, tree, wrist
-from plants.compiled import load
-from plants.hysteresis import Memory
+from plants import tree, wrist
+from plants.hysteresis import FourSegment, Memory
+from plants.kernel.cache import load
 from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
@@ -101,7 +101,7 @@ def run(start, angles, still, lowest, highest, rate, before, push, c, substeps, 
 
 
 def _inverse(state: State, angle: Any, c: Any) -> Any:
-    return inverse.pressure_for(state.memory, state.pressure, angle[0], c.loop)
+    return c.hysteresis.pressure_for(state.memory, state.pressure, angle[0])
 
 
 def _press(state: State, command: Any, c: Any) -> Any:
@@ -164,7 +164,7 @@ def planner(problem: Problem, c: Array) -> Planner:
             forced[i, :, j] = answer[i - j]
         answer.append(A @ answer[-1])
     # A change of the command by 1 V moves u by so many degrees, on a line.
-    per_volt = float(max(p.hysteresis.a1, p.hysteresis.a2) * p.regulator.gain)
+    per_volt = float(max(p.hysteresis.steepness) * p.regulator.gain)
     move = problem.weights.move / per_volt**2
     weights, D = problem.angle_hessian, problem.differences
     J = forced[:, 1]
@@ -188,7 +188,7 @@ def plan(
     that of the period before, and `before` [deg] what u was then (that of the command where not given)."""
     N, gain = of.problem.horizon, of.problem.wrist.regulator.gain
     memory, P = believed.plant.memory, believed.plant.pressure
-    loop = of.problem.wrist.hysteresis
+    loop = of.problem.loop
     least, most, was = (
         _static(memory, P, gain * v + believed.lack, loop) for v in (of.problem.low, of.problem.high, command)
     )
@@ -212,7 +212,7 @@ def plan(
 
 
 def _static(memory: Memory, before: float, after: float, p: FourSegment) -> float:
-    """`....step().h` of plain floats: the ufuncs cost more than the rest of a plan."""
+    """`FourSegment.step(...).h` of plain floats: the ufuncs cost more than the rest of a plan."""
     inside = memory.h + p.s * (1.0 - memory.virgin) * (after - before)
     low = p.a1 * (after - p.rest_pressure) - p.w1
     high = p.a2 * (after - p.rest_pressure) + p.w2

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from design.mpc.prediction import plain, start_of
 from design.mpc.problem import Believed, Problem
 from plants import tree
-from plants.compiled import graph
+from plants.kernel.graphs import graph
 
 Array = NDArray[np.float64]
 

@@ -29,8 +29,8 @@ from design.controllers.memory_estimator import memory_at_rest
 from design.mpc.prediction import STATES, indented, inlined
 from design.mpc.problem import Believed, Problem
 from plants import tree, wrist
-from plants.compiled import load
 from plants.hysteresis import Memory
+from plants.kernel.cache import load
 from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]

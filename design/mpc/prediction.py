@@ -4,7 +4,7 @@ A period is 20 substeps of 1 ms of `plants.wrist.step`.  Its derivatives by the 
 the period and by the command are carried along with the substeps (forward sensitivities: CasADi
 differentiates one substep, the chain rule is unrolled with it), then condensed: the angles at the ends
 of the periods as a linear function of the commands and of the state at the start.  All of it is one
-kernel that `plants.compiled` loads, some 600 substeps in a few tens of microseconds.
+kernel that `plants.kernel` loads, some 600 substeps in a few tens of microseconds.
 """
 
 from collections.abc import Callable
@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 
 from design.mpc.problem import Believed, Problem
 from plants import tree, wrist
-from plants.compiled import graph, load, statements
+from plants.kernel.cache import load
+from plants.kernel.emitter import statements
+from plants.kernel.graphs import graph
 from plants.wrist import QUIET, State, Wrist
 
 Array = NDArray[np.float64]

@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 
 from design.tasks import Spread
 from plants.errors import InputError
-from plants.quantities import Assumed, Fitted, Parameter, ParameterSet, kind_of, loop_problem
-from plants.wrist import Wrist
+from plants.hysteresis import Role
+from plants.linear import branch_slopes
+from plants.quantities import Assumed, Fitted, Parameter, ParameterSet
+from plants.wrist import COMMAND_RANGE, Wrist
 
 Array = NDArray[np.float64]
 SIGMAS = 2.0
@@ -24,8 +26,9 @@ RATES = 0.2
 """Half-width of the intervals of an assumed regulator (its rates and e0), as a share; assumed."""
 
 
-TOGETHER = {"slopes": ("a1", "a2", "s"), "widths": ("w1", "w2")}
-"""Parameters that nobody measured vary together by one factor: drawn apart, lines 1 and 2 would cross."""
+TOGETHER: Mapping[str, tuple[Role, ...]] = {"slopes": ("outer", "inner"), "widths": ("width",)}
+"""Roles of parameters that, where nobody measured them, vary together by one factor: drawn apart, the
+branches of the loop would cross."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +81,22 @@ class Box:
         """
         return self.wrist.with_values(**self.values(shares))
 
+    def loops(self) -> list[Wrist]:
+        """The wrists at the corners of the box that the loop's parameters span, the others in the middle."""
+        own = {n for names in _together(self.plant).values() for n in names}
+        ends = [(0.0, 1.0) if own & {i.name, *i.scaled} else (0.5,) for i in self.intervals]
+        return [self.at(np.array(corner)) for corner in product(*ends)]
+
+    def slopes(self, branch: str) -> tuple[float, float]:
+        """Least and largest slope [deg/kPa] of a branch of the hysteresis in the box.
+
+        >>> from plants.quantities import built_in
+        >>> [round(s, 3) for s in box_of(built_in("flexion")).slopes("line1")]
+        [0.324, 0.396]
+        """
+        found = [branch_slopes(wrist)[branch] for wrist in self.loops()]
+        return min(found), max(found)
+
     def bounds(self, name: str) -> tuple[float, float]:
         """Least and largest value of a parameter in the box; the plant's own where it is certain."""
         for i in self.intervals:
@@ -105,18 +124,20 @@ def box_of(
     unknown = [n for n in given if n not in plant.parameters]
     if unknown:
         raise InputError(f"box: no parameter {unknown[0]!r}; one of {', '.join(plant.parameters)}")
-    shares = _shares(spread or Spread())
+    shares = shares_of(plant, spread or Spread())
+    together = _together(plant)
     found: list[Interval] = []
     groups: dict[str, tuple[str, ...]] = dict.fromkeys(TOGETHER, ())
+    kinds, inner = plant.kinds, plant.law.roles(plant.parameters)["inner"]
     for name, p in plant.parameters.items():
-        kind = kind_of(name, plant.effects)
+        kind = kinds[name]
         if name in given:
             low, high = given[name]
             _refuse(name, low, high, kind.low, kind.high, p)
             found.append(Interval(name, low, p.value, high, p.unit, "given"))
             continue
-        half, why = _half_width(name, p, shares, sigmas)
-        group = next((g for g, of in TOGETHER.items() if name in of), None)
+        half, why = _half_width(name, p, shares, sigmas, name in inner)
+        group = next((g for g, of in together.items() if name in of), None)
         if group and why.startswith("assumed"):
             groups[group] += (name,)
             continue
@@ -133,20 +154,32 @@ def box_of(
     return box
 
 
-def _shares(spread: Spread) -> dict[str, float]:
-    slopes = dict.fromkeys(("a1", "a2", "s"), spread.slope)
-    widths = dict.fromkeys(("w1", "w2"), spread.width)
+def _together(plant: ParameterSet) -> dict[str, tuple[str, ...]]:
+    """Names of the parameters of each group."""
+    roles = plant.law.roles(plant.parameters)
+    return {group: tuple(n for role in of for n in roles[role]) for group, of in TOGETHER.items()}
+
+
+def shares_of(plant: ParameterSet, spread: Spread) -> dict[str, float]:
+    groups = _together(plant)
+    slopes, widths = (
+        dict.fromkeys(groups["slopes"], spread.slope),
+        dict.fromkeys(groups["widths"], spread.width),
+    )
     return slopes | widths | {"Tw": spread.lag} | dict.fromkeys(("k_fast", "k_slow", "e0"), RATES)
 
 
-def _half_width(name: str, p: Parameter, shares: Mapping[str, float], sigmas: float) -> tuple[float, str]:
-    """Half-width of the interval of a parameter, 0 where it has none, and why it is that wide."""
+def _half_width(
+    name: str, p: Parameter, shares: Mapping[str, float], sigmas: float, scales: bool
+) -> tuple[float, str]:
+    """Half-width of the interval of a parameter, 0 where it has none, and why it is that wide; `scales`: with
+    the outer branches, even if stated."""
     if isinstance(p.provenance, Fitted) and p.provenance.std_error is not None:
         return sigmas * p.provenance.std_error, f"{sigmas:g} standard errors, {p.provenance.data}"
     share = shares.get(name, 0.0)
     if isinstance(p.provenance, Fitted):
         return share * abs(p.value), f"assumed: {100 * share:g} % of the value, fitted without standard error"
-    if isinstance(p.provenance, Assumed) or name == "s":
+    if isinstance(p.provenance, Assumed) or scales:
         return share * abs(p.value), f"assumed: {100 * share:g} % of the value"
     return 0.0, ""
 
@@ -165,10 +198,8 @@ def _refuse(name: str, low: float, high: float, least: float, most: float, p: Pa
 
 def _refuse_backwards(box: Box) -> None:
     """Raises InputError where the loop runs backwards at a corner of the box."""
-    loop = ("slopes", "widths", "a1", "a2", "s", "w1", "w2")
-    ends = [(0.0, 1.0) if i.name in loop else (0.5,) for i in box.intervals]
-    for corner in product(*ends):
-        values = {n: float(v) for n, v in box.values(np.array(corner)).items()}
-        words = loop_problem({**box.plant.values, **values})
+    low, high = (v * box.wrist.regulator.gain for v in COMMAND_RANGE)
+    for wrist in box.loops():
+        words = wrist.hysteresis.problem(low, high)
         if words:
             raise InputError(f"box: {words} at a corner of the box; give a smaller one")

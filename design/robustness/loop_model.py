@@ -7,7 +7,7 @@ While the command is not clipped and the reference stands still, with
     dx/dt = a x + b(slope) k(q) q,     q = x[2],     k(q) between k_slow and k_fast,
 
 whatever the pressure, the offsets of the lines and the memory: only the slope of the branch that the
-wrist is on is left of the hysteresis.  On the virgin curve the slope is 0 (`BRANCHES` leaves it out).
+wrist is on is left of the hysteresis.  In a dead zone the slope is 0 (`branch_slopes` leaves it out).
 Sampled at 1 ms, by the laws that the simulator steps (`plants.regulator`, `plants.lag`),
 
     x+ = sampled_a x + sampled_b(slope) share q,      share between share_slow and share_fast.
@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from design.controllers.pi import PI
 from plants import lag, regulator
-from plants.linear import BRANCHES, branch_slope
+from plants.linear import branch_slopes
 from plants.wrist import SAMPLE_TIME, Wrist
 
 Array = NDArray[np.float64]
@@ -63,7 +63,7 @@ class LoopModel:
         return cls(
             ratio * float(controller.Kp),
             ratio * float(controller.Ki),
-            {b: branch_slope(wrist, b) for b in BRANCHES},
+            branch_slopes(wrist),
             float(wrist.regulator.k_slow),
             float(wrist.regulator.k_fast),
             float(wrist.Tw),

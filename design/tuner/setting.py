@@ -7,7 +7,7 @@ from typing import NamedTuple
 from design.rules import PAPER_GAINS
 from design.tuning import Region
 from plants.effects.dead_time import DeadTime
-from plants.quantities import loop_problem
+from plants.hysteresis import Role, with_values
 from plants.wrist import COMMAND_RANGE, Wrist
 
 REGION = Region(Kp=(0.5, 20.0), Ki=(0.5, 100.0))
@@ -90,11 +90,9 @@ def plant(wrist: Wrist, setting: Setting) -> Wrist:
     >>> moved.hysteresis.w1, moved.values["dead-time.delay"]
     (3.0, 0.02)
     """
-    p = wrist.hysteresis
-    loop = {
-        "w1": p.w1 * setting.width, "w2": p.w2 * setting.width,
-        "a1": p.a1 * setting.lines, "a2": p.a2 * setting.lines, "s": p.s * setting.transit,
-    }  # fmt: skip
+    v, roles = wrist.values, wrist.hysteresis.roles(wrist.hysteresis.values)
+    factors: dict[Role, float] = {"width": setting.width, "outer": setting.lines, "inner": setting.transit}
+    loop = {n: v[n] * factor for role, factor in factors.items() for n in roles[role]}
     late = wrist if DELAY in wrist.values else wrist + DeadTime()
     return late.with_values(**loop, **{DELAY: setting.dead_time})
 
@@ -106,4 +104,4 @@ def trouble(values: Mapping[str, float]) -> str | None:
     'transit slope s = 0.2409 is not below a1 = 0.18, so the loop runs backwards'
     """
     low, high = (values["gain"] * volts for volts in COMMAND_RANGE)
-    return loop_problem(values, low, high)
+    return with_values(values).problem(low, high)

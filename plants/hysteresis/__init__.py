@@ -1,14 +1,14 @@
 """Hysteresis laws: pressure to static angle, with memory; `plants.hysteresis.law` says what one is.
 
-A law is a file here and a line in `LAWS`.  A plant's TOML names its law, and a set of parameters is recognised
-by their names, which no two laws share but for the rest pressure.
+A law is a file here and a line in `LAWS`.  A plant's TOML names its law, and a set of parameters is
+recognised by their names, which no two laws share but for the rest pressure.
 """
 
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 from plants.hysteresis.four_segment import FourSegment, Memory
-from plants.hysteresis.law import SIDES, STARTS, Bend, HysteresisLaw, Side, Start
+from plants.hysteresis.law import SIDES, STARTS, Bend, HysteresisLaw, Role, Side, Start
 from plants.hysteresis.prandtl_ishlinskii import PlayMemory, PrandtlIshlinskii
 
 LAWS: dict[str, type[HysteresisLaw]] = {law.NAME: law for law in (FourSegment, PrandtlIshlinskii)}
@@ -16,7 +16,7 @@ LAWS: dict[str, type[HysteresisLaw]] = {law.NAME: law for law in (FourSegment, P
 
 __all__ = [
     "LAWS", "SIDES", "STARTS", "Bend", "FourSegment", "HysteresisLaw", "Memory", "PlayMemory",
-    "PrandtlIshlinskii", "Side", "Start",
+    "PrandtlIshlinskii", "Role", "Side", "Start",
     "law_of", "register", "with_values",
 ]  # fmt: skip
 
@@ -29,7 +29,9 @@ def register(law: type[HysteresisLaw]) -> None:
     for other in LAWS.values():
         shared = (set(law.kinds()) & set(other.kinds())) - {"rest_pressure"}
         if law.NAME == other.NAME or shared:
-            raise ValueError(f"hysteresis law {law.NAME!r}: shares {sorted(shared) or 'its name'} with {other.NAME!r}")
+            raise ValueError(
+                f"hysteresis law {law.NAME!r}: shares {sorted(shared) or 'its name'} with {other.NAME!r}"
+            )
     LAWS[law.NAME] = law
 
 

@@ -30,7 +30,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Side, Start
+from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Role, Side, Start
 from plants.hysteresis.play import kept
 from plants.parameters.spec import Kind
 
@@ -83,6 +83,11 @@ class FourSegment(HysteresisLaw):
         }
 
     @classmethod
+    def roles(cls, names: Iterable[str]) -> dict[Role, tuple[str, ...]]:
+        """The slopes of the lines, that of the transit, the offsets."""
+        return {"outer": ("a1", "a2"), "inner": ("s",), "width": ("w1", "w2")}
+
+    @classmethod
     def guess(cls, outer: float, inner: float, gap: float, rest: float, reach: float) -> dict[str, float]:
         """Parallel lines."""
         width = (outer - inner) * gap
@@ -96,7 +101,8 @@ class FourSegment(HysteresisLaw):
         """
         for line, slope in (("a1", self.a1), ("a2", self.a2)):
             if not self.s < slope:
-                return f"transit slope s = {self.s:g} is not below {line} = {slope:g}, so the loop runs backwards"
+                words = f"transit slope s = {self.s:g} is not below {line} = {slope:g}"
+                return f"{words}, so the loop runs backwards"
         for pressure in (low, high):
             gap = (self.a2 - self.a1) * (pressure - self.rest_pressure) + self.w1 + self.w2
             if not gap > 0:
@@ -161,6 +167,10 @@ class FourSegment(HysteresisLaw):
         """The angle, kept between the lines."""
         return Memory(kept(angle, self.ascending(pressure), self.descending(pressure)), 0.0)
 
+    def doubted(self, memory: Memory, doubt: Number) -> Memory:
+        """Off the virgin curve where it is doubted."""
+        return memory._replace(virgin=np.where(doubt, 0.0, memory.virgin))
+
     def moved(self, memory: Memory, shift: Number, pressure: Number) -> Memory:
         """The angle moved and kept between the lines; on the virgin curve it stays."""
         corrected = memory.h + (1.0 - memory.virgin) * shift
@@ -201,6 +211,10 @@ class FourSegment(HysteresisLaw):
     def branches(self, low: float, high: float) -> dict[str, float]:
         """The transit and the two lines; the virgin curve has slope 0 and is left once, for good."""
         return {"transit": self.s, "line1": self.a1, "line2": self.a2}
+
+    def straight(self) -> bool:
+        """They are."""
+        return True
 
     def sides(self, branch: str) -> tuple[Side, ...]:
         """One each."""

@@ -2,14 +2,14 @@
 
 A law is a frozen dataclass of parameters (floats, arrays of lanes or CasADi symbols) with
 
-    initial, step                          its memory, a NamedTuple with the static angle `h`, and how it moves
-    ascending, descending                  the two outer branches, between which every memory lies, and
-    ascending_pressure, ...                their inverses
-    resting, recalled, moved               memories that are at rest, guessed from a measurement, corrected
-    pressure_for, turn                     the inverse with memory, and the way back after a reversal
-    branches                               the slopes that its branches have: what linear theory needs
-    problem                                why its parameters make no loop
-    kinds, from_values, guess              its parameters by name, and a first guess of them from a log
+    initial, step                 its memory, a NamedTuple with the static angle `h`, and how it moves
+    ascending, descending         the two outer branches, between which every memory lies, and
+    ascending_pressure, ...       their inverses
+    resting, recalled, moved      memories that are at rest, guessed from a measurement, corrected
+    pressure_for, turn            the inverse with memory, and the way back after a reversal
+    branches                      the slopes that its branches have: what linear theory needs
+    problem                       why its parameters make no loop
+    kinds, from_values, guess     its parameters by name, and a first guess of them from a log
 
 All but `branches`, `problem` and `guess` are NumPy ufuncs, so that they compute with floats, compile to
 kernels and export to C from the same lines.  A law has to be rate-independent: however many steps a
@@ -19,7 +19,7 @@ monotone move is cut into, the result is the same.
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -32,6 +32,7 @@ STARTS: tuple[Start, ...] = ("virgin", "line1", "line2", "inside")
 descending branch (line 2), or half-way between the two, as after a reversal."""
 
 Side = Literal["ascending", "descending", "inner"]
+Role = Literal["outer", "inner", "width"]
 SIDES: tuple[Side, ...] = ("ascending", "descending", "inner")
 """Sides of a loop: its two outer branches, and what lies between them."""
 
@@ -58,6 +59,12 @@ class HysteresisLaw(ABC):
     NAME: ClassVar[str]
     DEAD_ZONE: ClassVar[bool] = False
 
+    if TYPE_CHECKING:
+
+        @property
+        def rest_pressure(self) -> Number:
+            """A field of every law [kPa]."""
+
     @classmethod
     @abstractmethod
     def kinds(cls, names: Iterable[str] = ()) -> dict[str, Kind]:
@@ -78,6 +85,12 @@ class HysteresisLaw(ABC):
     def from_values(cls, values: Mapping[str, Number]) -> "HysteresisLaw":
         """The law with the parameters that `values` has of it."""
         return cls(**{f.name: values[f.name] for f in fields(cls)})
+
+    @classmethod
+    @abstractmethod
+    def roles(cls, names: Iterable[str]) -> dict[Role, tuple[str, ...]]:
+        """Which parameters make the slopes of the outer branches, the slope after a reversal and the loop's
+        width: they are varied together where nobody measured them."""
 
     @classmethod
     @abstractmethod
@@ -115,8 +128,8 @@ class HysteresisLaw(ABC):
         """Pressure [kPa] at which the descending branch has an angle [deg]."""
 
     def rise(self, pressure: Number) -> tuple[Number, Number]:
-        """What the ascending and the descending branch have of the angle [deg] without the loop's width; effects
-        that soften a plant act on it."""
+        """What the ascending and the descending branch have of the angle [deg] without the loop's width;
+        effects that soften a plant act on it."""
         middle = 0.5 * (self.ascending(pressure) + self.descending(pressure))
         return middle, middle
 
@@ -139,13 +152,18 @@ class HysteresisLaw(ABC):
     def resting(
         self, start: Start, angle: Number, pressure: Number, low: Number = 0.0, high: Number = 0.0
     ) -> Any:
-        """The memory of a plant that holds still at a static angle [deg] and a pressure [kPa], having come there
-        by `start`; low, high: shifts of the branches there [deg]."""
+        """The memory of a plant that holds still at a static angle [deg] and a pressure [kPa], having come
+        there by `start`; low, high: shifts of the branches there [deg]."""
 
     @abstractmethod
     def recalled(self, angle: Number, pressure: Number) -> Any:
         """A memory that rests at a measured angle [deg] and pressure [kPa]; what lies outside the loop is
         moved to its nearest branch."""
+
+    def doubted(self, memory: Any, doubt: Number) -> Any:
+        """The memory without the belief to be on the initial curve where `doubt` is true; the same for a law
+        whose memory does not tell."""
+        return memory
 
     @abstractmethod
     def moved(self, memory: Any, shift: Number, pressure: Number) -> Any:
@@ -164,21 +182,25 @@ class HysteresisLaw(ABC):
 
     @abstractmethod
     def branches(self, low: float, high: float) -> dict[str, float]:
-        """Slopes [deg/kPa] of the branches on which a loop can work between two pressures [kPa], by name; all that
-        occur lie between the least and the largest."""
+        """Slopes [deg/kPa] of the branches on which a loop can work between two pressures [kPa], by name; all
+        that occur lie between the least and the largest."""
+
+    def straight(self) -> bool:
+        """Whether the two outer branches are straight lines."""
+        return False
 
     def sides(self, branch: str) -> tuple[Side, ...]:
         """Where in the loop a branch of `branches` lies: all sides, unless a law knows better."""
         return SIDES
 
     def reachable(self, low: Number, high: Number) -> tuple[Number, Number]:
-        """Angles [deg] that pressures from `low` to `high` [kPa] reach whatever the memory: from the descending
-        branch at the one to the ascending branch at the other."""
+        """Angles [deg] that pressures from `low` to `high` [kPa] reach whatever the memory: from the
+        descending branch at the one to the ascending branch at the other."""
         return self.descending(low), self.ascending(high)
 
     def clamped(self, angle: Number, low: Number, high: Number) -> Number:
-        """The angle [deg] that is nearest to `angle` among those that pressures from `low` to `high` [kPa] reach
-        whatever the memory; `pressure_for` of it lies between these pressures."""
+        """The angle [deg] that is nearest to `angle` among those that pressures from `low` to `high` [kPa]
+        reach whatever the memory; `pressure_for` of it lies between these pressures."""
         least, most = self.reachable(low, high)
         return np.minimum(np.maximum(angle, least), most)
 

@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Start
+from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Role, Start
 from plants.hysteresis.play import kept, play
 from plants.parameters.spec import Kind
 
@@ -100,6 +100,12 @@ class PrandtlIshlinskii(HysteresisLaw):
         names = [n for n in cls.kinds(values) if n[0] == "v" and n != "v0"]
         rest = {n: values[n] for n in ("reach", *CURVE, "rest_pressure")}
         return cls(values["v0"], tuple(values[n] for n in names), **rest)
+
+    @classmethod
+    def roles(cls, names: Iterable[str]) -> dict[Role, tuple[str, ...]]:
+        """The weights of the plays, that of the pressure itself, the thresholds."""
+        weights = tuple(n for n in cls.kinds(names) if n[0] == "v" and n != "v0")
+        return {"outer": weights, "inner": ("v0",), "width": ("reach",)}
 
     @classmethod
     def guess(cls, outer: float, inner: float, gap: float, rest: float, reach: float) -> dict[str, float]:
@@ -254,16 +260,22 @@ class PrandtlIshlinskii(HysteresisLaw):
         middle = 0.5 * (before + end)
         return middle, self.step(memory, before, middle).h
 
+    def straight(self) -> bool:
+        """Where the output curve is."""
+        return all(float(m) == 1.0 for m in (self.b2, self.b1, self.c1, self.c2))
+
     def branches(self, low: float, high: float) -> dict[str, float]:
-        """By the number of plays that are engaged, on the flattest and on the steepest piece of the curve that
-        these pressures reach."""
+        """By the number of plays that are engaged, on the flattest and on the steepest piece of the curve
+        that these pressures reach."""
         outer, width = float(self._outer), float(self._width)
         ends = [outer * (p - float(self.rest_pressure)) + w for p in (low, high) for w in (-width, width)]
         s = float(self.span)
         knots = (-np.inf, -2.0 * s, -s, s, 2.0 * s, np.inf)
         slopes = (self.b2, self.b1, 1.0, self.c1, self.c2)
         reached = [
-            float(m) for m, (a, b) in zip(slopes, pairwise(knots), strict=True) if a < max(ends) and b > min(ends)
+            float(m)
+            for m, (a, b) in zip(slopes, pairwise(knots), strict=True)
+            if a < max(ends) and b > min(ends)
         ]
         found = {}
         n = len(self.v)

@@ -195,9 +195,11 @@ def test_effects_without_an_inverse_are_named():
     "changes", [{"speed": 0.0}, {"s": 0.4}, {"k_slow": 20.0}, {"Tw": np.nan}, {"w1": -7.0}, {"Ki": -1.0}]
 )
 def test_settings_that_make_no_sense_are_refused(changes):
-    settings = {**WRISTS["flexion"].values, "Kp": 1.0, "Ki": 1.0, **changes}
+    model = WRISTS["flexion"]
+    model = model.with_values(**{n: v for n, v in changes.items() if n in model.values})
+    settings = {"Kp": 1.0, "Ki": 1.0, **{n: v for n, v in changes.items() if n not in model.values}}
     with pytest.raises(ValueError, match=r"."):
-        FeedforwardPI(**settings)
+        FeedforwardPI(model, **settings)
 
 
 def test_controllers_stack_into_lanes():

@@ -20,7 +20,6 @@ from design.tasks import (
     within_reach,
 )
 from plants import Wrist, tree
-from plants.quantities import loop_problem
 from plants.wrist import STARTS
 
 AXES = ["flexion", "deviation"]
@@ -60,7 +59,7 @@ def test_the_corners_are_all_signs_of_the_declared_spread(axis):
 @every_axis
 def test_every_corner_still_is_a_loop(axis):
     for name, plant in corners(getattr(Wrist, axis)(), Spread()):
-        assert loop_problem(plant.values, 0.0, 200.0) is None, name
+        assert plant.hysteresis.problem(0.0, 200.0) is None, name
 
 
 @every_axis

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from hypothesis import strategies as st
 
-from plants import Hysteresis, Memory, Regulator, Wrist, hysteresis
+from plants import FourSegment, Regulator, Wrist
+from plants.hysteresis import Memory
 
 REST = 100.0
 LOW, HIGH = 0.0, 200.0

@@ -5,7 +5,7 @@ from threading import Barrier
 
 import numpy as np
 
-from plants import compiled
+from plants.kernel import batches, cache
 from plants.simulate import run_lanes
 
 
@@ -14,9 +14,9 @@ def _doubled(state, inputs, c):
 
 
 def test_threads_may_be_the_first_at_once(tmp_path, monkeypatch):
-    monkeypatch.setattr(compiled, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
     for attempt in range(20):
-        compiled._kernel.cache_clear()
+        batches._kernel.cache_clear()
         for file in tmp_path.glob("*.py"):
             file.unlink()
         together = Barrier(8)
@@ -29,4 +29,4 @@ def test_threads_may_be_the_first_at_once(tmp_path, monkeypatch):
         with ThreadPoolExecutor(8) as pool:
             assert list(pool.map(work, range(8))) == [11.5] * 8, attempt
     assert len(list(tmp_path.glob("*.py"))) == 1
-    compiled._kernel.cache_clear()
+    batches._kernel.cache_clear()

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from plants.compiled import emit
+from plants.kernel.templates import emit
 from plants.simulate import run_lanes
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from plants import InputError, State, Wrist, tree
-from plants.compiled import LANES
+from plants.kernel.templates import LANES
 from plants.simulate import open_loop
 
 VOLTS = np.repeat(np.random.default_rng(3).uniform(0.0, 4.0, 20), 50)

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from law_strategies import HIGH, REST, loops, paths, pressures, trace, walk
 
-from plants import Memory
+from plants.hysteresis import Memory
 
 VIRGIN = Memory(0.0, 1.0)
 ROUNDING = 1e-9

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from law_strategies import REST, loops, paths, pressures, trace, walk
 
-from plants import Memory, hysteresis
+from plants.hysteresis import Memory
 
 
 @given(loops(), paths, pressures, st.integers(2, 50))

@@ -7,7 +7,7 @@ import pytest
 from design.controllers.pi import PI
 from design.loop import run
 from design.margins import loop_tf
-from plants import Wrist, hysteresis
+from plants import Wrist
 
 SAMPLES = 3000
 AXES = ["flexion", "deviation"]

@@ -6,7 +6,8 @@ import pytest
 from design.robustness.box import SIGMAS, box_of
 from design.tasks import Spread
 from plants import InputError
-from plants.quantities import built_in, loop_problem
+from plants.hysteresis import with_values
+from plants.quantities import built_in
 
 
 def fitted(**errors):
@@ -33,7 +34,7 @@ def test_no_loop_of_a_box_runs_backwards(axis):
     rng = np.random.default_rng(0)
     for shares in rng.random((500, len(box.names))):
         values = {n: float(v) for n, v in box.values(shares).items()}
-        assert loop_problem({**box.plant.values, **values}) is None
+        assert with_values({**box.plant.values, **values}).problem(0.0, 200.0) is None
 
 
 def test_the_ends_of_the_shares_are_the_ends_of_the_intervals():

@@ -12,9 +12,9 @@ from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.draws import Task, noise
 from design.robustness.samples.noisy_loop import HOLD, rounded, sensor
 from plants import Wrist, tree
-from plants.compiled import emit
 from plants.effects.dead_time import DeadTime
 from plants.effects.gyro_drift import Drift
+from plants.kernel.templates import emit
 from plants.simulate import run_lanes
 
 LANES, SECONDS = 21, 3.0

@@ -27,8 +27,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plants import hysteresis
-from plants.hysteresis import FourSegment, Memory
+from plants.hysteresis import FourSegment, HysteresisLaw
 from plants.regulator import Regulator
 
 Array = NDArray[np.float64]
@@ -55,7 +54,7 @@ def half_gap(p: FourSegment) -> float:
     return float((p.w1 + p.w2) / (2.0 * (p.a1 - p.s)))
 
 
-def swept(p: FourSegment, amplitude: Any, centre: Any, points: int = POINTS) -> tuple[Array, Array]:
+def swept(p: HysteresisLaw, amplitude: Any, centre: Any, points: int = POINTS) -> tuple[Array, Array]:
     """Pressure [kPa] and static angle [deg] over one steady cycle, each (points + 1, amplitudes).
 
     The pressure is centre + amplitude sin, from the centre upwards, stepped by the law of the simulator
@@ -66,7 +65,7 @@ def swept(p: FourSegment, amplitude: Any, centre: Any, points: int = POINTS) -> 
     sine = np.sin(np.arange(2 * points + 1) * (2.0 * np.pi / points))
     pressure = np.asarray(middle + A * sine[:, None], float)
     start = 0.5 * (p.ascending(middle) + p.descending(middle))
-    memory, angle = Memory(start, np.zeros_like(A)), [start]
+    memory, angle = p.resting("inside", start, middle), [start]
     for before, after in pairwise(pressure):
         memory = p.step(memory, before, after)
         angle.append(memory.h)
@@ -74,7 +73,7 @@ def swept(p: FourSegment, amplitude: Any, centre: Any, points: int = POINTS) -> 
 
 
 def hysteresis_function(
-    p: FourSegment, amplitude: Any, centre: Any = None
+    p: HysteresisLaw, amplitude: Any, centre: Any = None
 ) -> tuple[NDArray[np.complex128], Array]:
     """Describing function [deg/kPa] of the loop and the mean static angle [deg], each (amplitudes,).
 
@@ -87,6 +86,8 @@ def hysteresis_function(
     [(0.08+0j), (0.36-0j)]
     """
     A = np.atleast_1d(np.asarray(amplitude, float))
+    if not isinstance(p, FourSegment):
+        return _numerically(p, A, p.rest_pressure if centre is None else centre)
     x = np.broadcast_to(p.rest_pressure if centre is None else centre, A.shape) - p.rest_pressure
     low, high = (p.a1 - p.s, -p.w1), (p.a2 - p.s, p.w2)  # slope and offset of what keeps g
     top, bottom = low[0] * (x + A) + low[1], high[0] * (x - A) + high[1]
@@ -112,6 +113,14 @@ def hysteresis_function(
     return np.asarray(p.s + np.where(cycles, harmonic / (np.pi * A), 0.0), complex), np.asarray(mean, float)
 
 
+def _numerically(p: HysteresisLaw, A: Array, centre: Any) -> tuple[NDArray[np.complex128], Array]:
+    """The same for a law without a closed form: first harmonic and mean of a swept cycle."""
+    _, angle = swept(p, A, np.broadcast_to(centre, A.shape))
+    turns = np.arange(POINTS) * (2.0 * np.pi / POINTS)
+    harmonic = 2.0 / POINTS * (np.sin(turns) + 1j * np.cos(turns)) @ angle[:-1]
+    return np.asarray(harmonic / A, complex), np.asarray(angle[:-1].mean(axis=0), float)
+
+
 def _integrals(size: Any, level: Any, turn: Array) -> tuple[NDArray[np.complex128], Array]:
     """Primitives, at a turn t [rad], of g (sin t + j cos t) and of g, where g = level + size sin t."""
     sine, cosine = np.sin(turn), np.cos(turn)
@@ -120,7 +129,7 @@ def _integrals(size: Any, level: Any, turn: Array) -> tuple[NDArray[np.complex12
     return np.asarray(real + 1j * imag, complex), np.asarray(level * turn - size * cosine, float)
 
 
-def centre_of(p: FourSegment, amplitude: Any, angle: float) -> Array:
+def centre_of(p: HysteresisLaw, amplitude: Any, angle: float) -> Array:
     """Pressure [kPa] about which an oscillation has a mean static angle [deg], shape of `amplitude`.
 
     An integrator holds the mean error at zero, so that this is where a limit cycle about a reference
@@ -136,7 +145,7 @@ def centre_of(p: FourSegment, amplitude: Any, angle: float) -> Array:
         if not moved.any():
             break
         rise = (f1 - f0) / np.where(moved, x1 - x0, 1.0)
-        ahead = np.where(moved, x1 - f1 / np.where(np.abs(rise) > 1e-9, rise, p.a1), x1)
+        ahead = np.where(moved, x1 - f1 / np.where(np.abs(rise) > 1e-9, rise, p.steepness[0]), x1)
         x0, f0, x1 = x1, f1, ahead
         f1 = hysteresis_function(p, A, x1)[1] - angle
     return np.asarray(x1, float)

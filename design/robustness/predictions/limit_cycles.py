@@ -29,7 +29,6 @@ from design.robustness.predictions.orbits import (
     rollout,
 )
 from design.robustness.statement import Statement
-from plants import hysteresis
 from plants.wrist import SAMPLE_TIME, Wrist
 
 Array = NDArray[np.float64]

@@ -17,7 +17,6 @@ from design.robustness.samples.conditions import Conditions, added, left_out
 from design.robustness.samples.noisy_loop import HOLD
 from plants import tree
 from plants.effects.effect import Around, Effect
-from plants.hysteresis import Memory
 from plants.rest import HIGHEST, LOWEST, at_rest
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, STARTS, Start, State, Wrist, settled
 
@@ -26,7 +25,7 @@ Flags = NDArray[np.bool_]
 
 CHUNK = 1024
 """Samples that are drawn and run together: large enough that drawing costs little, and fixed, since
-what a sample is depends on it.  A multiple of `plants.compiled.LANES`."""
+what a sample is depends on it.  A multiple of `plants.kernel.templates.LANES`."""
 
 CASES, NOISE = 0, 1  # streams of a chunk
 LINES: tuple[Start, Start] = ("line1", "line2")
@@ -120,7 +119,7 @@ def _rest(plant: Wrist, wrist: Wrist, start: Start, angle: Array, load: Array) -
     effects = tuple(
         e.rest(wrist, pressure, h + load if late else h) for e, late in zip(wrist.effects, after, strict=True)
     )
-    state = State(pressure, Memory(h, float(start == "virgin")), angle, effects)
+    state = State(pressure, plant.hysteresis.resting(start, h, pressure), angle, effects)
     if start == "virgin" and wrist.effects:
         state = settled(state, wrist.sampled(), Around())
     return state

@@ -35,5 +35,5 @@ def begun(wrist: Wrist, begin: Begin | None) -> State | None:
     """The state of a wrist, effects included, in which a recording starts at `begin` [s]; None at rest."""
     if begin is None:
         return None
-    at = begin.state()
+    at = begin.state(wrist.hysteresis)
     return wrist.rest()._replace(pressure=at.pressure, memory=at.memory, angle=at.angle)

@@ -20,7 +20,7 @@ from plants.effects.effect import Effect
 from plants.measured.playback import Playback
 from plants.measured.problem import Begin, block_length, measured
 from plants.measured.recording import Recording
-from plants.quantities import REGULATOR_NAMES, WRIST_NAMES, ParameterSet
+from plants.quantities import REGULATOR_NAMES, ParameterSet
 from plants.simulate import default_jobs, driven
 from plants.wrist import SAMPLE_TIME, State, Wrist
 
@@ -43,7 +43,8 @@ class Stage:
     """A channel to explain, in recordings that may be fitted on.
 
     name: ``regulator`` (command to pressure), ``wrist`` (pressure to angle), or
-    ``whole`` (command to angle).  noise: floor of the channel.  drives: pressure
+    ``whole`` (command to angle).  noise: floor of the channel.  loop: parameters of hysteresis and joint
+    that are fitted.  drives: pressure
     [kPa] of every ms, for ``wrist``.  begins: where recordings start, None at rest.
     """
 
@@ -51,14 +52,15 @@ class Stage:
     channel: str
     noise: float
     playbacks: tuple[Playback, ...]
+    loop: tuple[str, ...]
     drives: tuple[Array, ...] | None = None
     begins: tuple[Begin, ...] | None = None
 
     @property
     def declared(self) -> tuple[str, ...]:
         """Names of the declared parameters that act in this stage."""
-        both = (*REGULATOR_NAMES, *WRIST_NAMES)
-        return {"regulator": REGULATOR_NAMES, "wrist": WRIST_NAMES, "whole": both}[self.name]
+        both = (*REGULATOR_NAMES, *self.loop)
+        return {"regulator": REGULATOR_NAMES, "wrist": self.loop, "whole": both}[self.name]
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -123,7 +125,7 @@ class Stage:
     def _state(self, i: int, wrist: Wrist) -> State | None:
         if self.begins is None:
             return None
-        begin = self.begins[i].state()
+        begin = self.begins[i].state(wrist.hysteresis)
         return wrist.rest()._replace(pressure=begin.pressure, memory=begin.memory, angle=begin.angle)
 
 

@@ -27,7 +27,7 @@ from plants.measured.trace.result import Named, Played, StageTrace, Trace
 from plants.measured.trace.stage import Stage
 from plants.measured.trace.suspect import check
 from plants.measured.trace.two_rigs import rigs_differ
-from plants.quantities import ParameterSet
+from plants.quantities import ParameterSet, loop_names
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -86,7 +86,8 @@ def _stages(campaign: Campaign, fit: Fit) -> list[Stage]:
         used = [i for i, r in enumerate(campaign.fit) if measured(r, channel) is not None]
         begins = None if fit.begins is None else tuple(fit.begins[i] for i in used)
         floor = fit.noise[channel] or 1.0
-        return Stage(name, channel, floor, tuple(Playback(campaign.fit[i]) for i in used), None, begins)  # type: ignore[arg-type]
+        played = tuple(Playback(campaign.fit[i]) for i in used)
+        return Stage(name, channel, floor, played, loop_names(fit.fitted.parameters), None, begins)  # type: ignore[arg-type]
 
     pressure = any(r.pressure is not None for r in campaign.fit)
     stages = [made("regulator", "pressure_kPa")] if pressure else []

@@ -29,7 +29,7 @@ from design.robustness.certificates.constant.uncertain_search import Destabilisi
 from design.robustness.loop_model import LoopModel
 from design.robustness.statement import Statement
 from plants.errors import InputError
-from plants.linear import BRANCHES, RATES
+from plants.linear import RATES, branch_slopes
 
 MOST_LMIS = 300
 """Linear matrix inequalities that one cover may take; where they do not do, it is a prediction."""
@@ -100,9 +100,10 @@ def robust_stability(
     >>> row.certified, row.holds, bool(3.5 < row.growth < 1 / row.lower < 3.6)
     (True, True, True)
     """
-    if branch not in BRANCHES or rate not in RATES:
+    branches = tuple(branch_slopes(box.wrist))
+    if branch not in branches or rate not in RATES:
         raise InputError(
-            f"robustness: no branch {branch!r} at rate {rate!r}; {BRANCHES} at {RATES} there are"
+            f"robustness: no branch {branch!r} at rate {rate!r}; {branches} at {RATES} there are"
         )
     if not 0.0 <= dead_time < np.inf:
         raise InputError(f"robustness: a dead time of {dead_time:g} s; give one of 0 or more")
@@ -182,7 +183,7 @@ def robust_stability_everywhere(
     Branches whose parameters are the same share one computation.  Raises InputError as that does.
     """
     found: list[RobustStability] = []
-    for branch, rate in product(BRANCHES, RATES):
+    for branch, rate in product(branch_slopes(box.wrist), RATES):
         own = UncertainLoop.of(box, controller, branch, rate)
         same = next((r for r in found if _same(r.loop, own)), None)
         if same is None:

@@ -5,8 +5,8 @@ h = r - x0 + x1.  So the command stays within its range wherever
 
     rest + (h + w1) / a1 + q <= gain v_high,        rest + (h - w2) / a2 + q >= gain v_low:
 
-two planes in x, at distances that the reference r moves.  From a start with V <= c, V only falls while
-the command is not clipped, and {V <= c} lies in {X' Q X <= c} (Q = P without dead time); so where that
+two planes in x, at distances that the reference r moves, for outer branches that are straight.  From a
+start with V <= c, V only falls while the command is not clipped, and {V <= c} lies in {X' Q X <= c} (Q = P without dead time); so where that
 ellipsoid lies between the planes the command is not clipped at any time.  A dead time tau puts
 tau Z_0 on the left, for the command is ahead of q by what is on its way.
 
@@ -64,11 +64,12 @@ def planes(wrist: Wrist, controller: PI, reference: float, tau: float, order: in
     p, gain = wrist.hysteresis, float(wrist.regulator.gain)
     ahead = np.zeros(order)
     ahead[:1] = tau
-    up = np.array([-1.0 / p.a1, 1.0 / p.a1, 1.0, *ahead])
-    down = -np.array([-1.0 / p.a2, 1.0 / p.a2, 1.0, *ahead])
+    outer, other = (float(slope) for slope in p.steepness)
+    up = np.array([-1.0 / outer, 1.0 / outer, 1.0, *ahead])
+    down = -np.array([-1.0 / other, 1.0 / other, 1.0, *ahead])
     b = np.array([
-        gain * controller.high - p.rest_pressure - (reference + p.w1) / p.a1,
-        p.rest_pressure + (reference - p.w2) / p.a2 - gain * controller.low,
+        gain * controller.high - float(p.ascending_pressure(reference)),
+        float(p.descending_pressure(reference)) - gain * controller.low,
     ])  # fmt: skip
     return np.array([up, down]), b
 
@@ -131,6 +132,9 @@ def largest(model: LoopModel, wrist: Wrist, controller: PI, rung: str, dead_time
     """
     signals = signals_of(model, rung, dead_time)
     tau = total_dead_time(model, dead_time)
+    if not wrist.hysteresis.straight():
+        why = "the outer branches are curved, so that no two planes bound the command"
+        return Region(None, 0.0, 0.0, None, tau, why)
     best = Region(None, 0.0, 0.0, None, tau, "no step was found that surely keeps the command in its range")
 
     def bounds(r: float) -> tuple[Array, Array]:

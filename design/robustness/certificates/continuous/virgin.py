@@ -97,7 +97,8 @@ def time_on_virgin_curve(wrist: Wrist, controller: PI, reference: float) -> Virg
     """
     p, up, size = wrist.hysteresis, reference >= 0.0, abs(reference)
     gain, rest = float(wrist.regulator.gain), float(p.rest_pressure)
-    threshold = float(p.w1 / p.a1 if up else p.w2 / p.a2)
+    meets = (p.ascending_pressure if up else p.descending_pressure)(0.0)
+    threshold = abs(float(meets) - rest) if p.DEAD_ZONE else 0.0
     end = gain * controller.high - rest if up else rest - gain * controller.low
     ratio = gain / controller.gain
     ramp = _Ramp(ratio * controller.Kp * size, ratio * controller.Ki * size, float(end))

@@ -1,0 +1,141 @@
+"""Rollouts side by side: a law compiled once, run over many lanes on any number of threads."""
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from itertools import pairwise
+from threading import Lock
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plants.kernel import pytrees
+from plants.kernel.cache import load
+from plants.kernel.templates import LANES, emit
+
+Array = NDArray[np.float64]
+
+_LOADING = Lock()
+
+
+def kernel(
+    step: Callable[..., Any],
+    state: Any,
+    inputs: tuple[str, ...],
+    coefficients: Any,
+    held: tuple[str, ...] = (),
+) -> Callable[..., None]:
+    """The compiled ``run`` of a step function; `state` and `coefficients` are trees of names.
+
+    Threads may ask for the same one at once: it is made by one of them.
+    """
+    with _LOADING:
+        # Trees that differ in their types alone are equal; their representations are not.
+        return _kernel(step, state, inputs, coefficients, held, repr((state, coefficients)))
+
+
+@cache
+def _kernel(
+    step: Callable[..., Any],
+    state: Any,
+    inputs: tuple[str, ...],
+    coefficients: Any,
+    held: tuple[str, ...],
+    types: str,
+) -> Callable[..., None]:
+    return load(emit(f"{step.__module__}.{step.__name__}", step, state, inputs, coefficients, held))
+
+
+def default_jobs() -> int:
+    """Threads used where none are asked for: the processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@cache
+def _pool(threads: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(threads, thread_name_prefix="lanes")
+
+
+def run_lanes(
+    law: Callable[..., Any],
+    state: Any,
+    coefficients: Any,
+    steps: int,
+    signals: dict[str, Any] | None = None,
+    inputs: tuple[str, ...] = (),
+    every: int = 0,
+    record: tuple[str, ...] = (),
+    jobs: int | None = None,
+    held: dict[str, Array] | None = None,
+    hold: int = 1,
+) -> tuple[Any, Array]:
+    """Advance ``law(state, inputs, coefficients)`` by a number of steps in every lane.
+
+    Leaves of `state` and `coefficients` are floats (the same in every lane) or
+    arrays of one length, the number of lanes.  `signals` are shared by the
+    lanes: one, of at least `steps` values, for each name in `inputs` but
+    ``sample``, which is the index of the step, and those of `held`, of which each
+    lane has its own: shape (rows, lanes), a row for every `hold` steps.  Returns
+    the last state, leaves of shape (lanes,), and the leaves named in `record` after
+    every `every` steps, shape (len(record), rows, lanes), row 0 being the start.
+    Lanes do not depend on each other: results are the same to the bit for any
+    number of threads.  Raises ValueError for numbers of lanes that differ and for a signal that is too
+    short.
+    """
+    own = held or {}
+    sizes = {np.size(x) for x in pytrees.leaves(state) + pytrees.leaves(coefficients) if np.ndim(x)}
+    sizes |= {np.shape(x)[1] for x in own.values()}
+    lanes = max(sizes, default=1)
+    if sizes - {1, lanes}:
+        raise ValueError(f"lanes differ in number: {sorted(sizes)}")
+    padded = -(-lanes // LANES) * LANES
+    s, c = _stack(state, lanes, padded), _stack(coefficients, lanes, padded)
+    shared = [np.asarray((signals or {})[name], float) for name in inputs if name not in ("sample", *own)]
+    if any(len(signal) < steps for signal in shared) or any(len(x) * hold < steps for x in own.values()):
+        raise ValueError(f"a signal is shorter than the {steps} steps asked for")
+    given = np.array([signal[:steps] for signal in shared]) if shared else np.zeros((1, 1))
+    names = pytrees.names(state)
+    recorded = np.array([names.index(r) for r in record], dtype=np.int64)
+
+    trees = pytrees.like(state, names), inputs, pytrees.like(coefficients, pytrees.names(coefficients))
+    run = kernel(law, *trees, tuple(own))
+    by_lane = _by_lane(own, lanes, padded)
+    blocks, threads = padded // LANES, min(jobs or default_jobs(), padded // LANES)
+    edges = np.linspace(0, blocks, threads + 1).astype(int) * LANES
+    pieces = [slice(int(a), int(b)) for a, b in pairwise(edges)]
+
+    def work(piece: slice) -> tuple[Array, Array]:
+        part = np.ascontiguousarray(s[:, piece])
+        rows = np.empty((len(record), steps // every + 1 if every else 0, part.shape[1]))
+        if every:
+            rows[:, 0] = part[recorded]
+        more = (by_lane, hold, piece.start) if own else ()
+        run(np.ascontiguousarray(c[:, piece]), part, given, *more, steps, every, recorded, rows)
+        return part, rows
+
+    if len(pieces) == 1:
+        last, rows = work(pieces[0])
+    else:
+        done = list(_pool(threads).map(work, pieces))
+        last, rows = (np.concatenate(parts, axis=-1) for parts in zip(*done, strict=True))
+    return pytrees.like(state, last[:, :lanes]), rows[:, :, :lanes]
+
+
+def _stack(values: Any, lanes: int, padded: int) -> Array:
+    """Leaves as rows of one array, the last lane repeated to fill the last block."""
+    flat = pytrees.leaves(values)
+    out = np.empty((len(flat), padded))
+    for row, value in zip(out, flat, strict=True):
+        row[:lanes] = value
+    out[:, lanes:] = out[:, lanes - 1 : lanes]
+    return out
+
+
+def _by_lane(held: dict[str, Array], lanes: int, padded: int) -> Array:
+    """Signals of each lane's own, shape (names, rows, padded); one that fits is not copied."""
+    if [x.shape[1] for x in held.values()] == [padded]:
+        return np.ascontiguousarray(next(iter(held.values())), float)[None]
+    whole = (np.broadcast_to(x, (len(x), lanes)) for x in held.values())
+    return np.array([np.pad(x, ((0, 0), (0, padded - lanes)), "edge") for x in whole], float)

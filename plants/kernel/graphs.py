@@ -1,0 +1,58 @@
+"""Laws as CasADi graphs: what is made of one call of a step function with symbols."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from plants.kernel import pytrees
+
+
+def graph(step: Callable[..., Any], *arguments: Any) -> Any:
+    """CasADi function of a step: leaves of each argument in, leaves of the result out."""
+    import casadi
+
+    casadi.GlobalOptions.setNumpyMode(1)  # ufuncs on symbols stay symbolic, without a warning
+    symbols = [[casadi.SX.sym(n) for n in pytrees.names(a)] for a in arguments]
+    result = step(*(pytrees.like(a, s) for a, s in zip(arguments, symbols, strict=True)))
+    inputs = [casadi.vertcat(*s) for s in symbols]
+    return casadi.Function("step", inputs, [casadi.vertcat(*pytrees.leaves(result))])
+
+
+def baked(name: str, function: Any, *constants: Any) -> Any:
+    """A function of `graph` under another name, its last arguments set to constants (trees of floats)."""
+    import casadi
+
+    free = [casadi.SX.sym("x", function.size1_in(i)) for i in range(function.n_in() - len(constants))]
+    return casadi.Function(name, free, [function(*free, *(casadi.DM(pytrees.leaves(c)) for c in constants))])
+
+
+def used(function: Any, argument: int) -> list[bool]:
+    """Which leaves of an argument of a function the result depends on."""
+    columns = set(function.jac_sparsity(0, argument).get_col())
+    return [i in columns for i in range(function.size1_in(argument))]
+
+
+def c_source(name: str, *functions: Any) -> str:
+    """C99 of functions, ``int f(const double **arg, double **res, int *iw, double *w, int mem)`` each.
+
+    `name` begins the names of what they share.  The code allocates nothing and has no state; laws of
+    scalars use neither `iw` nor `w`.
+    """
+    import casadi
+
+    generator = casadi.CodeGenerator(f"{name}.c", {"with_export": False, "casadi_int": "int"})
+    for function in functions:
+        generator.add(function)
+    return str(generator.dump())
+
+
+def jacobians(step: Callable[..., Any], *arguments: Any) -> list[np.ndarray]:
+    """Derivatives of the leaves of ``step(*arguments)`` by those of each argument, at that point."""
+    import casadi
+
+    function = graph(step, *arguments)
+    x = [casadi.SX.sym("x", function.size1_in(i)) for i in range(function.n_in())]
+    wrt = casadi.Function("jacobians", x, [casadi.jacobian(function(*x), xi) for xi in x])
+    values = wrt(*(np.array(pytrees.leaves(a), float) for a in arguments))
+    return [np.array(v) for v in (values if isinstance(values, tuple) else (values,))]
