@@ -17,6 +17,7 @@ from design.controllers.memory_estimator import memory_at_rest, pressure_at_rest
 from design.controllers.pi import PI
 from plants import delay
 from plants.delay import DelayLine, SampledDelay
+from plants.effects.effect import dead_time_of
 from plants.errors import InputError
 from plants.quantities import KINDS
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Number, State, Wrist
@@ -157,8 +158,7 @@ class FeedforwardPI(Feedforward):
 
         Raises InputError as `Feedforward.of`.
         """
-        late = {e.NAME: e.values.get("dead-time.delay", 0.0) for e in plant.effects}
-        return super().of(plant, **{"dead_time": late.get("dead-time", 0.0), **settings})
+        return super().of(plant, **{"dead_time": dead_time_of(plant.effects), **settings})
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -108,7 +108,7 @@ def no_inverse(plant: Wrist, low: float = COMMAND_RANGE[0], high: float = COMMAN
     >>> no_inverse(Wrist.flexion() + Creep(0.1, 4.0))
     'no inverse of the effect creep: invert the wrist without it (replace effects by ()), or use a PI'
     """
-    stubborn = [e.NAME for e in plant.effects if (e.NAME, e.FORM) != ("dead-time", "transport")]
+    stubborn = [e.NAME for e in plant.effects if not e.only_delays]
     if stubborn:
         words = f"the effect{'s' * (len(stubborn) > 1)} {', '.join(stubborn)}"
         return f"no inverse of {words}: invert the wrist without it (replace effects by ()), or use a PI"

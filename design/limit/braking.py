@@ -50,7 +50,7 @@ def knows(wrist: Wrist, state: State, reference: float, sign: float) -> bool:
     p, gain = wrist.hysteresis, wrist.regulator.gain
     ends = np.array([float(state.pressure), *(gain * v for v in COMMAND_RANGE)])
     return (
-        all(e.NAME == "dead-time" for e in wrist.effects)
+        all(e.DELAY for e in wrist.effects)
         and not (bool(state.memory.virgin) and sign * reference < 0.0)
         and bool(np.all(hysteresis.line1(ends, p) <= hysteresis.line2(ends, p)))
     )
