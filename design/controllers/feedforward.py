@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from design.controllers.controller import Measured
+from design.controllers.controller import Measured, remembers
 from design.controllers.feedforward_course import Course, SampledCourse, no_inverse, proceed
 from design.controllers.memory_estimator import memory_at_rest, pressure_at_rest
 from design.controllers.pi import PI
@@ -119,6 +119,9 @@ class Feedforward:
         return (state.course.model.pressure + state.trim) / self.gain
 
 
+@remembers(
+    trim=("kPa", "pressure needed beside the model's to hold still at the start"),
+)
 class FeedforwardState(NamedTuple):
     """What the controller remembers: its model, and the pressure [kPa] that was needed beside the model's
     to hold still at the start."""
@@ -182,6 +185,9 @@ class FeedforwardPI(Feedforward):
         return FeedforwardPIState(course, trim, delay.at_rest(course.model.angle))
 
 
+@remembers(
+    trim=("kPa", "integral part of the command, gain included"),
+)
 class FeedforwardPIState(NamedTuple):
     """What the controller remembers: its model, the integral part of its PI [kPa], called `trim` as in a
     feedforward, and the angles of the model that a known dead time holds back."""

@@ -23,12 +23,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from design.controllers.controller import remembers
 from plants import inverse, wrist
 from plants.errors import InputError, InputWarning
 from plants.quantities import loop_problem
 from plants.wrist import COMMAND_RANGE, Number, SampledWrist, State, Wrist
 
 
+@remembers(
+    outside=("", "samples in which the reference was out of reach and the nearest was taken"),
+)
 class Course(NamedTuple):
     """The model, which runs ahead of the wrist, and in how many samples the reference was out of reach."""
 

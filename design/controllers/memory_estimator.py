@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from design.controllers.controller import remembers
 from design.controllers.double_pole import double_pole
 from plants import hysteresis, lag
 from plants.hysteresis import Hysteresis, Memory
@@ -103,6 +104,10 @@ class MemoryObserver:
         )  # fmt: skip
 
 
+@remembers(
+    angle=("deg", "angle as observed"),
+    pressure=("kPa", "pressure of the sample before"),
+)
 class ObserverState(NamedTuple):
     """What the observer believes: the loop's memory, the angle [deg]; and the pressure seen last [kPa]."""
 

@@ -65,26 +65,26 @@ def register(form: type[Effect], after: str | None = None) -> type[Effect]:
     """Make a form of an effect known to parameter files, traces and wrists, and return it.
 
     after: name of the effect behind which it acts where they share a port; behind all others where not
-    given.  A further form of an effect that is known takes that one's place.  Registering a form again puts
+    given.  A further form of an effect that is known has that one's place.  Registering a form again puts
     the new class in the old one's stead, as when a cell of a notebook is run twice.
 
-    Raises InputError for a class that lacks what an effect has to say, and for an `after` that is not known.
+    Raises InputError for a class that lacks what an effect has to say, and for an `after` that is not known
+    or that the effect, being known, does not act behind.
     """
     lacking = [n for n in ("NAME", "FORM", "STAGE", "HAPPENS") if not hasattr(form, n)]
     if lacking or isabstract(form):
         what = ", ".join(lacking) or ", ".join(sorted(form.__abstractmethods__))
         raise InputError(f"effect {form.__name__}: lacks {what}; see plants.effects.effect")
-    known = EFFECTS.get(form.NAME)
-    if known is not None:
-        if after is not None:
-            raise InputError(f"effect {form.NAME}: has its place already; leave `after` out")
-        EFFECTS[form.NAME] = (*(f for f in known if f.FORM != form.FORM), form)
-        return form
     if after is not None and after not in EFFECTS:
         raise InputError(f"effect {form.NAME}: no effect {after!r} to act after; one of {', '.join(EFFECTS)}")
-    EFFECTS[form.NAME] = (form,)
     names = list(EFFECTS)
-    behind = names[names.index(after) + 1 : -1] if after is not None else []
-    for name in behind:
+    behind = names[names.index(after) + 1 :] if after is not None else []
+    if form.NAME in EFFECTS:
+        if after is not None and form.NAME not in behind:
+            raise InputError(f"effect {form.NAME}: acts before {after} already; leave `after` out")
+        EFFECTS[form.NAME] = (*(f for f in EFFECTS[form.NAME] if f.FORM != form.FORM), form)
+        return form
+    EFFECTS[form.NAME] = (form,)
+    for name in behind:  # a dictionary keeps the order in which it was filled
         EFFECTS[name] = EFFECTS.pop(name)
     return form

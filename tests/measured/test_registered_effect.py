@@ -74,7 +74,7 @@ def test_it_acts_in_its_place(registered):
 
 
 def test_without_a_place_it_acts_last_and_again_it_takes_the_same_place(registered):
-    assert register(RunOut) is RunOut
+    assert register(RunOut) is register(RunOut, after="gyro-drift") is RunOut
     assert list(EFFECTS).index("run-out") == list(EFFECTS).index("gyro-drift") + 1
     register(HalfRunOut)
     assert EFFECTS["run-out"] == (RunOut, HalfRunOut)
@@ -137,5 +137,5 @@ def test_a_form_of_a_known_effect_has_its_place():
     class FastCreep(Creep):
         FORM = "fast"
 
-    with pytest.raises(InputError, match="creep: has its place already"):
+    with pytest.raises(InputError, match="creep: acts before inertia already"):
         register(FastCreep, after="inertia")
