@@ -173,10 +173,6 @@ def identifier(text: str) -> str:
 
 def record(made: Part, kind: str, files: list[str]) -> dict[str, Any]:
     """What ``--json`` says: files, layout of the structs with units, settings."""
-    from design.export.header import ring_fields
-
-    state = [f for _, f in made.kept] + [f for row, _ in made.delays for f in ring_fields(made, row)]
-    last = made.output._replace(name=f"last_{made.output.name}", meaning="output of the last good sample")
 
     def layout(fields: Any) -> list[dict[str, Any]]:
         return [
@@ -186,7 +182,7 @@ def record(made: Part, kind: str, files: list[str]) -> dict[str, Any]:
 
     return {
         "controller": kind, "name": made.name, "period_s": made.period, "files": files,
-        "state": layout([*state, last]), "measured": layout(made.inputs),
+        "state": layout(made.members), "measured": layout(made.inputs),
         "output": {**layout([made.output])[0], "lowest": made.low, "highest": made.high},
         "settings": dict(made.settings), "tolerance": made.tolerance,
     }  # fmt: skip
