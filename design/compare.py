@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from design.alternatives.designs import Design, design_others, design_record
-from design.alternatives.lqi_loop import Broken
 from design.compare_rows import FORWARD, NEAREST, PAPER, TUNED, Row, Standing, row_record, verdicts
 from design.compare_tasks import (
     METRICS,
@@ -26,13 +25,13 @@ from design.compare_tasks import (
     together,
 )
 from design.controllers.controller import Controller
-from design.controllers.feedforward import Feedforward, FeedforwardPI
+from design.controllers.feedforward import Feedforward
 from design.controllers.feedforward_course import no_inverse
-from design.controllers.lqi import LQI
 from design.controllers.pi import PI
+from design.controllers.registry import REGISTERED
+from design.input_loop import command_margins
 from design.limit import Limit, ratios
 from design.loop import Trajectory, run
-from design.margins import branch_responses, by_python_control
 from design.metrics import Metrics
 from design.requirements import ROUNDING, Limits, default_problem
 from design.rules import baselines, paper_range
@@ -65,8 +64,10 @@ def controllers(
     more: Mapping[str, Controller] | None = None,
 ) -> dict[str, list[Controller]]:
     """Controllers by name, each a list: one, or the range of the paper's, the stand-in first.  A
-    feedforward is among them where the wrist has an inverse; `more`: further ones."""
+    feedforward is among them where the wrist has an inverse, and whoever is registered
+    (`design.controllers.register`); `more`: further ones."""
     named: dict[str, list[Controller]] = {TUNED: [tuned]}
+    named |= {n: [r.make(wrist)] for n, r in REGISTERED.items()}
     named |= {n: [c] for n, c in (more or {}).items()}
     named |= {n: [d.controller] for n, d in (designs or {}).items() if not isinstance(d, str)}
     named |= {FORWARD: [Feedforward.of(wrist)]} if no_inverse(wrist) is None else {}
@@ -155,22 +156,6 @@ def _played(
     return on_tasks(wrist, alike), bounds_on_tasks(wrist, alike[0]), trajectory
 
 
-def _margins(wrist: Wrist, controller: Controller) -> tuple[float, float]:
-    """Ms and delay margin [s] at the command, the worst over branches and rates."""
-    if isinstance(controller, FeedforwardPI):
-        return _margins(wrist, controller.pi)
-    if isinstance(controller, Feedforward):
-        return 1.0, float("inf")
-    if isinstance(controller, PI):
-        rows = by_python_control(wrist, controller)
-        return max(r["Ms"] for r in rows), min(r["delay_margin_s"] for r in rows)
-    if isinstance(controller, LQI):
-        branches = branch_responses(wrist, 1500)
-        found = Broken.at_command(wrist, controller, branches).margins(branches)
-        return float(found.Ms), float(found.delay_margin_s)
-    return float("nan"), float("nan")  # no linear loop to take margins of
-
-
 def _standing(
     motion: str,
     name: str,
@@ -180,7 +165,7 @@ def _standing(
     limits: Limits,
     design: Mapping[str, Any],
 ) -> Standing:
-    Ms, delay = _margins(wrist, controller)
+    Ms, delay = command_margins(wrist, controller)
     worst = {n: max(r.metrics[n] for r in rows) for n in METRICS}
     held = {
         "overshoot_percent": worst["overshoot_percent"],
@@ -191,7 +176,8 @@ def _standing(
     breaks = [n for n, v in held.items() if n in limits.named and v > limits.named[n] * ROUNDING]
     if "delay_margin_s" in limits.named and delay < limits.named["delay_margin_s"] / ROUNDING:
         breaks.append("delay_margin_s")
-    Kp, Ki = (controller.Kp, controller.Ki) if isinstance(controller, PI | FeedforwardPI) else (None, None)
+    pi = getattr(controller, "pi", None)
+    Kp, Ki = (pi.Kp, pi.Ki) if pi is not None else (None, None)
     ratios_ = [[getattr(r, n) for r in rows] for n in ("settling_ratio", "iae_ratio")]
     return Standing(
         motion, name, Kp, Ki, Ms, delay, worst["overshoot_percent"], worst["settling_time_s"],

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.pi import PI
+from plants.effects.effect import dead_time_of
 from plants.rest import at_pressure
 from plants.wrist import SAMPLE_TIME, Wrist
 
@@ -94,21 +95,16 @@ def simc(wrist: Wrist) -> PI:
     Skogestad, J. Process Control 13 (2003) 291, doi 10.1016/S0959-1524(02)00062-8.
     """
     large, small, *rest = sorted((1.0 / wrist.regulator.k_fast, *_lags(wrist)), reverse=True)
-    effects = {n: v for e in wrist.effects for n, v in e.values.items()}
     lag, dead = large + small / 2, small / 2 + SAMPLE_TIME / 2
-    dead += sum(rest) + effects.get("dead-time.delay", 0.0)
+    dead += sum(rest) + dead_time_of(wrist.effects)
     Kp = lag / (wrist.hysteresis.steepness[0] * 2.0 * dead)
     return _pi(wrist, Kp, min(lag, 8.0 * dead))
 
 
 def _lags(wrist: Wrist) -> list[float]:
-    """Time constants [s] of wrist and tube; a second-order joint by its two poles, or their mean."""
-    found = [wrist.Tw]
-    for effect in wrist.effects:
-        if effect.NAME == "inertia":
-            root = max(wrist.Tw**2 - 4.0 * effect.values["inertia.inertia"] ** 2, 0.0) ** 0.5
-            found = [(wrist.Tw + root) / 2, (wrist.Tw - root) / 2]
-    return found + [e.values["dead-time.lag"] for e in wrist.effects if "dead-time.lag" in e.values]
+    """Time constants [s] of the joint, with inertia those of its two poles, and of what effects add."""
+    joint = [lags for e in wrist.effects if (lags := e.joint_lags(wrist)) is not None]
+    return [*(joint[-1] if joint else (wrist.Tw,)), *(lag for e in wrist.effects for lag in e.lags(wrist))]
 
 
 def amigo(wrist: Wrist, r: Reaction) -> PI:

@@ -22,7 +22,7 @@ import plants
 from design.rules import PAPER_GAINS
 from design.tasks import STEP, Scenario, stack
 from plants.hysteresis import Memory
-from plants.linear import BRANCHES, RATES, wrist_x0
+from plants.linear import RATES, branch_slopes, wrist_x0
 from plants.quantities import built_in
 from plants.wrist import STARTS
 from reports import paper
@@ -253,7 +253,9 @@ print(
 assert difference < 1e-9
 
 # %%
-branches = {(branch, rate): flexion.linearised(branch, rate) for branch in BRANCHES for rate in RATES}
+branches = {
+    (branch, rate): flexion.linearised(branch, rate) for branch in branch_slopes(flexion) for rate in RATES
+}
 rows(
     {
         "branch": branch,

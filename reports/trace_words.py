@@ -15,24 +15,6 @@ from reports.tables import fixed, listed, number
 UNITS = {"angle_deg": "deg", "pressure_kPa": "kPa"}
 """Channels of an answer, and their units."""
 
-HAPPENS = {
-    "dead-time": "The pressure answers the command late",
-    "fill-exhaust-asymmetry": "The regulator fills and exhausts at different speeds",
-    "regulator-deadband": "The regulator passes over small changes of the command",
-    "supply-droop": "The supply sags",
-    "branch-curvature": "The branches of the loop are curved",
-    "rate-dependence": "The loop is wider when the pressure moves faster",
-    "load-step": "The load on the hand changes",
-    "softening": "The slopes change as the wrist is worked",
-    "cross-coupling": "The other motion moves this angle",
-    "inertia": "The joint has inertia",
-    "creep": "The wrist creeps",
-    "end-stop": "The joint meets a stop",
-    "gyro-drift": "The angle sensor drifts",
-    "periodic-disturbance": "A hum lies on the angle",
-}
-"""What happens on a rig that has an effect."""
-
 VARIABLES = {
     "pressure_kPa": "the pressure",
     "pressure_rate_kPa_s": "how fast the pressure moves",
@@ -176,7 +158,7 @@ def _channel(channel: str) -> str:
 
 
 def _happens(effects: Sequence[Named]) -> str:
-    words = [HAPPENS.get(e.name, f"The rig has {e.name}") for e in effects]
+    words = [EFFECTS[e.name][0].HAPPENS for e in effects]
     return _and([words[0], *(w[0].lower() + w[1:] for w in words[1:])])
 
 

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.alternatives.convex_concave import NOISE_GAIN
-from design.alternatives.lqi_loop import Broken, worst_pole
 from design.alternatives.lqi_synthesis import Feedback, Weights, synthesise
 from design.controllers.controller import stacked
 from design.controllers.lqi import LQI
 from design.convex import Unsolved
+from design.input_loop import InputLoop, worst_pole
 from design.loop import run
 from design.metrics import Metrics
 from design.requirements import COSTS, Problem
@@ -120,7 +120,7 @@ def judge(problem: Problem, controllers: Sequence[LQI], noise_limit: float | Non
         jobs=problem.jobs,
     )  # fmt: skip
     judged: Metrics = found.reshape(n, m)
-    broken = [Broken.at_command(problem.wrist, c, problem.branches) for c in controllers]
+    broken = [InputLoop.at_command(problem.wrist, c, problem.branches) for c in controllers]
     linear = [x.margins(problem.branches) for x in broken]
     sizes = np.array([abs(s.reference - s.angle) for s in problem.scenarios])
     values: dict[str, Array] = {

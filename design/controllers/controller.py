@@ -3,7 +3,7 @@
 A module of this package that holds a controller has
 
     a frozen dataclass, a `Controller`      its settings, floats or arrays of lanes
-    class State(NamedTuple)                 what it remembers
+    class State(NamedTuple)                 what it remembers, with units by `remembers`
     class Sampled(NamedTuple)               its coefficients for one sample time, a `SampledController`
     def step(state, measured, c)            one sample, which `act` hands on to; NumPy ufuncs only
 
@@ -13,7 +13,7 @@ takes the error alone), `design.controllers.lqi` another, which uses angle and p
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -56,6 +56,16 @@ class Controller(Protocol):
         """What the controller knows of the regulator [kPa/V]."""
         ...
 
+    @property
+    def low(self) -> Number:
+        """Least command [V]."""
+        ...
+
+    @property
+    def high(self) -> Number:
+        """Largest command [V]."""
+        ...
+
     def sampled(self, dt: float = SAMPLE_TIME) -> Any:
         """Coefficients for a sample time [s], a `SampledController`."""
         ...
@@ -68,6 +78,22 @@ class Controller(Protocol):
     def command(self, state: Any) -> Number:
         """The command [V] that a state gives while the error is zero."""
         ...
+
+
+MEANINGS: dict[tuple[type, str], tuple[str, str]] = {}
+"""Unit and meaning of the fields of states, for who takes a law to a target."""
+
+_State = TypeVar("_State", bound=type)
+
+
+def remembers(**fields: tuple[str, str]) -> Callable[[_State], _State]:
+    """Decorator of a state: unit and meaning of its fields, which exported code gives by name."""
+
+    def told(state: _State) -> _State:
+        MEANINGS.update({(state, name): known for name, known in fields.items()})
+        return state
+
+    return told
 
 
 def stacked(controllers: Sequence[Any], repeat: int = 1) -> Any:

@@ -11,12 +11,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from design.controllers.controller import Measured
+from design.controllers.controller import Measured, remembers
 from design.controllers.feedforward_course import Course, SampledCourse, no_inverse, proceed
 from design.controllers.memory_estimator import memory_at_rest, pressure_at_rest
 from design.controllers.pi import PI
 from plants import delay
 from plants.delay import DelayLine, SampledDelay
+from plants.effects.effect import dead_time_of
 from plants.errors import InputError
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Number, State, Wrist
 
@@ -116,6 +117,9 @@ class Feedforward:
         return (state.course.model.pressure + state.trim) / self.gain
 
 
+@remembers(
+    trim=("kPa", "pressure needed beside the model's to hold still at the start"),
+)
 class FeedforwardState(NamedTuple):
     """What the controller remembers: its model, and the pressure [kPa] that was needed beside the model's
     to hold still at the start."""
@@ -155,8 +159,7 @@ class FeedforwardPI(Feedforward):
 
         Raises InputError as `Feedforward.of`.
         """
-        late = {e.NAME: e.values.get("dead-time.delay", 0.0) for e in plant.effects}
-        return super().of(plant, **{"dead_time": late.get("dead-time", 0.0), **settings})
+        return super().of(plant, **{"dead_time": dead_time_of(plant.effects), **settings})
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -180,6 +183,9 @@ class FeedforwardPI(Feedforward):
         return FeedforwardPIState(course, trim, delay.at_rest(course.model.angle))
 
 
+@remembers(
+    trim=("kPa", "integral part of the command, gain included"),
+)
 class FeedforwardPIState(NamedTuple):
     """What the controller remembers: its model, the integral part of its PI [kPa], called `trim` as in a
     feedforward, and the angles of the model that a known dead time holds back."""

@@ -23,11 +23,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from design.controllers.controller import remembers
 from plants import inverse, wrist
 from plants.errors import InputError, InputWarning
 from plants.wrist import COMMAND_RANGE, Number, SampledWrist, State, Wrist
 
 
+@remembers(
+    outside=("", "samples in which the reference was out of reach and the nearest was taken"),
+)
 class Course(NamedTuple):
     """The model, which runs ahead of the wrist, and in how many samples the reference was out of reach."""
 
@@ -105,7 +109,7 @@ def no_inverse(plant: Wrist, low: float = COMMAND_RANGE[0], high: float = COMMAN
     >>> no_inverse(Wrist.flexion() + Creep(0.1, 4.0))
     'no inverse of the effect creep: invert the wrist without it (replace effects by ()), or use a PI'
     """
-    stubborn = [e.NAME for e in plant.effects if (e.NAME, e.FORM) != ("dead-time", "transport")]
+    stubborn = [e.NAME for e in plant.effects if not e.only_delays]
     if stubborn:
         words = f"the effect{'s' * (len(stubborn) > 1)} {', '.join(stubborn)}"
         return f"no inverse of {words}: invert the wrist without it (replace effects by ()), or use a PI"

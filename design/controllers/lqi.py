@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from design.controllers.controller import Measured
+from design.controllers.controller import Measured, remembers
 from design.controllers.double_pole import double_pole
 from plants import lag
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
@@ -94,6 +94,14 @@ class LQI:
         return state.target / self.gain
 
 
+@remembers(
+    target=("kPa", "pressure that is commanded"),
+    static_angle=("deg", "static angle as observed"),
+    angle=("deg", "angle as observed"),
+    pressure=("kPa", "pressure of the sample before"),
+    lack=("kPa", "mean of commanded less measured pressure"),
+    reference=("deg", "reference of the sample before"),
+)
 class LQIState(NamedTuple):
     """What the controller remembers: pressure that it commands [kPa], static and measured angle as
     observed [deg], pressure of the sample before [kPa], mean of the lack q [kPa], reference [deg]."""

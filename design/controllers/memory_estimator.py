@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from design.controllers.controller import remembers
 from design.controllers.double_pole import double_pole
 from plants import lag
 from plants.hysteresis import HysteresisLaw
@@ -103,6 +104,10 @@ class MemoryObserver:
         return SampledObserver(self.hysteresis, c, correct_h, correct_y, self.doubt)
 
 
+@remembers(
+    angle=("deg", "angle as observed"),
+    pressure=("kPa", "pressure of the sample before"),
+)
 class ObserverState(NamedTuple):
     """What the observer believes: the loop's memory, the angle [deg]; and the pressure seen last [kPa]."""
 

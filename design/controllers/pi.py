@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from design.controllers.controller import Measured
+from design.controllers.controller import Measured, remembers
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
 
 Number = Any
@@ -41,6 +41,11 @@ class PI:
         gains = np.concatenate([np.ravel(self.Kp), np.ravel(self.Ki)])
         if not (np.isfinite(gains).all() and (gains >= 0.0).all()):
             raise ValueError("gains must be finite and not negative")
+
+    @property
+    def pi(self) -> "PI":
+        """The PI that closes the loop: itself."""
+        return self
 
     def sampled(self, dt: float = SAMPLE_TIME) -> "SampledPI":
         """Coefficients for a sample time `dt` [s]."""
@@ -71,6 +76,9 @@ class SampledPI(NamedTuple):
         return step(state, seen.error, self)
 
 
+@remembers(
+    integral=("kPa", "integral part of the command, gain included"),
+)
 class PIState(NamedTuple):
     """What the controller remembers: its integral part [kPa], gain included."""
 

@@ -13,7 +13,6 @@ whose compiled loops and daqp the test vector comes from.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -22,7 +21,6 @@ from numpy.typing import NDArray
 
 from design.controllers.controller import Measured
 from design.export.fields import COMMAND, Field, described
-from design.export.mpc_source import mpc_source
 from design.export.part import SEEN, Part, Seen
 from design.mpc import linear, observer
 from design.mpc.prediction import coefficients
@@ -104,9 +102,14 @@ def of_linear_mpc(name: str, title: str, problem: Problem) -> Part:
         "high": problem.high, "rate": problem.rate,
     }  # fmt: skip
     begin, step = _python(problem, planner, g)
-    part = Part(
+    constants = {
+        "steps": problem.horizon, "rate": planner.rate, "lowest": problem.low, "highest": problem.high,
+        "change": problem.rate, "gain": float(problem.wrist.regulator.gain),
+        "lack": [f.name for f in state].index("lack"), "tables": {"T": T.tolist(), "G": G.tolist()},
+    }  # fmt: skip
+    return Part(
         name, title, problem.period, SEEN, state, COMMAND, problem.low, problem.high, settings, code,
-        begin, step, tolerance=1e-6, lost=LOST, takes_lost=True,
+        begin, step, tolerance=1e-6, template="mpc.c.jinja", constants=constants, lost=LOST, takes_lost=True,
         notes=(
             f"The QP (horizon {problem.horizon}, range and rate of the command bounded) is solved by a dual "
             f"active-set method with a bound on its iterations; its matrices are about "
@@ -116,7 +119,6 @@ def of_linear_mpc(name: str, title: str, problem: Problem) -> Part:
             f"of fallbacks that Python has below that is the caller's.",
         ),
     )  # fmt: skip
-    return replace(part, source=mpc_source(part, problem, planner.rate, T, G))
 
 
 def after_period(pressure: Number, command: Number, c: SampledWrist, substeps: int) -> list[Number]:

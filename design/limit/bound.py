@@ -37,7 +37,7 @@ from typing import Any
 import numpy as np
 
 from design.limit.braking import knows, settles_after
-from design.limit.monotone import claimed, driven, relaxed, without
+from design.limit.monotone import claimed, driven, prompt, relaxed
 from design.limit.replay import DURATION, Array, signals
 from design.metrics import SETTLING_BAND
 from plants import tree
@@ -106,11 +106,11 @@ def _envelope(wrist: Wrist, state: State, sign: float, samples: int, begin: floa
             raised = monotone.hysteresis.flattest * (
                 driven(monotone, ready.pressure) - driven(monotone, dip.pressure[m])
             )
-            prompt, ready = without(monotone, ready, ("dead-time",))
+            ready_to_go, ready = prompt(monotone, ready)
             left_it = monotone.hysteresis.doubted(ready.memory, True)
             ready = ready._replace(memory=left_it._replace(h=float(raised)))
             later = begin + (m - 1) * SAMPLE_TIME
-            dipped, _ = _throttle(prompt, ready, ahead, samples - m + 1, later)
+            dipped, _ = _throttle(ready_to_go, ready, ahead, samples - m + 1, later)
             static[m - 1 :] = np.maximum(static[m - 1 :], sign * dipped.memory.h)
             angle[m - 1 :] = np.maximum(angle[m - 1 :], sign * dipped.angle)
     until = claimed(wrist)

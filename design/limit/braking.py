@@ -51,7 +51,7 @@ def knows(wrist: Wrist, state: State, reference: float, sign: float) -> bool:
     ends = np.array([float(state.pressure), *(gain * v for v in COMMAND_RANGE)])
     return (
         isinstance(p, FourSegment)
-        and all(e.NAME == "dead-time" for e in wrist.effects)
+        and all(e.DELAY for e in wrist.effects)
         and not (bool(state.memory.virgin) and sign * reference < 0.0)
         and bool(np.all(p.ascending(ends) <= p.descending(ends)))
     )

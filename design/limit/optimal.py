@@ -25,10 +25,11 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from design.limit.bound import Bound
-from design.limit.monotone import delay_of, without
+from design.limit.monotone import prompt
 from design.limit.replay import Replay, replay
 from design.metrics import SETTLING_BAND
 from plants import lag, regulator
+from plants.effects.effect import dead_time_of
 from plants.errors import InputError
 from plants.hysteresis import FourSegment
 from plants.kernel.graphs import graph
@@ -132,13 +133,13 @@ def optimal(wrist: Wrist, reference: float, state: State, found: Bound, goal: Go
             f"limit: no trajectory for the hysteresis law {wrist.hysteresis.NAME!r}, only for "
             f"{FourSegment.NAME!r}; ask for the bound alone"
         )
-    if any(e.NAME != "dead-time" or getattr(e, "lag", 0.0) for e in wrist.effects):
+    if not all(e.only_delays for e in wrist.effects):
         names = ", ".join(f"{e.NAME} ({e.FORM})" for e in wrist.effects)
         raise InputError(f"limit: no trajectory for a wrist with {names}; ask for the bound alone")
     if not np.isfinite(found.settling_s):
         raise InputError(f"limit: {reference:g} deg is out of reach, no trajectory settles; ask for less")
-    delay = int(delay_of(wrist) / SAMPLE_TIME + 1e-9)
-    bare, start = without(wrist, state, ("dead-time",))
+    delay = int(float(dead_time_of(wrist.effects)) / SAMPLE_TIME + 1e-9)
+    bare, start = prompt(wrist, state)
     reached = max(round(found.settling_s / SAMPLE_TIME) - delay, 1)
     problem = Problem(bare, start, reference, float(np.sign(reference - state.angle)), reached)
     _check_hold(problem)

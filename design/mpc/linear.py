@@ -29,11 +29,11 @@ from design.controllers.controller import Measured
 from design.mpc import observer, qp
 from design.mpc.fallback import Attempt, Fallback, Info, begin, step
 from design.mpc.fallback import State as MPCState
-from design.mpc.prediction import STATES, coefficients, indented, inlined, plain
+from design.mpc.prediction import STATES, coefficients, plain
 from design.mpc.problem import Believed, Problem
 from plants import tree, wrist
 from plants.hysteresis import FourSegment, Memory
-from plants.kernel.cache import load
+from plants.kernel.inlining import compiled, inlined, scalars, unpacked
 from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
@@ -42,20 +42,15 @@ STILL = 0.01
 """Change of the static angle [deg] in a period below which a wrist on the virgin curve is left alone:
 any more would send it through its dead zone."""
 
-_TEMPLATE = '''"""Emitted code: commands that follow static angles. Do not edit; it is made anew."""
-import math
-import numpy as np
-from numba import njit
-
-@njit(nogil=True, cache=True, error_model="numpy", fastmath={{"contract", "nsz", "arcp"}})
+_LOOP = """\
 def run(start, angles, still, lowest, highest, rate, before, push, c, substeps, commands):
-{coefficients}
+    {coefficients}
     {state} = start[0], start[1], start[2], start[3]
     for k in range(angles.shape[0]):
         u_angle = angles[k]
         if x_virgin > 0.5 and abs(u_angle - x_h) < still:
             u_angle = x_h
-{inverse}
+        {inverse}
         low, high = max(lowest, before - rate), min(highest, before + rate)
         # Illinois variant of false position: the pressure after a period rises with the command.
         pressure = x_pressure
@@ -70,7 +65,7 @@ def run(start, angles, still, lowest, highest, rate, before, push, c, substeps, 
             u_command = value + push
             x_pressure = pressure
             for i in range(substeps):
-{press}
+                {press}
             missed = x_pressure - wanted
             x_pressure = pressure
             if j == 0:
@@ -96,8 +91,8 @@ def run(start, angles, still, lowest, highest, rate, before, push, c, substeps, 
         commands[k] = before = value
         u_command = value + push
         for i in range(substeps):
-{body}
-'''
+            {body}
+"""
 
 
 def _inverse(state: State, angle: Any, c: Any) -> Any:
@@ -113,20 +108,15 @@ def _kernel() -> Callable[..., None]:
     example = Wrist.flexion()
     c, state = example.sampled(), example.rest()
     x = [f"x_{n}" for n in STATES]
-    names = [f"c_{n.replace('.', '_')}" for n in tree.names(c)]
+    names = scalars("c", c)
     command: Any = (state, ("command",), c)
     parts = {
         "inverse": inlined(_inverse, [*command], [x, ["u_angle"], names], ["wanted"]),
         "press": inlined(_press, [*command], [x, ["u_command"], names], ["x_pressure"]),
         "body": inlined(plain, [*command], [x, ["u_command"], names], x),
     }
-    by = {"inverse": 8, "press": 16, "body": 12}
-    return load(
-        _TEMPLATE.format(
-            coefficients=indented([f"{n} = c[{i}]" for i, n in enumerate(names)], 4),
-            state=", ".join(x),
-            **{name: indented(lines, by[name]) for name, lines in parts.items()},
-        )
+    return compiled(
+        "commands that follow static angles", _LOOP, coefficients=unpacked(names, "c"), state=x, **parts
     )
 
 

@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from design.controllers.controller import remembers
 from plants.errors import InputError
 from plants.hysteresis import FourSegment
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
@@ -178,6 +179,10 @@ class Problem:
         return np.eye(self.horizon) - np.eye(self.horizon, k=-1)
 
 
+@remembers(
+    lack=("kPa", "what the regulator lacks of the pressure that is commanded"),
+    shift=("deg", "shift of the angle, such as by a load"),
+)
 class Believed(NamedTuple):
     """What a plan starts from: the wrist's state, the angle being that without the shift, and the
     disturbances lack [kPa] and shift [deg]."""

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from design.controllers.pi import PI
 from plants import lag, regulator
+from plants.effects.effect import dead_time_of
 from plants.linear import branch_slopes
 from plants.wrist import SAMPLE_TIME, Wrist
 
@@ -59,7 +60,6 @@ class LoopModel:
         {'transit': 0.0803, 'line1': 0.36, 'line2': 0.36}
         """
         ratio = float(wrist.regulator.gain / controller.gain)
-        effects = {n: float(v) for e in wrist.effects for n, v in e.values.items()}
         return cls(
             ratio * float(controller.Kp),
             ratio * float(controller.Ki),
@@ -67,8 +67,8 @@ class LoopModel:
             float(wrist.regulator.k_slow),
             float(wrist.regulator.k_fast),
             float(wrist.Tw),
-            effects.get("dead-time.delay", 0.0),
-            tuple(e.NAME for e in wrist.effects if (e.NAME, e.FORM) != ("dead-time", "transport")),
+            float(dead_time_of(wrist.effects)),
+            tuple(e.NAME for e in wrist.effects if not e.only_delays),
         )
 
     @property

@@ -13,7 +13,7 @@ from plants.wrist import COMMAND_RANGE, Wrist
 REGION = Region(Kp=(0.5, 20.0), Ki=(0.5, 100.0))
 """Gains that the sliders reach where none are given: what holds 15 degrees in either motion, and around."""
 
-DELAY = "dead-time.delay"
+DELAY = f"{DeadTime.NAME}.{DeadTime.DELAY}"
 
 
 @dataclass(frozen=True)

@@ -39,16 +39,24 @@ class SampledWarp(NamedTuple):
         return pressure + SPAN * x * x * (self.quadratic + self.cubic * x)
 
 
+class _Curved(Effect):
+    """What the forms share; whether the lines stay at least as steep as the transit is looked at by who
+    makes a bound."""
+
+    NAME = "branch-curvature"
+    STAGE = "wrist"
+    HAPPENS = "The branches of the loop are curved"
+    BOUND = "kept"
+
+
 @dataclass(frozen=True)
-class Polynomial(Effect):
+class Polynomial(_Curved):
     """The pressure acts through a cubic: x (1 + quadratic x + cubic x^2), x = (P - rest) / 100 kPa.
 
     One curve for both branches and the transit.
     """
 
-    NAME = "branch-curvature"
     FORM = "cubic of the pressure"
-    STAGE = "wrist"
 
     quadratic: Number = parameter("1", "share of the quadratic term", -0.45, 1.0, 0.0, (0.0, -0.1, 0.1))
     cubic: Number = parameter("1", "share of the cubic term", -0.33, 2.0, 0.0, (-0.15, 0.15))
@@ -79,12 +87,10 @@ class SampledSaturation(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Saturation(Effect):
+class Saturation(_Curved):
     """The pressure acts through a hyperbolic tangent that saturates at `range` [kPa] from rest."""
 
-    NAME = "branch-curvature"
     FORM = "saturation"
-    STAGE = "wrist"
 
     # Null: at 1e6 kPa the tangent is straight to 1e-9 of the range, far below rounding of a log.
     range: Number = parameter("kPa", "pressure at which the response saturates", 40.0, 1e6, 1e6, (150.0,))
@@ -114,15 +120,13 @@ class SampledBow(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Bow(Effect):
+class Bow(_Curved):
     """Each line has a bow of its own, and both the same cubic; the transit stays straight.
 
     All in deg at 100 kPa from rest.
     """
 
-    NAME = "branch-curvature"
     FORM = "bow of each line"
-    STAGE = "wrist"
 
     bow1: Number = parameter("deg", "quadratic term of line 1", -15.0, 15.0, 0.0, (-2.0, 2.0))
     bow2: Number = parameter("deg", "quadratic term of line 2", -15.0, 15.0, 0.0, (-2.0, 2.0))
@@ -161,16 +165,14 @@ class SampledCurve(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Curve(Effect):
+class Curve(_Curved):
     """Both lines follow one smooth curve, the transit stays straight.
 
     Chebyshev polynomials T2 to T7 of (P - rest) / 100 kPa, as shares of the line's
     rise over 100 kPa.
     """
 
-    NAME = "branch-curvature"
     FORM = "smooth curve of the lines"
-    STAGE = "wrist"
 
     t2: Number = parameter("1", "share of T2", -0.5, 0.5, 0.0, (0.0, 0.05))
     t3: Number = parameter("1", "share of T3", -0.5, 0.5, 0.0, (-0.05, 0.05))

@@ -75,6 +75,7 @@ _TRANSIT = parameter("1", "share of the change that the transit's slope takes pa
 class _Form(Effect):
     NAME = "softening"
     STAGE = "wrist"
+    HAPPENS = "The slopes change as the wrist is worked"
 
     depth: Number = _DEPTH
     width: Number = _WIDTH

@@ -58,6 +58,18 @@ class Recording:
         """Which rows count when the error is reported, (n,)."""
         return self.time >= self.judged_from
 
+    @property
+    def channels(self) -> dict[str, Array]:
+        """What was logged beside the time, by standard name or, of further channels, by column."""
+        own = {
+            "command_V": self.command,
+            "angle_deg": self.angle,
+            "pressure_kPa": self.pressure,
+            "reference_deg": self.reference,
+            "other_pressure_kPa": self.other_pressure,
+        }
+        return {**self.extra, **{n: v for n, v in own.items() if v is not None}}
+
     def until(self, time: float) -> "Recording":
         """The recording up to a time [s]."""
         kept = self.time < time

@@ -12,7 +12,9 @@ from design.requirements import Limits
 from design.robustness.predictions.margins import branch_margins, statements, steepest_rate
 from plants import Wrist
 from plants.effects import DeadTime
-from plants.linear import BRANCHES, RATES
+from plants.linear import RATES, branch_slopes
+
+BRANCHES = tuple(branch_slopes(Wrist.flexion()))
 
 WRIST = Wrist.flexion()
 GAINS = [(1.2, 2.2), (3.13, 10.4), (9.0, 60.0)]

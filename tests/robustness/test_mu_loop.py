@@ -27,8 +27,11 @@ from design.robustness.certificates.constant.uncertain_search import slack
 from design.robustness.loop_model import LoopModel
 from plants.effects import DeadTime
 from plants.errors import InputError
-from plants.linear import BRANCHES, RATES
+from plants.linear import RATES, branch_slopes
 from plants.quantities import built_in
+from plants.wrist import Wrist
+
+BRANCHES = tuple(branch_slopes(Wrist.flexion()))
 
 FLEXION = built_in("flexion")
 NARROW = box_of(FLEXION)

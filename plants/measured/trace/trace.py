@@ -19,7 +19,7 @@ from plants.measured.trace.choose import search
 from plants.measured.trace.declared import LOWER, driven, refitted
 from plants.measured.trace.errors import free_run_errors, intervals, squares
 from plants.measured.trace.experiments import sentence, separate
-from plants.measured.trace.judge import alternatives, explained, logs_other, unexcited
+from plants.measured.trace.judge import alternatives, explained, not_logged, unexcited
 from plants.measured.trace.learnt import learn
 from plants.measured.trace.model import Model
 from plants.measured.trace.remainders import begun, remainders
@@ -113,7 +113,7 @@ def _once_more(campaign: Campaign, start: ParameterSet, fit: Fit, declared: Mode
 
 def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: int) -> StageTrace:
     stage = declared.stage
-    logged = [n for n in stage.effects if n != "cross-coupling" or logs_other(declared)]
+    logged = [n for n in stage.effects if not not_logged(declared, n)]
     found = search(declared, logged, lambda what: tell(f"{stage.name}: {what}"), seed)
     model, blind = found.chosen.model, unexcited(declared, found.rounds[0].ranking)
     before, after = found.declared.examined, found.chosen.examined

@@ -107,7 +107,7 @@ def robust_stability(
         )
     if not 0.0 <= dead_time < np.inf:
         raise InputError(f"robustness: a dead time of {dead_time:g} s; give one of 0 or more")
-    own = box.bounds("dead-time.delay")[1] if "dead-time.delay" in box.plant.values else 0.0
+    own = sum(box.bounds(f"{e.NAME}.{e.DELAY}")[1] for e in box.plant.effects if e.DELAY)
     left_out = LoopModel.of(box.wrist, controller).left_out
     loop = UncertainLoop.of(box, controller, branch, rate, own + dead_time)
     centre = np.array(loop.centre)

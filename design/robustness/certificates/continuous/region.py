@@ -6,9 +6,9 @@ h = r - x0 + x1.  So the command stays within its range wherever
     rest + (h + w1) / a1 + q <= gain v_high,        rest + (h - w2) / a2 + q >= gain v_low:
 
 two planes in x, at distances that the reference r moves, for outer branches that are straight.  From a
-start with V <= c, V only falls while the command is not clipped, and {V <= c} lies in {X' Q X <= c} (Q = P without dead time); so where that
-ellipsoid lies between the planes the command is not clipped at any time.  A dead time tau puts
-tau Z_0 on the left, for the command is ahead of q by what is on its way.
+start with V <= c, V only falls while the command is not clipped, and {V <= c} lies in {X' Q X <= c}
+(Q = P without dead time); so where that ellipsoid lies between the planes the command is not clipped at
+any time.  A dead time tau puts tau Z_0 on the left, for the command is ahead of q by what is on its way.
 
 A step of r from rest on a line starts at x = (r, 0, Kp r), with a dead time tau after the step, the
 command having risen at Ki r all the while.  What holds for steps of r and -r holds for all between:

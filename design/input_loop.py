@@ -1,76 +1,52 @@
-"""The linear loop of a state feedback with its observer: poles on every branch, margins at the command.
+"""The loop at the plant's input: poles on every branch and margins at the command, of any controller.
 
-Separation does not hold where the branch's slope differs from the observer's, so what is guaranteed of
-the state feedback is checked here of the whole loop, with the law that is simulated: its matrices are
-what `design.controllers.lqi.step` makes of unit vectors while nothing is clipped.
+The controller is its law linearised (`design.controllers.state_space`), with its observer and whatever it
+measures beside the angle.  Separation does not hold where a branch's slope differs from the observer's,
+so what is guaranteed of a state feedback is checked here of the whole loop.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from design.controllers.controller import Measured
-from design.controllers.lqi import LQI, LQIState, step
+from design.controllers.controller import Controller
 from design.controllers.pi import PI
-from design.margins import BranchResponse, Margins, margins
-from plants import tree
+from design.controllers.state_space import linearised
+from design.margins import BranchResponse, Margins, branch_responses, by_python_control, margins
 from plants.linear import RATES, branch_slopes, branch_ss, slope_factors
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-MEMORY = 5
-"""States of the controller that move while the reference rests: all of `LQIState` but the last."""
+POINTS = 1500
+"""Frequencies that margins are read from."""
 
 INTEGRATOR = PI(0.0, 1.0 / SAMPLE_TIME, gain=1.0)
 """A PI whose response is 1 / (z - 1), so that `design.margins` takes any loop as one beside it."""
 
 
-def matrices(controller: LQI) -> tuple[Array, Array, Array, Array]:
-    """The controller while it does not clip, reference 0: m+ = a m + b (y, P), command = c m + d (y, P).
-
-    m are the first five of `LQIState`, y the angle [deg], P the pressure [kPa], command in V;
-    shapes (5, 5), (5, 2), (5,), (2,).  All are deviations from an equilibrium.
-    """
-    free = controller.sampled()._replace(low=-np.inf, high=np.inf)
-    one = np.eye(MEMORY + 2)
-    memory = LQIState._make([*one[:MEMORY], np.zeros(MEMORY + 2)])
-    angle, pressure = one[MEMORY:]
-    after, command = step(memory, Measured(-angle, angle, pressure), free)
-    rows = np.array(tree.leaves(after)[:MEMORY], float)
-    given = np.asarray(command, float)
-    return rows[:, :MEMORY], rows[:, MEMORY:], given[:MEMORY], given[MEMORY:]
-
-
-def closed(wrist: Wrist, controller: LQI, branch: str, rate: str) -> Array:
-    """The sampled loop of a declared wrist and its controller on one branch at one rate, shape (7, 7),
-    in pressure [kPa], angle [deg] and the controller's memory."""
+def closed(wrist: Wrist, controller: Controller, branch: str, rate: str) -> Array:
+    """The sampled loop of a declared wrist and its controller on one branch at one rate, shape (n, n),
+    in pressure [kPa], angle [deg] and what the controller remembers."""
     plant = branch_ss(wrist, branch, rate)
-    a, b, c, d = matrices(controller)
+    law = linearised(controller)
     seen = np.array([[0.0, 1.0], [1.0, 0.0]])  # (y, P) of the plant's (P, y)
     into = np.asarray(plant.B, float)
-    return np.block([[plant.A + into @ (d[None] @ seen), into @ c[None]], [b @ seen, a]])
+    return np.block([[plant.A + into @ (law.d[None] @ seen), into @ law.c[None]], [law.b @ seen, law.a]])
 
 
-def worst_pole(wrist: Wrist, controller: LQI) -> tuple[float, str]:
-    """Largest magnitude of a pole of the loop with its observer, over every branch and rate of a
+def worst_pole(wrist: Wrist, controller: Controller) -> tuple[float, str]:
+    """Largest magnitude of a pole of the loop, over every branch and rate of a
     declared wrist, and where; below 1 where it is stable."""
     found = [
         (float(np.abs(np.linalg.eigvals(closed(wrist, controller, b, r))).max()), f"{b}, {r} regulator rate")
         for b, r in product(branch_slopes(wrist), RATES)
     ]
     return max(found)
-
-
-def responses(controller: LQI, omega: Array) -> Complex:
-    """Response of the controller, from angle [deg] and pressure [kPa] to the command [V], (2, n)."""
-    a, b, c, d = matrices(controller)
-    z = np.exp(1j * omega * SAMPLE_TIME)
-    inner = np.linalg.solve(z[:, None, None] * np.eye(MEMORY) - a, np.broadcast_to(b, (z.size, *b.shape)))
-    return np.asarray((c @ inner + d).T, complex)
 
 
 def pressure_responses(wrist: Wrist, omega: Array) -> list[Complex]:
@@ -92,18 +68,20 @@ def pressure_responses(wrist: Wrist, omega: Array) -> list[Complex]:
 
 
 @dataclass(frozen=True)
-class Broken:
-    """Loops broken at the command: response of the controller from angle [deg] to command [V], (n,), and
-    the open loop on each branch, negative feedback, (branches, n)."""
+class InputLoop:
+    """Open loops, broken at the command: response of the controller from angle [deg] to command [V], (n,),
+    and the open loop on each branch, negative feedback, (branches, n)."""
 
     angle: Complex
     open: Complex
 
     @classmethod
-    def at_command(cls, wrist: Wrist, controller: LQI, branches: Sequence[BranchResponse]) -> "Broken":
+    def at_command(
+        cls, wrist: Wrist, controller: Controller, branches: Sequence[BranchResponse]
+    ) -> "InputLoop":
         """What comes back of a command by way of angle and pressure, with its sign turned."""
         omega = branches[0].omega
-        angle, pressure = responses(controller, omega)
+        angle, pressure = linearised(controller).responses(omega)
         of = zip(branches, pressure_responses(wrist, omega), strict=True)
         return cls(angle, np.array([-(angle * b.response + pressure * air) for b, air in of]))
 
@@ -115,9 +93,26 @@ class Broken:
     def margins(self, branches: Sequence[BranchResponse]) -> Margins:
         """The worst over the branches: Ms, and the delay that the command may suffer.
 
-        Stability is Nyquist's criterion; the controller itself is stable but for its integrator, as long
-        as Kq does not exceed the washout.
+        Stability is Nyquist's criterion, for a controller that is stable itself but for one integrator (an
+        LQI is, as long as Kq does not exceed its washout).
         """
         beside = np.exp(1j * branches[0].omega * SAMPLE_TIME) - 1.0
         found = zip(branches, self.open, strict=True)
         return margins([BranchResponse(b.branch, b.rate, b.omega, x * beside) for b, x in found], INTEGRATOR)
+
+
+def command_margins(wrist: Wrist, controller: Any) -> tuple[float, float]:
+    """Ms and delay margin [s] at the command, the worst over branches and rates.
+
+    Of a controller that says which PI closes its loop (`pi`), those of python-control; of another, of its law
+    linearised; not a number for one that has no law to linearise, such as an MPC.
+    """
+    pi = getattr(controller, "pi", None)
+    if pi is not None:
+        rows = by_python_control(wrist, pi)
+        return max(r["Ms"] for r in rows), min(r["delay_margin_s"] for r in rows)
+    if not hasattr(controller, "sampled"):
+        return float("nan"), float("nan")
+    branches = branch_responses(wrist, POINTS)
+    found = InputLoop.at_command(wrist, controller, branches).margins(branches)
+    return float(found.Ms), float(found.delay_margin_s)
