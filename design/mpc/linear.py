@@ -46,6 +46,7 @@ _TEMPLATE = '''"""Emitted code: commands that follow static angles. Do not edit;
 import math
 import numpy as np
 from numba import njit
+from plants.kernel.selection import select
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath={{"contract", "nsz", "arcp"}})
 def run(start, angles, still, lowest, highest, rate, before, push, c, substeps, commands):

@@ -46,6 +46,7 @@ _TEMPLATE = '''"""Emitted code: a period of the wrist, of measured pressure. Do 
 import math
 import numpy as np
 from numba import njit
+from plants.kernel.selection import select
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath={{"contract", "nsz", "arcp"}})
 def run(start, command, measured, c, substeps, after):

@@ -71,6 +71,7 @@ _TEMPLATE = '''"""Emitted code: the wrist over a horizon, with derivatives. Do n
 import math
 import numpy as np
 from numba import njit
+from plants.kernel.selection import select
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath={{"contract", "nsz", "arcp"}})
 def run(start, commands, c, substeps, weights, swing, moves, states, outputs, by_command, by_start, hessian):
@@ -199,6 +200,7 @@ _ROLL = '''"""Emitted code: the wrist over a horizon. Do not edit; it is made an
 import math
 import numpy as np
 from numba import njit
+from plants.kernel.selection import select
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath={{"contract", "nsz", "arcp"}})
 def run(start, commands, c, substeps, states):
