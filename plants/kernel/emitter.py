@@ -4,9 +4,9 @@ from typing import Any
 
 _BINARY = {
     "OP_ADD": "{} + {}", "OP_SUB": "{} - {}", "OP_MUL": "{} * {}", "OP_DIV": "{} / {}",
-    "OP_FMIN": "{0} if {0} < {1} else {1}", "OP_FMAX": "{0} if {0} > {1} else {1}",
+    "OP_FMIN": "select({0} < {1}, {0}, {1})", "OP_FMAX": "select({0} > {1}, {0}, {1})",
     "OP_LT": "{} < {}", "OP_LE": "{} <= {}", "OP_EQ": "{} == {}", "OP_NE": "{} != {}",
-    "OP_IF_ELSE_ZERO": "{1} if {0} else 0.0", "OP_CONSTPOW": "{} ** {}", "OP_POW": "{} ** {}",
+    "OP_IF_ELSE_ZERO": "select({0}, {1}, 0.0)", "OP_CONSTPOW": "{} ** {}", "OP_POW": "{} ** {}",
 }  # fmt: skip
 _UNARY = {
     "OP_NEG": "-{}", "OP_NOT": "not {}", "OP_SQ": "{0} * {0}", "OP_TWICE": "2.0 * {}",
@@ -18,6 +18,8 @@ _UNARY = {
 
 def statements(function: Any, sources: list[list[str]], targets: list[str]) -> list[str]:
     """Straight-line Python of a CasADi function; reads every input before it writes an output.
+
+    It chooses with `plants.kernel.selection.select`, which the module that it stands in has to import.
 
     Raises ValueError for an operation that has no code here.
     """
@@ -61,11 +63,11 @@ def _constant(value: float) -> str:
 
 
 def _selection(code: str, operands: list[str], made: dict[str, tuple[str, list[str]]]) -> str | None:
-    """``a if c else b`` where CasADi writes ``(c ? a : 0) + (!c ? b : 0)``, else None."""
+    """One of `a` and `b` where CasADi writes ``(c ? a : 0) + (!c ? b : 0)``, else None."""
     if code != "OP_ADD":
         return None
     parts = [made.get(o, ("", [])) for o in operands]
     if [p[0] for p in parts] != ["OP_IF_ELSE_ZERO"] * 2:
         return None
     (yes, a), (no, b) = parts[0][1], parts[1][1]
-    return f"{a} if {yes} else {b}" if made.get(no) == ("OP_NOT", [yes]) else None
+    return f"select({yes}, {a}, {b})" if made.get(no) == ("OP_NOT", [yes]) else None

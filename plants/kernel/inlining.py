@@ -35,10 +35,8 @@ def compiled(name: str, loop: str, **parts: Sequence[str]) -> Callable[..., None
     within a line, braces stand for the part's names, with commas.
     """
     for part, lines in parts.items():
-        loop = re.sub(
-            rf"^( *)\{{{part}\}}$",
-            lambda at, lines=lines: "\n".join(at[1] + line for line in lines),
-            loop,
-            flags=re.MULTILINE,
-        ).replace(f"{{{part}}}", ", ".join(lines))
+        alone = re.search(rf"^( *)\{{{part}\}}$", loop, re.MULTILINE)
+        if alone:
+            loop = loop.replace(alone[0], "\n".join(alone[1] + line for line in lines))
+        loop = loop.replace(f"{{{part}}}", ", ".join(lines))
     return load(module(name, loop))

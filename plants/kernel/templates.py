@@ -15,6 +15,7 @@ _HEAD = '''"""Emitted code: {name}. Do not edit; it is made anew when the law ch
 import math
 import numpy as np
 from numba import njit
+from plants.kernel.selection import select
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath={{"contract", "nsz", "arcp"}})
 '''
