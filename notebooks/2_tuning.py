@@ -22,12 +22,13 @@ from design.tuner import Tuner
 from design.tuning import Region, tune
 from plants.quantities import built_in
 from plants.wrist import STARTS
-from reports.branch_figures import nyquist
-from reports.comparison_tables import limit_name, limits_table, tuning_table
-from reports.gain_map import gain_map
-from reports.notebook_tables import limits_held, rows, shown
-from reports.style import LINES, new_figure, styled
-from reports.tables import Cell, number
+from reports.comparison.tables import limits_table, tuning_table
+from reports.notebooks.tables import limits_held, rows, shown
+from reports.robustness.branch_figures import nyquist
+from reports.shared.gain_map import gain_map
+from reports.shared.names import limit_name
+from reports.shared.style import LINES, new_figure, styled
+from reports.shared.tables import Cell, number
 
 wrist = plants.Wrist.flexion()
 

@@ -29,14 +29,14 @@ from design.robustness.samples.monte_carlo import envelopes, monte_carlo
 from design.rules import PAPER_GAINS
 from design.tasks import STEP
 from plants.quantities import built_in
-from reports import robust_words as words
-from reports.branch_figures import describing, sensitivities
-from reports.notebook_figures import word_growth
-from reports.notebook_tables import Markdown, limits_held, rows, shown
-from reports.robust_figures import draw_envelopes, draw_gain_plane, draw_worst
-from reports.robust_tables import box_table, cycle_table, margin_table
-from reports.style import LINES, new_figure, styled
-from reports.tables import number
+from reports.notebooks.figures import word_growth
+from reports.notebooks.tables import Markdown, limits_held, rows, shown
+from reports.robustness import words
+from reports.robustness.branch_figures import describing, sensitivities
+from reports.robustness.figures import draw_envelopes, draw_gain_plane, draw_worst
+from reports.robustness.tables import box_table, cycle_table, margin_table
+from reports.shared.style import LINES, new_figure, styled
+from reports.shared.tables import number
 
 wrist = plants.Wrist.flexion()
 gains = {"tuned": (3.13, 10.37), "cautious": (2.3, 6.4)}

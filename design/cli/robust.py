@@ -165,7 +165,7 @@ def lines(found: "Assessment") -> list[Any]:
     """What people read of an assessment: a summary, the statements by kind, where they disagree."""
     from design.robustness.disagreement import disagreements
     from design.robustness.verdict import verdict
-    from reports.robust_words import remarks, summary
+    from reports.robustness.words import remarks, summary
 
     said: list[Any] = [*summary(found), *remarks(found)]
     for kind, words in KINDS.items():
@@ -179,7 +179,7 @@ def lines(found: "Assessment") -> list[Any]:
 
 
 def _cells(s: "Statement") -> tuple[str, ...]:
-    from reports.robust_tables import shown
+    from reports.robustness.tables import shown
 
     holds = "told" if s.kind == "prediction" and s.holds is None else MARKS[s.holds]
     return holds, shown(s), s.statement, s.branch
@@ -189,8 +189,8 @@ def _write_page(out: Path, found: "Assessment", points: int, seed: int, jobs: in
     from design.requirements import default_problem
     from design.robustness.certificates.continuous.search import RUNGS
     from design.robustness.gain_plane import gain_plane
-    from reports.html import Made
-    from reports.robust_page import write_robust
+    from reports.robustness.page import write_robust
+    from reports.shared.html import Made
 
     plant = found.box.plant
     with progress("page") as tell:

@@ -10,10 +10,10 @@ from design.robustness.loop_model import LoopModel
 from design.rules import baselines
 from plants import Wrist
 from plants.wrist import SAMPLE_TIME
-from reports.notebook_figures import word_growth
-from reports.notebook_tables import BROKEN, rows, shown
-from reports.notebook_tables import limits_held as limits_table
-from reports.tables import Cell, Column, Group, Table, row
+from reports.notebooks.figures import word_growth
+from reports.notebooks.tables import BROKEN, rows, shown
+from reports.notebooks.tables import limits_held as limits_table
+from reports.shared.tables import Cell, Column, Group, Table, row
 
 
 def test_a_cross_stands_behind_what_breaks_a_limit_and_nothing_else():
