@@ -20,7 +20,6 @@ from design.requirements import default_problem
 from design.robustness.assess import assess
 from design.robustness.box import box_of
 from design.robustness.certificates.continuous.search import RUNGS
-from design.robustness.disagreement import disagreements
 from design.robustness.gain_plane import gain_plane
 from design.robustness.loop_model import LoopModel
 from design.robustness.predictions.limit_cycles import limit_cycles
@@ -33,6 +32,7 @@ from reports.notebooks.figures import word_growth
 from reports.notebooks.tables import Markdown, limits_held, rows, shown
 from reports.robustness import words
 from reports.robustness.branch_figures import describing, sensitivities
+from reports.robustness.disagreements import disagreement_sentences
 from reports.robustness.figures import draw_envelopes, draw_gain_plane, draw_worst
 from reports.robustness.tables import box_table, cycle_table, margin_table
 from reports.shared.style import LINES, new_figure, styled
@@ -224,7 +224,7 @@ draw_worst(tuned.worst)
 # Each kind is right about what it speaks of. The assessment names its own contradictions:
 
 # %% tags=["varies"]
-Markdown("\n".join(f"- *{name}*: {said}" for name, a in found.items() for said in disagreements(a)))
+Markdown("\n".join(f"- *{name}*: {said}" for name, a in found.items() for said in disagreement_sentences(a)))
 
 # %% [markdown]
 # ## What follows, and what does not

@@ -5,8 +5,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from design.robustness.assess import Assessment
-from design.robustness.assess_record import assessment_record
-from design.robustness.disagreement import disagreements
 from design.robustness.gain_plane import GainPlane
 from design.robustness.samples.monte_carlo import envelopes
 from design.robustness.samples.scenario_file import save as save_scenario
@@ -14,6 +12,8 @@ from design.rules import PAPER_GAINS, baselines
 from design.tasks import STEP
 from reports.robustness import branch_figures, tables, words
 from reports.robustness import figures as robust_figures
+from reports.robustness.disagreements import disagreement_sentences
+from reports.robustness.record import assessment_record
 from reports.shared.html import Made, Shown, markup, render
 from reports.shared.plant_tables import assumption_table
 from reports.shared.style import save, svg
@@ -93,7 +93,7 @@ def _page(a: Assessment, made: Made, drawn: Mapping[str, "Figure"]) -> str:
         "summary": words.summary(a),
         "remarks": words.remarks(a),
         "verdict": tables.verdict_table(a),
-        "disagreements": disagreements(a),
+        "disagreements": disagreement_sentences(a),
         "plane": shown("gains", words.plane_caption(a)),
         "margins": tables.margin_table(a),
         "nyquist": shown("nyquist", words.NYQUIST),

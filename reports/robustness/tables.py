@@ -6,18 +6,27 @@ from dataclasses import fields
 from design.metrics import UNITS, Metrics
 from design.requirements import ROUNDING, Limits
 from design.robustness.assess import Assessment
-from design.robustness.box import Box
+from design.robustness.box import AssumedShare, Box
+from design.robustness.certificates.constant.robust_stability import StableWhileConstant
 from design.robustness.predictions.limit_cycles import LimitCycle
 from design.robustness.samples.monte_carlo import QUANTILES, Samples
 from design.robustness.statement import Statement
 from design.robustness.verdict import verdict
+from design.status import BY_PROOF, Status
+from reports.robustness.statements import (
+    because,
+    claim_words,
+    cycle_words,
+    no_certificate,
+    origin_words,
+)
 from reports.shared.tables import Cell, Column, Group, Table, number, row, spaced
 
 HOLDS = {True: "yes", False: "no", None: "open"}
-KINDS = {
-    "sample": "Samples: seen in simulation",
-    "prediction": "Predictions: by linear theory and describing functions",
-    "certificate": "Certificates: proved, and checked outside the solver",
+KINDS: dict[tuple[Status, ...], str] = {
+    (Status.SAMPLED,): "Samples: seen in simulation",
+    (Status.PREDICTED,): "Predictions: by linear theory and describing functions",
+    BY_PROOF: "Certificates: proved, and checked outside the solver",
 }
 NO_LIMIT = "no limit"
 """What stands for an answer where a prediction is told and no limit is set on it."""
@@ -32,8 +41,10 @@ METRIC_WORDS = {
 def shown(s: Statement) -> str:
     """The value of a statement with its unit.
 
-    >>> shown(Statement("sample", "x", True, 3.2, "%")), shown(Statement("prediction", "x", None, 1.9, "1"))
-    ('3.2 %', '1.9')
+    >>> from design.robustness.predictions.margins import MarginHeld, OfRows
+    >>> claim = MarginHeld("phase_margin_deg", False, None)
+    >>> shown(Statement(Status.PREDICTED, claim, None, 61.2, OfRows(), "deg"))
+    '61.2 deg'
     """
     if s.value is None:
         return "–"
@@ -49,17 +60,17 @@ def verdict_table(assessment: Assessment) -> Table:
         Column("Branch", number=False), Column("Because", number=False),
     )  # fmt: skip
     groups = []
-    for kind, words in KINDS.items():
-        rows = tuple(_verdict(s) for s in verdict(assessment) if s.kind == kind)
+    for statuses, words in KINDS.items():
+        rows = tuple(_verdict(s) for s in verdict(assessment) if s.status in statuses)
         groups.append(Group(words, rows))
     return Table(columns, tuple(groups))
 
 
 def _verdict(s: Statement) -> tuple[Cell, ...]:
-    holds = NO_LIMIT if s.holds is None and s.kind == "prediction" else HOLDS[s.holds]
+    holds = NO_LIMIT if s.holds is None and s.status is Status.PREDICTED else HOLDS[s.holds]
     return row(
-        s.statement, Cell(holds, broken=s.holds is False), Cell(shown(s), broken=s.holds is False),
-        spaced(s.branch), s.because,
+        claim_words(s.claim), Cell(holds, broken=s.holds is False), Cell(shown(s), broken=s.holds is False),
+        spaced(s.branch), because(s),
     )  # fmt: skip
 
 
@@ -100,7 +111,7 @@ def ladder_table(assessment: Assessment) -> Table:
             row(
                 c.rung, "yes" if c.holds else "none", number(c.decay),
                 number(c.margin, 2) if c.holds else "–",
-                c.solver if c.holds else c.why.split("; none exists")[0],
+                c.solver if c.holds else no_certificate(c.reason),
             )
             for c in assessment.ladder
             if c.dead_time == dead_time
@@ -117,9 +128,9 @@ def constant_table(assessment: Assessment) -> Table:
     )  # fmt: skip
     by_claim: dict[str, list[tuple[Cell, ...]]] = {}
     for s in (*assessment.certificates, *assessment.predictions):
-        if "constant" in s.statement:
-            cells = row(spaced(s.branch), HOLDS[s.holds], number(s.value) if s.value else "–", s.because)
-            by_claim.setdefault(s.statement, []).append(cells)
+        if isinstance(s.claim, StableWhileConstant):
+            cells = row(spaced(s.branch), HOLDS[s.holds], number(s.value) if s.value else "–", because(s))
+            by_claim.setdefault(claim_words(s.claim), []).append(cells)
     return Table(columns, tuple(Group(claim, tuple(rows)) for claim, rows in by_claim.items()))
 
 
@@ -142,7 +153,7 @@ def cycle_table(cycles: Iterable[LimitCycle]) -> Table:
                 "" if c.seen_frequency_rad_s is None else number(c.seen_frequency_rad_s),
             ),
             "yes" if c.stable else "no",
-            c.words,
+            cycle_words(c),
         )
         for c in cycles
     )
@@ -186,8 +197,8 @@ def box_table(box: Box) -> Table:
     )  # fmt: skip
     rows = tuple(
         row(
-            Cell(_name(i.name, i.scaled), marked=i.why.startswith("assumed")), number(i.low, 4),
-            number(i.nominal, 4), number(i.high, 4), "factor" if i.scaled else i.unit, i.why,
+            Cell(_name(i.name, i.scaled), marked=isinstance(i.origin, AssumedShare)), number(i.low, 4),
+            number(i.nominal, 4), number(i.high, 4), "factor" if i.scaled else i.unit, origin_words(i.origin),
         )
         for i in box.intervals
     )  # fmt: skip

@@ -4,8 +4,11 @@ from collections.abc import Mapping
 
 from design.requirements import LIMIT_UNITS
 from design.robustness.assess import Assessment
-from design.robustness.samples.monte_carlo import LEVEL
+from design.robustness.certificates.constant.robust_stability import StableWhileConstant
+from design.robustness.certificates.statements import LeavesVirginCurve, StaysInRange
+from design.robustness.samples.statements import LEVEL
 from plants.wrist import COMMAND_RANGE
+from reports.robustness.statements import because, claim_words, class_words
 from reports.robustness.tables import limit_words
 from reports.shared.tables import number, spaced
 
@@ -95,7 +98,7 @@ def proved(a: Assessment) -> str:
     else:
         words = "Nothing is proved of a loop that switches between branches at will: no certificate was found"
         words += ", and none exists where the regulator's rate switches too" if a.word is not None else ""
-    constant = [s for s in a.certificates if "constant" in s.statement]
+    constant = [s for s in a.certificates if isinstance(s.claim, StableWhileConstant)]
     if constant and all(s.holds for s in constant):
         least = min(s.value for s in constant if s.value is not None)
         words += (
@@ -197,7 +200,8 @@ def claims(a: Assessment) -> list[str]:
     found: dict[str, list[str]] = {}
     for c in a.ladder:
         if not c.dead_time:
-            found.setdefault(c.claim, []).append(c.rung)
+            about = "" if c.about is None else class_words(c.about)
+            found.setdefault(about, []).append(c.rung)
     said = [f"{_start(', '.join(rungs))}: {claim}." for claim, rungs in found.items()]
     if a.word is not None:
         said.append(
@@ -210,17 +214,16 @@ def claims(a: Assessment) -> list[str]:
 
 def region(a: Assessment) -> list[str]:
     """What is certified of the step itself."""
-    about = [s for s in a.certificates if "step of" in s.statement]
     found = []
-    for s in about:
-        if s.branch == "virgin":
+    for s in a.certificates:
+        if isinstance(s.claim, LeavesVirginCurve):
             time = "–" if s.value is None else f"{1000 * s.value:.3g} ms"
-            found.append(f"{_start(s.statement)}: {time} at most ({s.because}).")
-        else:
+            found.append(f"{_start(claim_words(s.claim))}: {time} at most ({because(s)}).")
+        elif isinstance(s.claim, StaysInRange):
             verdict = "proved" if s.holds else "not proved"
             found.append(
-                f"{_start(s.statement)}: {verdict}; steps up to {number(s.value)} deg are covered "
-                f"({s.because})."
+                f"{_start(claim_words(s.claim))}: {verdict}; steps up to {number(s.value)} deg are covered "
+                f"({because(s)})."
             )
     return found
 

@@ -3,8 +3,9 @@
 from typing import Any
 
 from design.robustness.assess import Assessment
-from design.robustness.disagreement import disagreements
 from design.robustness.samples.monte_carlo import samples_record
+from reports.robustness.disagreements import disagreement_sentences
+from reports.robustness.statements import origin_words, statement_record
 
 
 def assessment_record(a: Assessment) -> dict[str, Any]:
@@ -19,14 +20,20 @@ def assessment_record(a: Assessment) -> dict[str, Any]:
         "Kp": float(a.controller.Kp),
         "Ki": float(a.controller.Ki),
         "stable": a.stable,
-        "certificates": [s.record for s in a.certificates],
-        "predictions": [s.record for s in a.predictions],
-        "samples": [s.record for s in a.samples],
+        "certificates": [statement_record(s) for s in a.certificates],
+        "predictions": [statement_record(s) for s in a.predictions],
+        "samples": [statement_record(s) for s in a.samples],
         "worst_case": a.worst.record,
-        "disagreements": disagreements(a),
+        "disagreements": disagreement_sentences(a),
         "limits": a.limits.named,
         "box": {
-            i.name: {"low": i.low, "nominal": i.nominal, "high": i.high, "unit": i.unit, "why": i.why}
+            i.name: {
+                "low": i.low,
+                "nominal": i.nominal,
+                "high": i.high,
+                "unit": i.unit,
+                "why": origin_words(i.origin),
+            }
             for i in a.box.intervals
         },
         "margins": list(a.margins),
