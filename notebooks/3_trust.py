@@ -16,6 +16,7 @@ import numpy as np
 
 import design
 import plants
+from design.evaluation.robustness_study import worst_run
 from design.requirements import default_problem
 from design.robustness.assess import assess
 from design.robustness.box import box_of
@@ -79,10 +80,10 @@ sensitivities(wrist, tuned.controller, tuned.limits)
 wild = design.PI(1.0, 40.0)
 assert not tuned.cycles
 assert not cautious.cycles
-describing(wrist, wild)
+cycles = limit_cycles(wrist, wild)
+describing(wrist, wild, cycles)
 
 # %%
-cycles = limit_cycles(wrist, wild)
 assert all(c.confirmed for c in cycles)
 shown(cycle_table(cycles))
 
@@ -212,7 +213,7 @@ for name, cases in {"with up to 50 ms of dead time": tuned.cases, "without": wit
 Markdown("\n".join(f"- *{name}*: {words.worst_words(a)}" for name, a in found.items()))
 
 # %%
-draw_worst(tuned.worst)
+draw_worst(tuned.worst, worst_run(tuned.worst))
 
 # %% [markdown]
 # *What to see: two steps that put the loop's memory in an awkward place, then the one that is judged

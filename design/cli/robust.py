@@ -188,16 +188,11 @@ def _cells(s: "Statement") -> tuple[str, ...]:
 
 
 def _write_page(out: Path, found: "Assessment", points: int, seed: int, jobs: int | None) -> Path:
-    from design.requirements import default_problem
-    from design.robustness.certificates.continuous.search import RUNGS
-    from design.robustness.gain_plane import gain_plane
+    from design.evaluation.robustness_study import robustness_study
     from reports.robustness.page import write_robust
     from reports.shared.html import Made
 
     plant = found.box.plant
     with progress("page") as tell:
-        plane = gain_plane(
-            default_problem(found.wrist, found.limits, jobs=jobs), tuple(RUNGS), points=points, progress=tell
-        )
-        made = Made.now(command=command_line(), seed=seed, sets={plant.axis: plant})
-        return write_robust(out, found, plane, made)
+        study = robustness_study(found, points, jobs, tell)
+        return write_robust(out, study, Made.now(command_line(), seed, {plant.axis: plant}))

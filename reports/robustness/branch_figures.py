@@ -1,6 +1,6 @@
 """Figures of the loop with the branches overlaid: Nyquist curves, sensitivities, describing function."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from design.robustness.predictions.describing_function import (
     regulator_rate,
 )
 from design.robustness.predictions.harmonic_balance import parts, regulator_response
-from design.robustness.predictions.limit_cycles import LimitCycle, predicted
+from design.robustness.predictions.limit_cycles import LimitCycle
 from plants.wrist import SAMPLE_TIME, Wrist
 from reports.shared.style import (
     BLACK,
@@ -152,12 +152,13 @@ def _limit(axes: "Axes", bound: Any, words: str) -> None:
     )  # fmt: skip
 
 
-def describing(wrist: Wrist, controller: PI, reference: float = 0.0) -> "Figure":
+def describing(
+    wrist: Wrist, controller: PI, cycles: Sequence[LimitCycle], reference: float = 0.0
+) -> "Figure":
     """-1/N(A) of the hysteresis, from the transit's slope to the lines', with the Nyquist curves of the
-    loop without it: at the slow rate, at the fast one, and at the rate of each predicted limit cycle,
-    which is where its curve meets -1/N."""
+    loop without it: at the slow rate, at the fast one, and at the rate of each limit cycle that is
+    predicted, which is where its curve meets -1/N."""
     loop = wrist.hysteresis
-    cycles = predicted(wrist, controller, reference)
     A = np.geomspace(1.0, 250.0, 2000)
     N, _ = hysteresis_function(loop, A, centre_of(loop, A, reference))
     inverse = -1.0 / N[np.abs(N) > 1e-12]

@@ -4,11 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from design.robustness.assess import Assessment
-from design.robustness.gain_plane import GainPlane
-from design.robustness.samples.monte_carlo import envelopes
+from design.evaluation.robustness_study import RobustnessStudy
 from design.robustness.samples.scenario_file import save as save_scenario
-from design.rules import PAPER_GAINS, baselines
 from design.tasks import STEP
 from reports.robustness import branch_figures, tables, words
 from reports.robustness import figures as robust_figures
@@ -36,53 +33,46 @@ SECTIONS = {
 """Titles of the page's sections by their ids."""
 
 
-def write_robust(folder: str | Path, assessment: Assessment, plane: GainPlane, made: Made) -> Path:
+def write_robust(folder: str | Path, study: RobustnessStudy, made: Made) -> Path:
     """Write robust.html, robust.json, worst.toml and the figures as PNG into a folder, each complete or
     not at all.  Returns the path of the page; raises InputError where it cannot be written."""
     from plants.files import json_text, write_atomically
 
     folder = Path(folder)
-    drawn = draw_all(assessment, plane)
-    page = _page(assessment, made, drawn)
+    drawn = draw_all(study)
+    page = _page(study, made, drawn)
     for name, figure in drawn.items():
         save(figure, folder / f"{name}.png")
-    write_atomically(folder / "robust.json", json_text(assessment_record(assessment)))
-    save_scenario(assessment.worst, folder / "worst.toml")
+    write_atomically(folder / "robust.json", json_text(assessment_record(study.assessment)))
+    save_scenario(study.assessment.worst, folder / "worst.toml")
     write_atomically(folder / "robust.html", page)
     return folder / "robust.html"
 
 
-def robust_page(assessment: Assessment, plane: GainPlane, made: Made) -> str:
-    """The whole assessment as one self-contained HTML text."""
-    return _page(assessment, made, draw_all(assessment, plane))
+def robust_page(study: RobustnessStudy, made: Made) -> str:
+    """The whole study as one self-contained HTML text."""
+    return _page(study, made, draw_all(study))
 
 
-def draw_all(a: Assessment, plane: GainPlane) -> dict[str, "Figure"]:
+def draw_all(study: RobustnessStudy) -> dict[str, "Figure"]:
     """The figures by the names of their files."""
-    bands = envelopes(a.cases)
+    a = study.assessment
+    marks = {"these gains": (float(a.controller.Kp), float(a.controller.Ki)), **study.gains}
     found = {
-        "gains": robust_figures.draw_gain_plane(plane, a.limits, marks(a)),
+        "gains": robust_figures.draw_gain_plane(study.plane, a.limits, marks),
         "nyquist": branch_figures.nyquist(a.wrist, {"these gains": a.controller}),
         "sensitivities": branch_figures.sensitivities(a.wrist, a.controller, a.limits),
-        "describing": branch_figures.describing(a.wrist, a.controller),
-        "worst": robust_figures.draw_worst(a.worst),
+        "describing": branch_figures.describing(a.wrist, a.controller, a.cycles),
+        "worst": robust_figures.draw_worst(a.worst, study.worst_run),
     }
-    if bands is not None:
-        found["samples"] = robust_figures.draw_envelopes(bands, STEP)
+    if study.envelopes is not None:
+        found["samples"] = robust_figures.draw_envelopes(study.envelopes, STEP)
     return found
 
 
-def marks(a: Assessment) -> dict[str, tuple[float, float]]:
-    """Gains to mark in the plane: these, the paper's stand-in, the textbook rules."""
-    rules = {n: (float(c.Kp), float(c.Ki)) for n, c in baselines(a.wrist).items() if n != "paper"}
-    return {
-        "these gains": (float(a.controller.Kp), float(a.controller.Ki)),
-        "paper's stand-in": PAPER_GAINS,
-        **rules,
-    }
+def _page(study: RobustnessStudy, made: Made, drawn: Mapping[str, "Figure"]) -> str:
+    a = study.assessment
 
-
-def _page(a: Assessment, made: Made, drawn: Mapping[str, "Figure"]) -> str:
     def shown(name: str, caption: str) -> Shown:
         return Shown(markup(svg(drawn[name], name, caption)), caption)
 

@@ -15,6 +15,7 @@ from design.contest import Contest, contest
 from design.controllers.feedforward import Feedforward
 from design.controllers.pi import PI
 from design.evaluation.paper import redrawn
+from design.evaluation.robustness_study import RobustnessStudy, study_of
 from design.evaluation.study import Question, Study
 from design.mpc.fallback import HELD, SOLVED, Info
 from design.mpc.timing import Ledger, ledger
@@ -22,7 +23,7 @@ from design.requirements import Problem
 from design.robustness.assess import Assessment, assess
 from design.robustness.box import box_of
 from design.robustness.certificates.continuous.search import RUNGS
-from design.robustness.gain_plane import GainPlane, gain_plane
+from design.robustness.gain_plane import gain_plane
 from design.tasks import Spread, tuning_scenarios
 from design.tuning import Region, tune
 from plants import Wrist, built_in
@@ -97,11 +98,13 @@ def small_assessment() -> Assessment:
     return assess(box, PI(2.3, 6.4), samples=60, budget=400)
 
 
-def small_plane(assessment: Assessment) -> GainPlane:
-    """A coarse plane of the gains, on few scenarios."""
+@cache
+def small_robustness() -> RobustnessStudy:
+    """The same with a coarse plane of the gains, on few scenarios."""
+    assessment = small_assessment()
     wrist = assessment.wrist
     problem = Problem.of(wrist, tuning_scenarios(wrist)[:6], duration=4.0)
-    return gain_plane(problem, tuple(RUNGS), points=5)
+    return study_of(assessment, gain_plane(problem, tuple(RUNGS), points=5))
 
 
 @cache

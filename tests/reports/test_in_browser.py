@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 from report_samples import (
-    small_assessment,
-    small_plane,
+    small_robustness,
     small_trace,
     whole_study,
 )
@@ -45,13 +44,13 @@ def browser():
 def made_here(tmp_path_factory) -> dict[str, Path]:
     """Small pages of each kind, by name."""
     folder = tmp_path_factory.mktemp("pages")
-    c, trace, assessment = whole_study(), small_trace(), small_assessment()
+    c, trace = whole_study(), small_trace()
     data = {f.campaign.name: f.campaign.checksum for f in c.fits.values()}
     made = Made.now("wrist " + "word " * 60 + "x" * 300, 7, c.plants, data, "A remark.")
     return {
         "comparison": write_comparison(folder, c, made),
         "trace": write_trace(folder, trace, made),
-        "robust": write_robust(folder, assessment, small_plane(assessment), made),
+        "robust": write_robust(folder, small_robustness(), made),
     }
 
 

@@ -5,6 +5,7 @@ import pytest
 
 from design.controllers.pi import PI
 from design.requirements import Limits
+from design.robustness.predictions.limit_cycles import predicted
 from plants import Wrist
 from plants.effects import DeadTime
 from reports.robustness.branch_figures import describing, nyquist, overlaid, sensitivities
@@ -69,7 +70,7 @@ def test_sensitivities_without_limits_show_none_and_name_what_is_unstable():
 
 
 def test_the_describing_function_shows_cycles_where_the_curves_meet():
-    figure = describing(FLEXION, PI(1.0, 40.0))
+    figure = describing(FLEXION, PI(1.0, 40.0), predicted(FLEXION, PI(1.0, 40.0)))
     (axes,) = figure.axes
     assert [w.split(":")[0] for w in legend(figure)[-2:]] == ["repels", "attracts"]
     inverse = axes.lines[0].get_xydata()
@@ -77,7 +78,9 @@ def test_the_describing_function_shows_cycles_where_the_curves_meet():
     assert len(marks) == 2
     for mark in marks:
         assert np.hypot(*(inverse - mark).T).min() < 0.05
-    assert "no limit cycle" in describing(DEVIATION, TUNED).axes[0].get_title(loc="left")
+    assert "no limit cycle" in describing(DEVIATION, TUNED, predicted(DEVIATION, TUNED)).axes[0].get_title(
+        loc="left"
+    )
 
 
 def test_they_can_be_saved_the_same_each_time(tmp_path):

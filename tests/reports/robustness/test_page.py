@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 from html_page import Page, summary_of
-from report_samples import small_assessment, small_plane
+from report_samples import small_assessment, small_robustness
 
 from reports.robustness.page import SECTIONS, robust_page
 from reports.robustness.tables import verdict_table
@@ -21,7 +21,7 @@ def assessed():
 @pytest.fixture(scope="module")
 def text(assessed):
     made = Made.now("wrist robust", 0, {"flexion": assessed.box.plant})
-    return robust_page(assessed, small_plane(assessed), made)
+    return robust_page(small_robustness(), made)
 
 
 def test_it_opens_with_three_sentences_that_hold_the_numbers(text, assessed):
