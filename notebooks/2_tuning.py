@@ -80,7 +80,7 @@ gain_map(found)
 # %%
 rules = baselines(wrist)
 gains = {"tuned": (found.Kp, found.Ki), **{name: (pi.Kp, pi.Ki) for name, pi in rules.items()}}
-limits_held(problem, gains)
+limits_held(problem, evaluate(problem, *zip(*gains.values(), strict=True)), gains)
 
 # %% [markdown]
 # A cross marks a broken limit. It is not that the rules were fed badly: their first-order lag with dead
@@ -120,7 +120,8 @@ views = {
 coarse = Region(points=24)  # than the 40 x 40 gains above, for the sake of time
 alone = {name: tune(view, coarse, starts=3) for name, view in views.items()}
 assert all(f.feasible for f in alone.values())
-limits_held(problem, {name: (f.Kp, f.Ki) for name, f in alone.items()})
+pairs = [(f.Kp, f.Ki) for f in alone.values()]
+limits_held(problem, evaluate(problem, *zip(*pairs, strict=True)), alone)
 
 # %% [markdown]
 # Each of these pairs holds every limit in its own view (the cell asserts it), and breaks some on the whole

@@ -17,10 +17,11 @@ import numpy as np
 import design
 import plants
 from design.evaluation.robustness_study import worst_run
-from design.requirements import default_problem
+from design.requirements import default_problem, evaluate
 from design.robustness.assess import assess
 from design.robustness.box import box_of
 from design.robustness.certificates.continuous.search import RUNGS
+from design.robustness.certificates.sampled.growth import growth_of
 from design.robustness.gain_plane import gain_plane
 from design.robustness.loop_model import LoopModel
 from design.robustness.predictions.limit_cycles import limit_cycles
@@ -42,7 +43,7 @@ from reports.shared.tables import number
 wrist = plants.Wrist.flexion()
 gains = {"tuned": (3.13, 10.37), "cautious": (2.3, 6.4)}
 problem = default_problem(wrist)
-limits_held(problem, gains)
+limits_held(problem, evaluate(problem, *zip(*gains.values(), strict=True)), gains)
 
 # %% [markdown]
 # Hardly anything of this plant was measured (notebook 1), so every statement has to hold on a *box* of
@@ -145,7 +146,7 @@ assert word.grows
 assert not any(c.holds for c in tuned.ladder)
 assert any(c.holds for c in cautious.ladder)
 print(*str(word).split(", "), sep=",\n")
-word_growth(LoopModel.of(wrist, tuned.controller), word)
+word_growth(growth_of(LoopModel.of(wrist, tuned.controller), word))
 
 # %% [markdown]
 # *What to see: each letter alone dies away, the word grows from pass to pass.* The wrist cannot spell this

@@ -13,7 +13,6 @@ from design.answer import Answer, Refusal, answer
 from design.break_even import BreakEven, break_even
 from design.compare import FORWARD, TUNED, Comparison, compare, controllers
 from design.contest import Contest, contest
-from design.contest.statistics import FEWEST
 from design.controllers.controller import Controller
 from design.deadlines import deadlines
 from design.evaluation.panels import Panel
@@ -48,13 +47,6 @@ class Question:
     more: Mapping[str, Mapping[str, Controller]] = field(default_factory=dict)
     seed: int = 0
     jobs: int | None = None
-
-    def __post_init__(self) -> None:
-        if 0 < self.samples < FEWEST:
-            raise InputError(
-                f"{self.samples} perturbed plants are too few for an interval; "
-                f"give at least {FEWEST}, or 0 for none"
-            )
 
     @cached_property
     def wrists(self) -> dict[str, Wrist]:

@@ -29,17 +29,18 @@ CAPTION = (
 
 def main_table(found: Contest, overshoot: float | None) -> Table:
     """The steps on the perturbed plants, and both motions at once; overshoot beyond the limit is marked."""
-    keys = [k for k in found.tables if _main(k)]
+    keys = [k for k in found.tables if is_main(k)]
     return _table(found, keys, overshoot)
 
 
 def further_tables(found: Contest, overshoot: float | None) -> Table:
     """All other tables of the contest."""
-    keys = [k for k in found.tables if not _main(k)]
+    keys = [k for k in found.tables if not is_main(k)]
     return _table(found, keys, overshoot)
 
 
-def _main(key: tuple[str, str, str]) -> bool:
+def is_main(key: tuple[str, str, str]) -> bool:
+    """Whether a table (motion, field, family) is of steps on perturbed plants, or of both motions."""
     motion, field, family = key
     return motion == BOTH or (field.removesuffix(BESIDE), family) == MAIN
 

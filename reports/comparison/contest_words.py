@@ -3,6 +3,7 @@
 from design.contest.plants import RIGS
 from design.contest.scores import BOTH, Contest, Score
 from design.contest.statistics import FEWEST
+from reports.comparison.contest import is_main
 
 
 def sentences(found: Contest) -> list[str]:
@@ -11,7 +12,7 @@ def sentences(found: Contest) -> list[str]:
     said = []
     for motion, field, family in found.tables:
         told = found.of(motion, field, family)[0].plants >= FEWEST
-        if told and family == "steps" and (field.startswith("perturbed plants") or motion == BOTH):
+        if told and is_main((motion, field, family)):
             said.append(
                 f"{motion}, {field}, steps: {against(found.of(motion, field, family), found.reference)}."
             )

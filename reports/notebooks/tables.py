@@ -4,9 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import isfinite
 
-import numpy as np
-
-from design.requirements import LIMIT_UNITS, Problem, evaluate
+from design.requirements import LIMIT_UNITS, Evaluation, Problem
 from reports.shared.names import COST_WORDS, limit_name
 from reports.shared.tables import Cell, Column, Group, Table, number, row
 
@@ -64,9 +62,9 @@ def rows(records: Iterable[Mapping[str, object]], digits: int = 3) -> Markdown:
     return shown(Table(columns, (Group("", cells),)))
 
 
-def limits_held(problem: Problem, gains: Mapping[str, tuple[float, float]]) -> Markdown:
-    """What pairs of gains, by name, do on a problem: worst cost, and each limited quantity at its worst."""
-    at = evaluate(problem, *np.array(list(gains.values()), float).T)
+def limits_held(problem: Problem, at: Evaluation, names: Iterable[str]) -> Markdown:
+    """What pairs of gains, by name, do on a problem: worst cost, and each limited quantity at its
+    worst."""
     limits = problem.limits.named
     return rows(
         {
@@ -81,7 +79,7 @@ def limits_held(problem: Problem, gains: Mapping[str, tuple[float, float]]) -> M
                 for n in limits
             },
         }
-        for i, name in enumerate(gains)
+        for i, name in enumerate(names)
     )
 
 
