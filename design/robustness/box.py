@@ -11,6 +11,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from design.status import Status
 from design.tasks import Spread
 from plants.errors import InputError
 from plants.quantities import Assumed, Fitted, Parameter, ParameterSet, kind_of, loop_problem
@@ -67,6 +68,11 @@ class Interval:
     unit: str
     origin: Origin
     scaled: tuple[str, ...] = ()
+
+    @property
+    def status(self) -> Status | None:
+        """Assumed, where nobody measured how far the parameter may lie off and nobody gave it."""
+        return Status.ASSUMED if isinstance(self.origin, AssumedShare) else None
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """Statements in words and for machines: what is claimed, and why it holds or does not."""
 
+from collections.abc import Mapping
 from functools import singledispatch
 from typing import Any
 
@@ -65,6 +66,8 @@ def statement_record(s: Statement) -> dict[str, Any]:
         evidence = virgin_record(s.reason.bounds)
     if "virgin_curve" in evidence:
         evidence["virgin_curve"] = virgin_record(evidence["virgin_curve"])
+    if "region" in evidence:
+        evidence["region"] = {**evidence["region"], "why": region_words(evidence["region"])}
     return {
         "statement": claim_words(s.claim),
         "status": s.status.value,
@@ -83,6 +86,13 @@ def virgin_record(bounds: VirginBounds) -> dict[str, Any]:
         return {"leaves": False, "why": virgin_words(bounds)}
     times = {"earliest_s": bounds.earliest, "latest_s": bounds.latest, "clipped": bounds.clipped}
     return {"leaves": True, **times, "q_kPa": [bounds.q_least, bounds.q_most]}
+
+
+def region_words(region: Mapping[str, Any]) -> str:
+    """Why a region says nothing of a step, or has no shape in the states alone; empty where it has."""
+    if region["largest_step_deg"] is None:
+        return "no step was found that surely keeps the command in its range"
+    return "no shape in x alone: what is on its way counts too" if "S" in region["form"] else ""
 
 
 def late(dead_time: float) -> str:

@@ -6,7 +6,7 @@ from dataclasses import fields
 from design.metrics import UNITS, Metrics
 from design.requirements import ROUNDING, Limits
 from design.robustness.assess import Assessment
-from design.robustness.box import AssumedShare, Box
+from design.robustness.box import Box
 from design.robustness.certificates.constant.robust_stability import StableWhileConstant
 from design.robustness.predictions.limit_cycles import LimitCycle
 from design.robustness.samples.monte_carlo import QUANTILES, Samples
@@ -197,7 +197,7 @@ def box_table(box: Box) -> Table:
     )  # fmt: skip
     rows = tuple(
         row(
-            Cell(_name(i.name, i.scaled), marked=isinstance(i.origin, AssumedShare)), number(i.low, 4),
+            Cell(_name(i.name, i.scaled), marked=i.status is Status.ASSUMED), number(i.low, 4),
             number(i.nominal, 4), number(i.high, 4), "factor" if i.scaled else i.unit, origin_words(i.origin),
         )
         for i in box.intervals

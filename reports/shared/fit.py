@@ -38,7 +38,7 @@ def draw_fit(fit: Fit) -> "Figure":
     measured, after, before, label = _channel(run)
     time = run.recording.time
     every = seen(len(time))
-    loop = label.startswith("Angle") and run.recording.pressure is not None
+    loop = measured is run.recording.angle and run.recording.pressure is not None
     with styled():
         from matplotlib.figure import Figure
 

@@ -132,11 +132,9 @@ def _of_region(
 ) -> dict[str, Any]:
     """What the region says of the step that is asked for, from a line and from the virgin curve."""
     if covered.form is None:
-        return {"largest_step_deg": None, "covers_step": False, "why": covered.why}
-    why = "" if covered.tau == 0.0 else "no shape in x alone: what is on its way counts too"
-    found = {
+        return {"largest_step_deg": None, "covers_step": False}
+    return {
         "largest_step_deg": covered.largest_step, "covers_step": abs(reference) <= covered.largest_step,
         "covers_step_from_virgin": region.covers(covered, model, wrist, controller, reference, virgin),
-        "margin": covered.margin, "why": why, "form": covered.form.record,
+        "margin": covered.margin, "form": covered.form.record,
     }  # fmt: skip
-    return found
