@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from design.alternatives.designs import Design, design_others, design_record
-from design.compare_rows import FORWARD, NEAREST, PAPER, TUNED, Row, Standing, row_record, verdicts
+from design.compare_rows import FORWARD, PAPER, TUNED, Row, Standing, row_record
 from design.compare_tasks import (
     METRICS,
     bounds_on_tasks,
@@ -39,8 +39,8 @@ from design.tasks import STEP
 from plants.wrist import Wrist
 
 __all__ = [
-    "FORWARD", "METRICS", "NEAREST", "PAPER", "TUNED", "Comparison", "Row", "Standing", "compare",
-    "controllers", "on_tasks", "row_record", "task_scenarios", "together", "verdicts",
+    "FORWARD", "METRICS", "PAPER", "TUNED", "Comparison", "Row", "Standing", "compare",
+    "controllers", "on_tasks", "row_record", "task_scenarios", "together",
 ]  # fmt: skip
 
 
@@ -53,7 +53,6 @@ class Comparison:
     standings: tuple[Standing, ...]
     steps: Mapping[tuple[str, str], Trajectory]
     limits: Limits
-    verdicts: tuple[str, ...]
     designs: Mapping[tuple[str, str], Design | str] = field(default_factory=dict)
 
 
@@ -94,7 +93,6 @@ def compare(
     wrists: Mapping[str, Wrist],
     tuned: Mapping[str, PI],
     limits: Limits | None = None,
-    refusals: Mapping[str, str] | None = None,
     designs: Mapping[str, Mapping[str, Design | str]] | None = None,
     more: Mapping[str, Mapping[str, Controller]] | None = None,
     periodic: Mapping[str, Mapping[str, Any]] | None = None,
@@ -102,10 +100,9 @@ def compare(
 ) -> Comparison:
     """Run every controller on every task of each motion, and of two motions at once.
 
-    `wrists` and `tuned` map a motion's name to its wrist and its tuned PI; `refusals`
-    gives the reason for a motion that could not be tuned within the limits, whose
-    PI is then only the nearest there is.  `designs` are what `design_others` made of each
-    motion; they are made here, on the declared scenarios, where not given.  `more`: further controllers
+    `wrists` and `tuned` map a motion's name to its wrist and its tuned PI.  `designs` are what
+    `design_others` made of each motion; they are made here, on the declared scenarios, where not given.
+    `more`: further controllers
     of each motion, by name; `periodic`: those that act once a period, such as an MPC; `progress` is told
     who plays and the share of the motion that is done.
     """
@@ -142,7 +139,7 @@ def compare(
                 slowest = later([bounds[m, name].get(task) for m in (one, other)])
                 rows.append(_row("both at once", task, name, both, slowest))
     return Comparison(
-        tuple(rows), tuple(standings), steps, limits, tuple(verdicts(rows, standings, refusals)),
+        tuple(rows), tuple(standings), steps, limits,
         {(m, n): d for m, of in designs.items() for n, d in of.items()},
     )  # fmt: skip
 

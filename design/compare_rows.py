@@ -1,4 +1,4 @@
-"""Rows of a comparison: one controller on one task, where it stands on a motion, and what they say."""
+"""Rows of a comparison: one controller on one task, and where it stands on a motion."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,8 +11,6 @@ from design.compare_tasks import METRICS
 TUNED = "tuned"
 PAPER = "paper"
 FORWARD = "feedforward"
-NEAREST = "what stands as tuned is only the nearest there is."
-"""How the verdict on a motion ends of which no gains hold every limit."""
 
 
 @dataclass(frozen=True)
@@ -55,41 +53,6 @@ class Standing:
     design: Mapping[str, Any] = field(default_factory=dict)
     worst_settling_ratio: float | None = None
     worst_iae_ratio: float | None = None
-
-
-def verdicts(
-    rows: list[Row], standings: list[Standing], refusals: Mapping[str, str] | None = None
-) -> list[str]:
-    """What the table says, one sentence a motion; a comparison with the paper's PI only where the
-    whole range of its gains agrees."""
-    said = []
-    for motion in {s.motion: None for s in standings}:
-        if refusals and motion in refusals:
-            said.append(f"{motion}: {refusals[motion]}; {NEAREST}")
-            continue
-        of = {s.controller: s for s in standings if s.motion == motion}
-        ours = max(r.high["settling_time_s"] for r in rows if (r.motion, r.controller) == (motion, TUNED))
-        theirs = [r for r in rows if (r.motion, r.controller) == (motion, PAPER)]
-        low = max(r.low["settling_time_s"] for r in theirs)
-        high = max(r.high["settling_time_s"] for r in theirs)
-        if ours < low:
-            against = "ahead of the paper's PI over the whole range of its gains"
-        elif ours > high:
-            against = "behind the paper's PI over the whole range of its gains"
-        else:
-            against = "not to be ranked against the paper's PI, whose gains are not known well enough"
-        rules = [s for n, s in of.items() if n not in (TUNED, PAPER)]
-        broken = [s.controller for s in rules if s.breaks]
-        tail = f"; {', '.join(broken)} break the limits" if broken else ""
-        said.append(
-            f"{motion}: the tuned PI settles the worst 15 degree task in {_seconds(ours)} "
-            f"(paper's stand-in {_seconds(low)} to {_seconds(high)}), {against}{tail}."
-        )
-    return said
-
-
-def _seconds(value: float) -> str:
-    return f"{value:.2f} s" if np.isfinite(value) else "more than 10 s"
 
 
 def row_record(row: Row) -> dict[str, Any]:

@@ -19,16 +19,17 @@ import numpy as np
 
 import design
 import plants
+from design.evaluation.paper import series
 from design.rules import PAPER_GAINS
 from design.tasks import STEP, Scenario, stack
 from plants.hysteresis import Memory
 from plants.linear import RATES, branch_slopes, wrist_x0
 from plants.quantities import built_in
 from plants.wrist import STARTS
-from reports import paper
-from reports.comparison_tables import parameter_table
-from reports.notebook_tables import rows, shown
-from reports.style import LINES, new_figure, styled
+from reports.notebooks.tables import rows, shown
+from reports.paper import figures as paper
+from reports.shared.plant_tables import parameter_table
+from reports.shared.style import LINES, new_figure, styled
 
 flexion, deviation = plants.Wrist.flexion(), plants.Wrist.deviation()
 
@@ -71,7 +72,7 @@ rows(
 # experiments.
 
 # %%
-paper.draw(5, flexion, deviation)
+paper.draw(5, series(5, flexion, deviation))
 
 # %% [markdown]
 # *What to see: nine held commands, nine pressures on one line.*
@@ -83,10 +84,10 @@ paper.draw(5, flexion, deviation)
 # the end.
 
 # %%
-paper.draw(6, flexion, deviation)
+paper.draw(6, series(6, flexion, deviation))
 
 # %%
-paper.draw(8, flexion, deviation)
+paper.draw(8, series(8, flexion, deviation))
 
 # %% [markdown]
 # *What to see: the same rise in both, but in Fig. 8 the last kilopascals take seconds.* In numbers:
@@ -117,13 +118,13 @@ assert regulator.k_fast / regulator.k_slow > 10
 # one to the other.
 
 # %%
-paper.draw(10, flexion, deviation)
+paper.draw(10, series(10, flexion, deviation))
 
 # %%
-paper.draw(11, flexion, deviation)
+paper.draw(11, series(11, flexion, deviation))
 
 # %%
-paper.draw(12, flexion, deviation)
+paper.draw(12, series(12, flexion, deviation))
 
 # %% [markdown]
 # *What to see: Fig. 10, the shaded dead zone; Fig. 11, the input; Fig. 12, two angles at every pressure,
@@ -187,7 +188,7 @@ for name, wrist in {"flexion": flexion, "deviation": deviation}.items():
 # Fig. 13 is its answer to the staircase.
 
 # %%
-paper.draw(13, flexion, deviation)
+paper.draw(13, series(13, flexion, deviation))
 
 # %% [markdown]
 # *What to see: at 100 kPa, three times on the way, three different angles.*
@@ -199,10 +200,10 @@ paper.draw(13, flexion, deviation)
 # the range.
 
 # %%
-paper.draw(14, flexion, deviation)
+paper.draw(14, series(14, flexion, deviation))
 
 # %%
-paper.draw(15, flexion, deviation)
+paper.draw(15, series(15, flexion, deviation))
 
 # %% [markdown]
 # *What to see: a short delay while the dead zone is crossed, then a creep to the reference; the grey band

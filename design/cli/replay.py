@@ -65,8 +65,8 @@ def played(saved: "Saved") -> dict[str, Any]:
 
 
 def _picture(folder: Path, saved: "Saved", result: dict[str, Any]) -> Path:
-    from reports.signals import draw
-    from reports.style import BLACK, save, styled
+    from reports.shared.signals import draw
+    from reports.shared.style import BLACK, save, styled
 
     s = saved.sequence
     # The whole name is too long for a line of the page: the references are drawn anyway.

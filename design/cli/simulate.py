@@ -181,10 +181,11 @@ def _closed(
 
 
 def _figure(number: int, axis: Axis, plant: Path | None, json: Path | None, out: Path | None) -> None:
+    from design.evaluation.paper import series
     from plants.errors import InputError
     from plants.wrist import Wrist
-    from reports import paper
-    from reports.style import save
+    from reports.paper import figures as paper
+    from reports.shared.style import save
 
     if number not in paper.FIGURES:
         known = ", ".join(map(str, paper.FIGURES))
@@ -197,19 +198,21 @@ def _figure(number: int, axis: Axis, plant: Path | None, json: Path | None, out:
             raise InputError(f"{plant}: {given.axis!r} is no motion of the paper; its figures are of {known}")
         sets[given.axis] = given
     wrists = [Wrist.of(s) for s in sets.values()]
+    with progress("simulate"):
+        panels = series(number, *wrists)
     path = (out or Path("build/figures")) / f"figure-{number:02d}.png"
     with progress("draw"):
-        save(paper.draw(number, *wrists), path)
+        save(paper.draw(number, panels), path)
     said = console(json)
     said.print(f"Fig. {number} redrawn in {path}", soft_wrap=True)
     caption = paper.caption(number, sets)
     said.print(caption)
-    write_json(json, {**paper.data(number, *wrists), "caption": caption})
+    write_json(json, {**paper.data(number, panels), "caption": caption})
 
 
 def _picture(folder: Path, chosen: "ParameterSet", result: dict[str, Any]) -> Path:
-    from reports.signals import draw
-    from reports.style import save
+    from reports.shared.signals import draw
+    from reports.shared.style import save
 
     path = folder / f"simulate-{chosen.axis}.png"
     save(draw(result, chosen.title), path)

@@ -1,4 +1,4 @@
-"""What a plant may be: an interval for each parameter that is uncertain, with the reason for it.
+"""What a plant may be: an interval for each parameter that is uncertain, and where it comes from.
 
 A box is where certificates about parameters are to hold, where samples are drawn and where the
 worst case is searched for.
@@ -11,6 +11,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from design.status import Status
 from design.tasks import Spread
 from plants.errors import InputError
 from plants.hysteresis import Role
@@ -32,17 +33,49 @@ branches of the loop would cross."""
 
 
 @dataclass(frozen=True)
+class Given:
+    """An interval that was asked for."""
+
+
+@dataclass(frozen=True)
+class StandardErrors:
+    """An interval of so many standard errors either way of a value that was fitted to data."""
+
+    count: float
+    data: str
+
+
+@dataclass(frozen=True)
+class AssumedShare:
+    """An interval of a share of the value either way; together: parameters that vary by one factor; fitted:
+    the value was, without a standard error."""
+
+    share: float
+    together: tuple[str, ...] = ()
+    fitted: bool = False
+
+
+Origin = Given | StandardErrors | AssumedShare
+"""Where an interval comes from."""
+
+
+@dataclass(frozen=True)
 class Interval:
-    """Bounds of a parameter, low < high, in its unit, and where they come from in words; or, where
-    `scaled` names parameters, of the factor by which these differ from the plant's."""
+    """Bounds of a parameter, low < high, in its unit, and where they come from; or, where `scaled` names
+    parameters, of the factor by which these differ from the plant's."""
 
     name: str
     low: float
     nominal: float
     high: float
     unit: str
-    why: str
+    origin: Origin
     scaled: tuple[str, ...] = ()
+
+    @property
+    def status(self) -> Status | None:
+        """Assumed, where nobody measured how far the parameter may lie off and nobody gave it."""
+        return Status.ASSUMED if isinstance(self.origin, AssumedShare) else None
 
 
 @dataclass(frozen=True)
@@ -134,21 +167,21 @@ def box_of(
         if name in given:
             low, high = given[name]
             _refuse(name, low, high, kind.low, kind.high, p)
-            found.append(Interval(name, low, p.value, high, p.unit, "given"))
+            found.append(Interval(name, low, p.value, high, p.unit, Given()))
             continue
-        half, why = _half_width(name, p, shares, sigmas, name in inner)
+        half, origin = _half_width(name, p, shares, sigmas, name in inner)
         group = next((g for g, of in together.items() if name in of), None)
-        if group and why.startswith("assumed"):
+        if group and isinstance(origin, AssumedShare):
             groups[group] += (name,)
             continue
         low, high = max(p.value - half, kind.low), min(p.value + half, kind.high)
-        if low < high:
-            found.append(Interval(name, low, p.value, high, p.unit, why))
+        if origin is not None and low < high:
+            found.append(Interval(name, low, p.value, high, p.unit, origin))
     for group, names in groups.items():
         share = shares[names[0]] if names else 0.0
         if share > 0.0:
-            why = f"assumed: {', '.join(names)} within {100 * share:g} %, together"
-            found.append(Interval(group, 1.0 - share, 1.0, 1.0 + share, "1", why, names))
+            origin = AssumedShare(share, names)
+            found.append(Interval(group, 1.0 - share, 1.0, 1.0 + share, "1", origin, names))
     box = Box(plant, tuple(found))
     _refuse_backwards(box)
     return box
@@ -171,17 +204,15 @@ def shares_of(plant: ParameterSet, spread: Spread) -> dict[str, float]:
 
 def _half_width(
     name: str, p: Parameter, shares: Mapping[str, float], sigmas: float, scales: bool
-) -> tuple[float, str]:
-    """Half-width of the interval of a parameter, 0 where it has none, and why it is that wide; `scales`: with
-    the outer branches, even if stated."""
+) -> tuple[float, Origin | None]:
+    """Half-width of the interval of a parameter and where it comes from; 0 and None where it has none.
+    `scales`: with the outer branches, even if stated."""
+    share, fitted = shares.get(name, 0.0), isinstance(p.provenance, Fitted)
     if isinstance(p.provenance, Fitted) and p.provenance.std_error is not None:
-        return sigmas * p.provenance.std_error, f"{sigmas:g} standard errors, {p.provenance.data}"
-    share = shares.get(name, 0.0)
-    if isinstance(p.provenance, Fitted):
-        return share * abs(p.value), f"assumed: {100 * share:g} % of the value, fitted without standard error"
-    if isinstance(p.provenance, Assumed) or scales:
-        return share * abs(p.value), f"assumed: {100 * share:g} % of the value"
-    return 0.0, ""
+        return sigmas * p.provenance.std_error, StandardErrors(sigmas, p.provenance.data)
+    if fitted or isinstance(p.provenance, Assumed) or scales:
+        return share * abs(p.value), AssumedShare(share, fitted=fitted)
+    return 0.0, None
 
 
 def _refuse(name: str, low: float, high: float, least: float, most: float, p: Parameter) -> None:

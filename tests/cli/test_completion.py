@@ -7,7 +7,7 @@ from design.export.catalogue import CATALOGUE
 from design.requirements import COSTS
 from plants.quantities import built_in
 from plants.wrist import STARTS
-from reports.paper import FIGURES
+from reports.paper.figures import FIGURES
 
 VALUES = {
     "tune --axis ": ["flexion", "deviation"],

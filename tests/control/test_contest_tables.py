@@ -13,7 +13,6 @@ from design.contest.run import METRICS
 from design.contest.scores import BESIDE, BOTH, Score, by_plant, play
 from design.contest.statistics import FEWEST, Interval
 from design.contest.tasks import FAMILIES, tasks
-from design.contest.words import against, rig_sentences, sentences
 from design.controllers.pi import PI
 from design.mpc.linear import linear_mpc
 from design.mpc.problem import Problem
@@ -22,6 +21,7 @@ from design.robustness.samples.conditions import Conditions
 from plants import InputError, Wrist, built_in
 from plants.effects.effect import Effect
 from plants.files import json_text
+from reports.comparison.contest_words import against, rig_sentences, sentences
 
 SETS = {m: built_in(m) for m in ("flexion", "deviation")}
 PIS = {"tuned": PI(3.1, 10.4), "again": PI(3.1, 10.4), "timid": PI(1.2, 2.2)}

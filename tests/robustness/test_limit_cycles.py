@@ -12,8 +12,10 @@ from design.margins import loop_tf
 from design.robustness.predictions.harmonic_balance import balances, loop_gain
 from design.robustness.predictions.limit_cycles import LimitCycle, limit_cycles, simulated, statements
 from design.robustness.predictions.orbits import Swings, large_swings
+from design.status import Status
 from plants import Wrist
 from plants.effects import DeadTime
+from reports.robustness.statements import cycle_words
 
 FLEXION, DEVIATION = Wrist.flexion(), Wrist.deviation()
 CALM = [
@@ -116,8 +118,8 @@ def test_a_cycle_beyond_the_range_is_said_to_be_and_refuted():
     beyond = cycles[-1]
     assert (beyond.clipped, beyond.confirmed) == (True, False)
     assert beyond.seen_amplitude_kPa < 0.5 * beyond.amplitude_kPa
-    assert "beyond the command range" in beyond.words
-    assert "refuted" in beyond.words
+    assert "beyond the command range" in cycle_words(beyond)
+    assert "refuted: the simulated loop has one of " in cycle_words(beyond)
 
 
 def test_a_cycle_that_is_not_there_is_refuted():
@@ -133,7 +135,7 @@ def test_where_none_is_predicted_no_large_swing_persists(wrist, Kp, Ki):
     cycles, swings = limit_cycles(wrist, PI(Kp, Ki)), large_swings(wrist, PI(Kp, Ki))
     assert (cycles, swings.persisting) == ([], 0)
     (said,) = statements(cycles, swings)
-    assert (said.kind, said.holds, said.value) == ("prediction", True, 0.0)
+    assert (said.status, said.holds, said.value) == (Status.PREDICTED, True, 0.0)
 
 
 def test_deviation_whose_lines_are_not_parallel_has_its_cycles_confirmed_away_from_zero():

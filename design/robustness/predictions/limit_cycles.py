@@ -6,7 +6,6 @@ them has its size and frequency.  That there is none is tried with large swings.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +27,8 @@ from design.robustness.predictions.orbits import (
     on_orbit,
     rollout,
 )
-from design.robustness.statement import Statement
+from design.robustness.statement import Claim, Reason, Statement
+from design.status import Status
 from plants.wrist import SAMPLE_TIME, Wrist
 
 Array = NDArray[np.float64]
@@ -56,7 +56,7 @@ class LimitCycle:
     amplitude_deg of the angle, amplitude_kPa of the pressure, frequency_rad_s; centre_kPa: pressure about
     which it swings; stable: whether it attracts; clipped: whether it asks for commands beyond the range,
     of which the prediction knows nothing; confirmed: whether the simulator has it; seen_*: what it has
-    there, None where it has no cycle; words: all that in words.
+    there, None where it has no cycle.
     """
 
     amplitude_deg: float
@@ -69,7 +69,6 @@ class LimitCycle:
     seen_amplitude_deg: float | None = None
     seen_amplitude_kPa: float | None = None
     seen_frequency_rad_s: float | None = None
-    words: str = ""
 
 
 def limit_cycles(wrist: Wrist, controller: PI, reference: float = 0.0) -> list[LimitCycle]:
@@ -110,23 +109,16 @@ def simulated(wrist: Wrist, controller: PI, cycle: LimitCycle, reference: float 
     """A predicted cycle with what the sampled loop does when it is started on it, below and above it."""
     seen = (_attractor if cycle.stable else _watershed)(wrist, controller, cycle, reference)
     if seen is None:
-        return replace(cycle, words=_words(cycle, "refuted: the simulated loop has no such cycle"))
+        return cycle
     kPa, deg, frequency = seen
     agrees = (
         abs(kPa / cycle.amplitude_kPa - 1.0) <= AMPLITUDE_AGREES
         and abs(frequency / cycle.frequency_rad_s - 1.0) <= FREQUENCY_AGREES
     )
-    there = f"{deg:.3g} deg, {kPa:.3g} kPa at {frequency:.3g} rad/s"
-    verdict = f"confirmed: {there}" if agrees else f"refuted: the simulated loop has one of {there} instead"
     return replace(
         cycle, confirmed=agrees, seen_amplitude_deg=deg, seen_amplitude_kPa=kPa,
-        seen_frequency_rad_s=frequency, words=_words(cycle, verdict),
+        seen_frequency_rad_s=frequency,
     )  # fmt: skip
-
-
-def _words(cycle: LimitCycle, verdict: str) -> str:
-    beyond = "; beyond the command range, which the prediction does not know" if cycle.clipped else ""
-    return f"{'attracts' if cycle.stable else 'repels'}{beyond}; {verdict}"
 
 
 def _attractor(
@@ -197,6 +189,34 @@ def _from_scales(wrist: Wrist, controller: PI, cycle: LimitCycle, scales: Array,
     return rollout(wrist, controller, reference, state, held, PERIODS * period, every)
 
 
+@dataclass(frozen=True)
+class NoOscillation(Claim):
+    """No lasting oscillation about the reference."""
+
+
+@dataclass(frozen=True)
+class HasCycle(Claim):
+    """The loop has a limit cycle of harmonic balance."""
+
+    cycle: LimitCycle
+
+
+@dataclass(frozen=True)
+class Balanced(Reason):
+    """Harmonic balance predicts so many cycles that attract and that repel; what large swings do."""
+
+    attract: int
+    repel: int
+    swings: Swings
+
+
+@dataclass(frozen=True)
+class Simulated(Reason):
+    """What the simulator says to a cycle."""
+
+    cycle: LimitCycle
+
+
 def statements(cycles: list[LimitCycle], swings: Swings) -> list[Statement]:
     """That the loop has no lasting oscillation, and each predicted cycle with its verdict.
 
@@ -206,35 +226,21 @@ def statements(cycles: list[LimitCycle], swings: Swings) -> list[Statement]:
     """
     attract = [c for c in cycles if c.stable]
     seen = [c.seen_amplitude_deg or 0.0 for c in attract] + [swings.amplitude_deg]
-    tried = f"{swings.lanes} large swings, {swings.duration:g} s each: {swings.persisting} persist"
-    repel = sum(not c.stable for c in cycles)
-    because = f"harmonic balance: {len(attract)} that attract, {repel} that repel; {tried}"
     swinging = swings.persisting > 0 or any(c.seen_amplitude_kPa is not None for c in attract)
     holds = False if swinging else None if attract else True
+    reason = Balanced(len(attract), len(cycles) - len(attract), swings)
     found = [
         Statement(
-            "prediction", "no lasting oscillation about the reference", holds, max(seen), "deg",
-            because=because, evidence={"frequency_rad_s": swings.frequency_rad_s},
+            Status.PREDICTED, NoOscillation(), holds, max(seen), reason, "deg",
+            evidence={"frequency_rad_s": swings.frequency_rad_s},
         )
     ]  # fmt: skip
     for c in cycles:
-        kind = "a limit cycle that attracts" if c.stable else "a limit cycle that repels"
-        claim = (
-            f"{kind}: {c.amplitude_deg:.3g} deg, {c.amplitude_kPa:.3g} kPa at {c.frequency_rad_s:.3g} rad/s"
-        )
+        evidence = {k: v for k, v in vars(c).items() if k != "amplitude_deg"}
         found.append(
             Statement(
-                "prediction",
-                claim,
-                c.confirmed,
-                c.amplitude_deg,
-                "deg",
-                because=c.words,
-                evidence=_evidence(c),
+                Status.PREDICTED, HasCycle(c), c.confirmed, c.amplitude_deg, Simulated(c), "deg",
+                evidence=evidence,
             )
-        )
+        )  # fmt: skip
     return found
-
-
-def _evidence(cycle: LimitCycle) -> dict[str, Any]:
-    return {k: v for k, v in vars(cycle).items() if k not in ("words", "amplitude_deg")}

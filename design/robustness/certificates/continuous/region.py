@@ -38,8 +38,9 @@ STEPS = 9
 @dataclass(frozen=True)
 class Region:
     """A form, and the largest step [deg] for which V <= level at the start and the command is not
-    clipped where V <= level; margin: of the form's check; tau [s]: dead time; why: there is none where
-    `form` is None.
+    clipped where V <= level; margin: of the form's check; tau [s]: dead time; form: None where no
+    step was found that surely keeps the command in its range, or where none was looked for, since the
+    outer branches are `curved`.
 
     The form keeps no decay rate of its own: where the command is not clipped the certificate's does.
     """
@@ -49,7 +50,7 @@ class Region:
     largest_step: float
     margin: float | None
     tau: float
-    why: str = ""
+    curved: bool = False
 
 
 def planes(wrist: Wrist, controller: PI, reference: float, tau: float, order: int) -> tuple[Array, Array]:
@@ -133,9 +134,8 @@ def largest(model: LoopModel, wrist: Wrist, controller: PI, rung: str, dead_time
     signals = signals_of(model, rung, dead_time)
     tau = total_dead_time(model, dead_time)
     if not wrist.hysteresis.straight():
-        why = "the outer branches are curved, so that no two planes bound the command"
-        return Region(None, 0.0, 0.0, None, tau, why)
-    best = Region(None, 0.0, 0.0, None, tau, "no step was found that surely keeps the command in its range")
+        return Region(None, 0.0, 0.0, None, tau, curved=True)
+    best = Region(None, 0.0, 0.0, None, tau)
 
     def bounds(r: float) -> tuple[Array, Array]:
         pairs = [planes(wrist, controller, sign * r, tau, signals.order) for sign in (1.0, -1.0)]

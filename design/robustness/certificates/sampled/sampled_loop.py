@@ -11,7 +11,9 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from design.robustness.certificates.certificate import Certificate
+from design.robustness.certificates.certificate import Certificate, LoopClass, Switching
+from design.robustness.certificates.continuous.signals import rates, slopes
+from design.robustness.certificates.reasons import UnstableMode
 from design.robustness.certificates.sampled.lifted import Delayed, lifted, window_quadratic
 from design.robustness.certificates.sampled.switched import (
     Search,
@@ -90,7 +92,7 @@ def certify_sampled(
         samples = delay_samples(model, dead_time)
         rungs = _rungs(model) if samples == 0 else _delayed_rungs(model, samples)
         for name, search, high, back in rungs:
-            found.append(_certificate(name, search, high, back, dead_time, samples, word))
+            found.append(_certificate(model, name, search, high, back, dead_time, samples, word))
     return found
 
 
@@ -120,11 +122,11 @@ def _rungs(model: LoopModel) -> Iterator[Rung]:
     system = discrete(list(vertices(model).values()), SAMPLE_TIME)
     even, back = rounded(system)
     high = float(np.min(even.fates))
-    yield "sampled: common quadratic", common_quadratic(even), high, back
-    yield "sampled: poly-quadratic", poly_quadratic(even), high, None
+    yield "common quadratic", common_quadratic(even), high, back
+    yield "poly-quadratic", poly_quadratic(even), high, None
     for degree in DEGREES:
         forms = lifted(even, degree // 2)
-        name = f"sampled: forms of degree {degree}"
+        name = f"forms of degree {degree}"
         yield name, common_quadratic(forms), float(np.min(forms.fates)), None
 
 
@@ -149,28 +151,23 @@ def delayed(model: LoopModel, samples: int, dt: float = SAMPLE_TIME) -> Delayed:
 def _delayed_rungs(model: LoopModel, samples: int) -> Iterator[Rung]:
     loop = delayed(model, samples)
     high = float(np.min(discrete(loop.full, loop.dt).fates))
-    yield "sampled: common quadratic", window_quadratic(loop), high, None
-    yield "sampled: poly-quadratic", window_quadratic(loop, follows=True), high, None
+    yield "common quadratic", window_quadratic(loop), high, None
+    yield "poly-quadratic", window_quadratic(loop, follows=True), high, None
 
 
 def _certificate(
-    rung: str, search: Search, high: float, back: Array | None, dead_time: float, samples: int,
-    word: Word | None,
+    model: LoopModel, name: str, search: Search, high: float, back: Array | None, dead_time: float,
+    samples: int, word: Word | None,
 ) -> Certificate:  # fmt: skip
-    behind = f" behind {samples} samples of dead time" if samples else ""
-    claim = (
-        f"the sampled loop{behind}, slope and regulator rate changed at will at every sample, "
-        "dies away while the command is not clipped"
-    )
+    about = LoopClass(Switching.EVERY_SAMPLE, rates(model), slopes(model), samples=samples)
     if high <= 0.0:
-        why = "one branch at one rate is unstable on its own"
-        return Certificate(rung, claim, dead_time, False, None, None, "", why)
+        return Certificate(name, about, dead_time, False, None, None, "", UnstableMode())
     calm = search(LEAST * high)
     if not calm.holds:
-        why = calm.why
-        if word is not None and word.grows and samples == 0:
-            why += f"; none exists: {word} (of the class, not of the real loop)"
-        return Certificate(rung, claim, dead_time, False, None, calm.margin, calm.solver, why)
+        against = word if word is not None and word.grows and samples == 0 else None
+        return Certificate(
+            name, about, dead_time, False, None, calm.margin, calm.solver, calm.reason, against
+        )
     found = best(search, LEAST * high, high, STEPS[samples > 0])
     shape = None
     if back is not None:
@@ -178,5 +175,5 @@ def _certificate(
         shape = inverse.T @ found.shapes[0] @ inverse
     evidence = {"margin_at_least_decay": calm.margin, "least_decay": calm.rate, "samples": samples}
     return Certificate(
-        rung, claim, dead_time, True, found.rate, found.margin, found.solver, shape=shape, evidence=evidence
+        name, about, dead_time, True, found.rate, found.margin, found.solver, shape=shape, evidence=evidence
     )
