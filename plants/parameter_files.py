@@ -17,7 +17,9 @@ from plants.quantities import (
     Provenance,
     Stated,
     declared_kinds,
+    in_units,
 )
+from plants.rig import Rig, built_in_rig, parse_rig
 
 if TYPE_CHECKING:
     from plants.effects.effect import Effect
@@ -47,15 +49,17 @@ def read(path: str | Path) -> ParameterSet:
         raise InputError(
             f'{path}: needs axis = "..." and [parameters.NAME] tables, as plants/parameters/flexion.toml'
         )
-    found = _parameters(f"{path}: ", table, declared_kinds(_law(path, text), table))
+    rig = parse_rig(text["rig"], f"{path}: rig") if isinstance(text.get("rig"), dict) else built_in_rig()
+    declared = declared_kinds(_law(path, text), table)
+    found = _parameters(f"{path}: ", table, {n: in_units(kind, rig) for n, kind in declared.items()})
     effects = []
     for form, own in _effects(path, text.get("effects", {})):
         where = f"{path}: effect {form.NAME!r}: "
-        read_in = _parameters(where, own, form.kinds())
+        read_in = _parameters(where, own, {n: in_units(kind, rig) for n, kind in form.kinds().items()})
         found |= {f"{form.NAME}.{name}": p for name, p in read_in.items()}
         effects.append(form)
-    result = ParameterSet(text["axis"], str(text.get("title", text["axis"])), found, tuple(effects))
-    _check_loop(path, result.values)
+    result = ParameterSet(text["axis"], str(text.get("title", text["axis"])), found, tuple(effects), rig)
+    _check_loop(path, result.values, rig)
     return result
 
 
@@ -138,10 +142,9 @@ def _provenance(where: str, entry: Any) -> Provenance:
     )
 
 
-def _check_loop(path: Path, values: Mapping[str, float]) -> None:
-    # The pressures that the command range reaches; the paper's own goes to 200 kPa.
+def _check_loop(path: Path, values: Mapping[str, float], rig: Rig) -> None:
     loop = with_values(values)
-    problem = loop.problem(0.0, 4.0 * values["gain"])
+    problem = loop.problem(*(v * values["gain"] for v in rig.command_range))
     if problem:
         names = [n for n in loop.values if n != "rest_pressure"]
         raise InputError(f"{path}: {problem}; check {', '.join(names[:-1])} and {names[-1]}")
@@ -156,11 +159,13 @@ def write(parameters: ParameterSet, path: str | Path) -> None:
     document = tomlkit.document()
     document["axis"], document["title"] = parameters.axis, parameters.title
     document["hysteresis"] = parameters.law.NAME
+    if parameters.rig != built_in_rig():
+        document["rig"] = parameters.rig.record
     kinds, declared = parameters.kinds, tomlkit.table(is_super_table=True)
     of_wrist = declared_kinds(parameters.law, parameters.parameters)
     for name, p in parameters.parameters.items():
         if name in of_wrist:
-            declared[name] = _entry(p, of_wrist[name])
+            declared[name] = _entry(p, kinds[name])
     document["parameters"] = declared
     effects = tomlkit.table(is_super_table=True)
     for form in parameters.effects:

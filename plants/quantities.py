@@ -6,13 +6,15 @@ such as ``creep.gain``.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from plants.hysteresis import HysteresisLaw, law_of
 from plants.parameters.spec import Kind
+from plants.rig import Rig, built_in_rig
 
 if TYPE_CHECKING:
     from plants.effects.effect import Effect  # which takes its `Kind` from here
@@ -87,6 +89,15 @@ def kinds_of(names: Iterable[str], effects: "Sequence[type[Effect]]" = ()) -> di
     return declared_kinds(law_of(given), given) | own
 
 
+def in_units(kind: Kind, rig: Rig) -> Kind:
+    """The kind of a parameter in the units of a rig.  Bounds are numbers of the paper's wrist: in other units
+    all that is left of them is the sign."""
+    unit = rig.units.of(kind.unit, built_in_rig().units)
+    if unit == kind.unit:
+        return kind
+    return replace(kind, unit=unit, low=0.0 if kind.low >= 0.0 else -inf, high=inf)
+
+
 REGULATOR_NAMES = tuple(REGULATOR)
 
 
@@ -114,13 +125,15 @@ class ParameterSet:
 
     axis: ``flexion``, ``deviation`` or a user's own name; title: one line for
     reports; parameters: of the declared wrist, then of the effects, by their names
-    in a wrist; effects: the forms of the effects, in the order of `plants.effects.EFFECTS`.
+    in a wrist; effects: the forms of the effects, in the order of `plants.effects.EFFECTS`; rig: whose
+    motion it is.
     """
 
     axis: str
     title: str
     parameters: Mapping[str, Parameter]
     effects: tuple[type["Effect"], ...] = ()
+    rig: Rig = field(default_factory=built_in_rig)
 
     @property
     def values(self) -> dict[str, float]:
@@ -139,7 +152,8 @@ class ParameterSet:
         >>> built_in("flexion").kinds["a1"].unit
         'deg/kPa'
         """
-        return kinds_of(self.parameters, self.effects)
+        declared = kinds_of(self.parameters, self.effects)
+        return {n: in_units(kind, self.rig) for n, kind in declared.items()}
 
     @property
     def record(self) -> dict[str, Any]:

@@ -6,13 +6,14 @@ floats, arrays (one lane each, for batches) or CasADi symbols: the laws are the 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plants import hysteresis, lag, regulator
 from plants.effects.effect import Around, Effect
 from plants.hysteresis import STARTS, Bend, HysteresisLaw, Start
 from plants.regulator import Regulator
+from plants.rig import Rig, built_in_rig
 
 if TYPE_CHECKING:
     from plants.quantities import ParameterSet
@@ -131,7 +132,8 @@ def read(state: State, c: SampledWrist, around: Around = QUIET) -> Number:
 
 @dataclass(frozen=True)
 class Wrist:
-    """Parameters of one motion of the wrist: regulator, loop, lag time constant Tw [s], effects.
+    """Parameters of one motion of the wrist: regulator, loop, lag time constant Tw [s], effects; and the rig
+    that it is a motion of, the paper's where not given.
 
     >>> wrist = Wrist.flexion()
     >>> wrist.hysteresis.s, wrist.regulator.gain
@@ -152,6 +154,7 @@ class Wrist:
     hysteresis: HysteresisLaw
     Tw: Number
     effects: tuple[Effect, ...] = ()
+    rig: Rig = field(default_factory=built_in_rig, metadata={"static": True}, repr=False)
 
     def __add__(self, effect: Effect) -> "Wrist":
         """The wrist with one more effect; raises ValueError for a second form of the same."""
@@ -165,13 +168,16 @@ class Wrist:
         )
 
     @classmethod
-    def from_values(cls, values: Mapping[str, Number], effects: tuple[type[Effect], ...] = ()) -> "Wrist":
-        """The wrist with the parameters of `values`, by their names in a parameter set, and effects of
-        the forms given."""
+    def from_values(
+        cls, values: Mapping[str, Number], effects: tuple[type[Effect], ...] = (), rig: Rig | None = None
+    ) -> "Wrist":
+        """The wrist with the parameters of `values`, by their names in a parameter set, effects of the forms
+        given, and a rig, the paper's where not given."""
         declared = cls(
             Regulator(*(values[n] for n in ("gain", "k_fast", "k_slow", "e0"))),
             hysteresis.with_values(values),
             values["Tw"],
+            rig=built_in_rig() if rig is None else rig,
         )
         for form in effects:
             declared = declared + form.from_values(values)
@@ -180,7 +186,7 @@ class Wrist:
     @classmethod
     def of(cls, parameters: "ParameterSet") -> "Wrist":
         """The wrist of a parameter set, its effects included."""
-        return cls.from_values(parameters.values, parameters.effects)
+        return cls.from_values(parameters.values, parameters.effects, parameters.rig)
 
     @classmethod
     def flexion(cls) -> "Wrist":
@@ -218,10 +224,15 @@ class Wrist:
         unknown = set(changes) - set(self.values)
         if unknown:
             raise TypeError(f"no such parameter of the wrist: {', '.join(sorted(unknown))}")
-        return Wrist.from_values({**self.values, **changes}, self.forms)
+        return self.made_of({**self.values, **changes})
 
-    def sampled(self, dt: float = SAMPLE_TIME) -> SampledWrist:
-        """Coefficients of the wrist for a sample time `dt` [s]."""
+    def made_of(self, values: Mapping[str, Number]) -> "Wrist":
+        """A wrist of the same rig, hysteresis law and forms of effects, with the parameters of `values`."""
+        return Wrist.from_values(values, self.forms, self.rig)
+
+    def sampled(self, dt: float | None = None) -> SampledWrist:
+        """Coefficients of the wrist for a sample time `dt` [s], the rig's where not given."""
+        dt = self.rig.sample_time if dt is None else dt
         return SampledWrist(
             regulator.sampled(self.regulator, dt),
             self.hysteresis,
