@@ -1,7 +1,8 @@
 """A rig: what a plant's motions have in common and its parameters do not say.
 
-Units, range of the command, sample times, the task and its limits, and what may be different another day are
-those of a rig, and stand in a TOML file; ``plants/parameters/wrist.toml``, the paper's wrist, shows the format.
+Units, range of the command, sample times, the task and its limits, and what may be different another day
+are those of a rig, and stand in a TOML file; ``plants/parameters/wrist.toml``, the paper's wrist, shows the
+format.
 """
 
 from collections.abc import Mapping
@@ -144,7 +145,13 @@ def parse_rig(table: Mapping[str, Any], where: str) -> Rig:
         of.pair(parts["command"], "range"),
         of.positive(parts["time"], "loop_s"),
         of.positive(parts["time"], "log_s"),
-        StepTask(*(of.positive(task, n) for n in _TABLES["task"][:4]), of.pair(task, "reaction")),
+        StepTask(
+            of.positive(task, "step"),
+            of.positive(task, "band"),
+            of.positive(task, "duration_s"),
+            of.positive(task, "hold_s"),
+            of.pair(task, "reaction"),
+        ),
         limits,
         Uncertainty(
             *(of.share(sure, n) for n in _TABLES["uncertainty"][:4]), of.pair(sure, "dead_time_s", True)

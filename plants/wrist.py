@@ -255,8 +255,8 @@ class Wrist:
         return replace(self, regulator=Regulator.lag(self.regulator.gain, time_constant))
 
     def simulate(self, commands: Any, state: State | None = None, every: int = 1) -> Any:
-        """Open-loop response to commands [V], one per ms; see `plants.simulate.open_loop`."""
-        from plants.simulate import open_loop
+        """Open-loop response to commands [V], one per ms; see `plants.simulation.open_loop.open_loop`."""
+        from plants.simulation.open_loop import open_loop
 
         return open_loop(self, commands, state=state, every=every)
 

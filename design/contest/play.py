@@ -7,14 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.contest.coupled import run_coupled
-from design.contest.periodic import Periodic, play_coupled, play_periodic
+from design.contest.periodic import play_coupled, play_periodic
 from design.contest.plants import NOISE, Field
 from design.contest.run import METRICS, Result, lanes_of, rests, run
 from design.contest.tasks import DURATION, Task, course
 from design.controllers.controller import Controller
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.draws import generator
-from design.robustness.samples.noisy_loop import HOLD, sensor
+from plants.simulation.periodic import Periodic
+from plants.simulation.sensor import HOLD, sensor
 from plants.wrist import SAMPLE_TIME
 
 Array = NDArray[np.float64]

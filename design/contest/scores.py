@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.contest import statistics
-from design.contest.periodic import Periodic
 from design.contest.plants import (
     COUPLING,
     PLANTS,
@@ -28,9 +27,10 @@ from design.contest.tasks import DURATION, FAMILIES, Task, tasks
 from design.controllers.controller import Controller
 from design.metrics import SETTLING_BAND
 from design.robustness.samples.conditions import Conditions
-from design.robustness.samples.noisy_loop import HOLD
 from design.tasks import STEP
 from plants.quantities import ParameterSet
+from plants.simulation.periodic import Periodic
+from plants.simulation.sensor import HOLD
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
 
 Array = NDArray[np.float64]

@@ -6,11 +6,13 @@ that they may run side by side as lanes of one batch.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
 
 import numpy as np
 
+from design import metrics
+from design.metrics import Yardstick
 from design.tasks import STEP
+from plants.simulation.reference_profile import ReferenceProfile
 from plants.wrist import SAMPLE_TIME, STARTS, Start
 
 DURATION = 8.0
@@ -34,8 +36,6 @@ FAMILIES = {
 }
 """Families of tasks, and what they are."""
 
-Number = Any
-
 
 @dataclass(frozen=True)
 class Task:
@@ -55,14 +55,13 @@ class Task:
     load: float = 0.0
 
 
-class Course(NamedTuple):
-    """What lanes are asked: references [deg], samples at which each begins, sample from which on it is
-    judged and at which it ends."""
+@dataclass(frozen=True)
+class Asked:
+    """What lanes are asked: their reference profiles, their judge, for a duration [s]."""
 
-    references: tuple[Number, ...]
-    switches: tuple[Number, ...]
-    judged_from: Number
-    end: Number
+    profile: ReferenceProfile
+    judge: Yardstick
+    duration: float
 
 
 def tasks() -> list[Task]:
@@ -88,13 +87,17 @@ def tasks() -> list[Task]:
     return found
 
 
-def course(given: Sequence[Task]) -> Course:
-    """Tasks as lanes; one with fewer references than others holds its last one on."""
-    most = len(STAIRS)
-    samples = round(DURATION / SAMPLE_TIME)
-    references = np.array([t.references + t.references[-1:] * (most - len(t.references)) for t in given])
+def course(given: Sequence[Task], duration: float = DURATION) -> Asked:
+    """Tasks as lanes, for a duration [s]; one with fewer references than others holds its last one on."""
+    most = len(STAIRS)  # the same for all, so that one compiled loop serves them
+    samples = round(duration / SAMPLE_TIME)
+    references = np.array(
+        [t.references + t.references[-1:] * (most - len(t.references)) for t in given], float
+    )
     switches = np.full((most, len(given)), float(samples))
     for lane, task in enumerate(given):
         switches[: len(task.moments), lane] = np.round(np.array(task.moments) / SAMPLE_TIME)
     begins = np.round(np.array([t.judged_from for t in given]) / SAMPLE_TIME)
-    return Course(tuple(references.T), tuple(switches), begins, float(samples))
+    before = np.array([t.angle for t in given], float)
+    profile = ReferenceProfile(tuple(references.T), tuple(switches[1:]), before)
+    return Asked(profile, metrics.of_stairs(STEP, begins, samples - begins), duration)

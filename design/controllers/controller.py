@@ -7,37 +7,26 @@ A module of this package that holds a controller has
     class Sampled(NamedTuple)               its coefficients for one sample time, a `SampledController`
     def step(state, measured, c)            one sample, which `act` hands on to; NumPy ufuncs only
 
-so that the loop in `design.loop` can be simulated in plain Python, compiled,
+so that the loop in `plants.simulation.closed_loop` can be simulated in plain Python, compiled,
 differentiated and exported from the same lines.  `design.controllers.pi` is the first one (its step
 takes the error alone), `design.controllers.lqi` another, which uses angle and pressure as well.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
 from plants.kernel import pytrees
+from plants.simulation.sensor import Measured
 from plants.wrist import SAMPLE_TIME
+
+__all__ = ["ControlLaw", "Controller", "Measured", "SampledController", "stacked"]
 
 Number = Any
 ControlLaw = Callable[[Any, Number, Any], tuple[Any, Number]]
 """``(state, measured or error [deg], coefficients) -> (state, command [V])``, once a sample, before the
 plant moves."""
-
-
-class Measured(NamedTuple):
-    """What a controller sees in one sample: error of the angle that the sensor shows and that angle
-    [deg], and the pressure [kPa]."""
-
-    error: Number
-    angle: Number
-    pressure: Number
-
-    @property
-    def reference(self) -> Number:
-        """The angle [deg] that is asked for."""
-        return self.error + self.angle
 
 
 class SampledController(Protocol):

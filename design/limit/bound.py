@@ -32,20 +32,18 @@ Quantisation, delay, noise and a controller's own sampling restrict the commands
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from design.limit.braking import knows, settles_after
 from design.limit.monotone import claimed, driven, prompt, relaxed
-from design.limit.replay import DURATION, Array, signals
+from design.limit.replay import DURATION, Array
 from design.metrics import SETTLING_BAND
-from plants import tree
-from plants.effects.effect import Around
 from plants.errors import InputError
-from plants.simulate import run_lanes
+from plants.kernel import pytrees as tree
+from plants.kernel.batches import run_lanes
+from plants.simulation.open_loop import OpenLoop, SampledOpenLoop, law, surroundings
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
-from plants.wrist import step as wrist_step
 
 
 @dataclass(frozen=True)
@@ -119,18 +117,15 @@ def _envelope(wrist: Wrist, state: State, sign: float, samples: int, begin: floa
     return State(straight.pressure, straight.memory._replace(h=sign * static), sign * angle)
 
 
-def _step(state: State, inputs: tuple[Any, ...], c: Any) -> State:
-    command, *time = inputs
-    return wrist_step(state, command, c, Around(*time))
-
-
 def _throttle(wrist: Wrist, state: State, command: float, samples: int, begin: float) -> tuple[State, State]:
     """The wrist before each of some samples of one command [V], as a state of arrays (samples,), of which
     pressure, loop and angle are filled; and after the last."""
-    given = signals(wrist, np.full(samples, command), begin)
+    given = {"command": np.full(samples, command), **surroundings(wrist, samples, begin)}
     last, rows = run_lanes(
-        _step, state, wrist.sampled(), samples, given, inputs=tuple(given), every=1,
-        record=tuple(n for n in tree.names(state) if not n.startswith("effects")), jobs=1,
+        law(tuple(given)), OpenLoop(state), SampledOpenLoop(wrist.sampled()), samples, given,
+        inputs=tuple(given), every=1,
+        record=tuple(f"plant.{n}" for n in tree.names(state) if not n.startswith("effects")), jobs=1,
     )  # fmt: skip
     bare = state._replace(effects=())
-    return tree.like(bare, list(rows[:, :-1, 0])), tree.like(last, [float(x[0]) for x in tree.leaves(last)])
+    ends = tree.like(last.plant, [float(x[0]) for x in tree.leaves(last.plant)])
+    return tree.like(bare, list(rows[:, :-1, 0])), ends

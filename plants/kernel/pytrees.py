@@ -6,8 +6,8 @@ from typing import Any
 
 
 def _branches(tree: Any) -> dict[str, Any] | None:
-    """Branches of a node by their names, in order; None for a leaf.  A field of a dataclass whose metadata says
-    ``static`` is none: it is the same in every lane, and `like` keeps it.
+    """Branches of a node by their names, in order; None for a leaf.  A field of a dataclass whose metadata
+    says ``static`` is none: it is the same in every lane, and `like` keeps it.
 
     Raises TypeError for a dataclass that is not frozen: what is a pytree must not change under a kernel.
     """

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.recording import Recording
-from plants.simulate import open_loop
+from plants.simulation.open_loop import open_loop
 from plants.wrist import SAMPLE_TIME, State, Wrist
 
 Array = NDArray[np.float64]

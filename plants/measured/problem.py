@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.hysteresis import HysteresisLaw
+from plants.kernel.batches import default_jobs
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.quantities import ParameterSet
-from plants.simulate import default_jobs
 from plants.wrist import Number, State, Wrist
 
 Array = NDArray[np.float64]

@@ -6,14 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from design.contest import periodic
-from design.contest import run as contest_run
 from design.contest.coupled import run_coupled
 from design.contest.periodic import play_coupled, play_periodic
 from design.contest.plants import carrying, nominal
 from design.contest.run import METRICS, run
 from design.contest.scores import lanes_for
-from design.contest.tasks import DURATION, STAIRS, TREAD, tasks
+from design.contest.tasks import DURATION, STAIRS, TREAD, course, tasks
 from design.controllers.pi import PI
 from design.controllers.pi import step as pi_step
 from design.loop import run as plain_run
@@ -34,10 +32,12 @@ NOISY = Conditions(0.0, 0.0, 0.07, 0.01)
 def lanes(asked, conditions, wrist=WRIST, **effects):
     field = nominal(wrist)
     field = replace(field, wrist=field.wrist.with_values(**{n: np.array([v]) for n, v in effects.items()}))
-    found = lanes_for(field, [0] * len(asked), asked, conditions, seed=3, chunk=0)
-    if conditions.quantum == 0.0:  # a quantum too small to matter
-        found["sensor"] = found["sensor"]._replace(quantum=1e-9, per_quantum=1e9)
-    return found
+    return lanes_for(field, [0] * len(asked), asked, conditions, seed=3, chunk=0)
+
+
+def short(asked, case):
+    """The case for 1.3 s: where every sample is a period, a run is slow."""
+    return case | {"asked": course(asked, 1.3)}
 
 
 def plainly(wrist, state, reference_at):
@@ -116,11 +116,9 @@ class EverySample:
         return SimpleNamespace(command=float(command), held=held), float(command), None
 
 
-def test_a_controller_that_is_played_by_periods_meets_the_same_cases(monkeypatch):
-    for module in (contest_run, periodic):  # every sample is a period here, which is slow
-        monkeypatch.setattr(module, "DURATION", 1.3)
+def test_a_controller_that_is_played_by_periods_meets_the_same_cases():
     asked = [next(t for t in tasks() if t.family == f) for f in ("steps", "staircase", "load step")]
-    case = lanes(asked, NOISY, **{"dead-time.delay": 0.0503, "creep.gain": 0.1})
+    case = short(asked, lanes(asked, NOISY, **{"dead-time.delay": 0.0503, "creep.gain": 0.1}))
     one, _ = run(controller=GAINS, **case)
     other = play_periodic(controller=EverySample(), **case)
     for name in METRICS:
@@ -154,11 +152,9 @@ def test_coupled_motions_do_what_two_wrists_in_one_loop_do():
     assert abs(iae[0] - alone[0]) > 1e-2  # the coupling is felt
 
 
-def test_coupled_motions_that_are_played_by_periods_do_the_same(monkeypatch):
-    for module in (contest_run, periodic):
-        monkeypatch.setattr(module, "DURATION", 1.3)
-    others = (WRIST, Wrist.deviation())
-    case = tuple(lanes(tasks()[:2], NOISY, w, **{"cross-coupling.gain": 0.02}) for w in others)
+def test_coupled_motions_that_are_played_by_periods_do_the_same():
+    others, asked = (WRIST, Wrist.deviation()), tasks()[:2]
+    case = tuple(short(asked, lanes(asked, NOISY, w, **{"cross-coupling.gain": 0.02})) for w in others)
     together, _ = run_coupled((GAINS, GAINS), case)
     by_periods = play_coupled((EverySample(), EverySample()), case)
     for one, other in zip(together, by_periods, strict=True):

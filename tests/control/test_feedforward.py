@@ -7,13 +7,13 @@ from design.controllers.controller import Measured, stacked
 from design.controllers.feedforward import Feedforward, FeedforwardPI
 from design.controllers.feedforward_course import no_inverse, reachable, within_reach
 from design.controllers.pi import PI
-from design.loop import Loop, SampledLoop, run, step
-from design.metrics import begin, yardstick
+from design.loop import run, step_loop
 from plants import one_page, tree
 from plants.effects.creep import Creep
 from plants.effects.dead_time import DeadTime
 from plants.effects.load_step import LoadStep
 from plants.errors import InputError, InputWarning
+from plants.simulation.closed_loop import Signals, step
 from plants.wrist import STARTS, Wrist
 
 WRISTS = {"flexion": Wrist.flexion(), "deviation": Wrist.deviation()}
@@ -109,12 +109,11 @@ def test_compiled_lanes_and_plain_python_agree():
     _, _, compiled = run(wrist, controller, 9.0, duration=0.4, record=True)
     rest = wrist.rest()
     held = controller.holding(rest.pressure, Measured(0.0, 0.0, rest.pressure))
-    loop = Loop(rest, held, begin(controller.command(held)))
-    c = SampledLoop(wrist.sampled(), controller.sampled(), yardstick(0.0, 9.0))
+    loop, c = step_loop(wrist, controller, 9.0, rest, held)
     angles = []
     for k in range(400):
         angles.append(float(loop.plant.angle))
-        loop = step(loop, (float(k),), c)
+        loop = step(loop, Signals(float(k)), c)
     assert compiled.angle[:400, 0] == pytest.approx(np.array(angles), abs=1e-9)
 
 

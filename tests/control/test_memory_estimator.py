@@ -9,7 +9,7 @@ from design.controllers import memory_estimator as estimator
 from design.controllers.memory_estimator import MemoryObserver, memory_at_rest, pressure_at_rest
 from plants import tree
 from plants.hysteresis import Memory
-from plants.simulate import run_lanes
+from plants.kernel.batches import run_lanes
 from plants.wrist import STARTS, State, Wrist, step
 
 WRISTS = {"flexion": Wrist.flexion(), "deviation": Wrist.deviation()}

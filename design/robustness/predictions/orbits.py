@@ -11,12 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design import metrics
 from design.controllers.pi import PI, PIState
-from design.loop import Loop, SampledLoop, holding, step
+from design.loop import holding, step_loop
 from plants import tree
 from plants.rest import at_pressure
-from plants.simulate import run_lanes
+from plants.simulation.closed_loop import advance, clock
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
 
 Array = NDArray[np.float64]
@@ -86,13 +85,16 @@ def rollout(
 ) -> Rollout:
     """The loop of `design.loop` from given states for a duration [s], every `every`-th sample recorded."""
     samples = round(duration / SAMPLE_TIME)
-    c = SampledLoop(wrist.sampled(), controller.sampled(), metrics.yardstick(state.angle, reference))
-    command = (controller.rest_pressure + held.integral) / controller.gain
-    times = {"time": np.arange(samples) * SAMPLE_TIME} if wrist.effects else {}
-    _, rows = run_lanes(
-        step, Loop(state, held, metrics.begin(command)), c, samples, times, ("sample", *times), every,
-        ("plant.pressure", "plant.angle"), 1,
-    )  # fmt: skip
+    first, c = step_loop(wrist, controller, reference, state, held)
+    _, rows = advance(
+        first,
+        c,
+        samples,
+        clock(wrist, samples),
+        every=every,
+        record=("plant.pressure", "plant.angle"),
+        jobs=1,
+    )
     time = np.asarray(np.arange(rows.shape[1]) * (every * SAMPLE_TIME), float)
     return Rollout(time, rows[0], rows[1])
 

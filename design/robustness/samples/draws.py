@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from design.controllers.controller import Controller
 from design.robustness.box import Box
 from design.robustness.samples.conditions import Conditions, added, left_out
-from design.robustness.samples.noisy_loop import HOLD
 from plants import tree
 from plants.effects.effect import Around, Effect
 from plants.rest import HIGHEST, LOWEST, at_rest
+from plants.simulation.sensor import HOLD
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, STARTS, Start, State, Wrist, settled
 
 Array = NDArray[np.float64]

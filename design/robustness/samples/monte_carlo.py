@@ -16,15 +16,17 @@ from numpy.typing import NDArray
 
 from design.cluster import each
 from design.controllers.controller import Controller
+from design.loop import step_loop
 from design.metrics import SETTLING_BAND, Metrics
 from design.requirements import LIMIT_UNITS, Limits
 from design.robustness.box import Box
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.draws import CHUNK, Draw, Flags, Task, draw, noise, remarks
-from design.robustness.samples.noisy_loop import HOLD, run, sensor
 from design.tasks import STEP
 from plants.errors import InputError
-from plants.simulate import default_jobs
+from plants.kernel.batches import default_jobs
+from plants.simulation.closed_loop import advance, clock
+from plants.simulation.sensor import HOLD, sensor
 from plants.wrist import SAMPLE_TIME
 
 Array = NDArray[np.float64]
@@ -134,11 +136,13 @@ def run_chunk(task: Task, piece: tuple[int, int]) -> Part:
 def _rollouts(
     task: Task, cases: Draw, piece: tuple[int, int], every: int = 0, record: tuple[str, ...] = ()
 ) -> tuple[Metrics, Array]:
+    """Metrics of cases, and the signals named in `record` after every `every` samples."""
     seen_by = sensor(task.conditions.noise, task.conditions.quantum)
-    return run(
-        cases.wrist, task.controller, cases.reference, cases.state, seen_by, noise(task, *piece),
-        task.duration, every, record, jobs=1,
-    )  # fmt: skip
+    first, c = step_loop(cases.wrist, task.controller, cases.reference, cases.state, sensor=seen_by)
+    samples, drawn = round(task.duration / SAMPLE_TIME), noise(task, *piece)
+    own = {} if drawn is None else {"noise": drawn}
+    last, rows = advance(first, c, samples, clock(cases.wrist, samples), own, HOLD, every, record, jobs=1)
+    return c.judge.finish(last.judge, samples), rows
 
 
 def _refuse(task: Task, samples: int) -> None:

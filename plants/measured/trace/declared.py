@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from plants.measured.trace.model import Model
 from plants.measured.trace.remainders import begun
 from plants.measured.trace.result import StageTrace
-from plants.simulate import open_loop
+from plants.simulation.open_loop import open_loop
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]

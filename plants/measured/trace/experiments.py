@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.simulate import open_loop
+from plants.simulation.open_loop import open_loop
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
 
 Array = NDArray[np.float64]

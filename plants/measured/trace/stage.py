@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 
 from plants.effects import EFFECTS
 from plants.effects.effect import Effect
+from plants.kernel.batches import default_jobs
 from plants.measured.playback import Playback
 from plants.measured.problem import Begin, block_length, measured
 from plants.measured.recording import Recording
 from plants.quantities import REGULATOR_NAMES, ParameterSet
-from plants.simulate import default_jobs, driven
+from plants.simulation.open_loop import driven
 from plants.wrist import SAMPLE_TIME, State, Wrist
 
 Array = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""Dead time and load that a wrist is burdened with, beside the effects of its own."""
+"""Disturbances of a loop as effects of its plant: a dead time and a constant load beside the plant's own."""
 
 from typing import Any
 

@@ -1,21 +1,22 @@
-"""A sensor's noise has its size and hold time, its quantum is one, without both it is the plain loop."""
+"""A sensor's noise has its size and hold time, its quantum is one; a part that is absent leaves no code."""
 
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
-from design import loop
 from design.controllers.pi import PI
-from design.robustness.samples import noisy_loop
+from design.loop import run, step_loop
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.draws import Task, noise
-from design.robustness.samples.noisy_loop import HOLD, rounded, sensor
-from plants import Wrist, tree
+from plants import Wrist
 from plants.effects.dead_time import DeadTime
 from plants.effects.gyro_drift import Drift
+from plants.kernel import pytrees as tree
+from plants.kernel.batches import run_lanes
 from plants.kernel.templates import emit
-from plants.simulate import run_lanes
+from plants.simulation.closed_loop import advance, clock, law
+from plants.simulation.sensor import HOLD, Noise, Sensor, sensor
 
 LANES, SECONDS = 21, 3.0
 CONTROLLER = PI(5.0, 9.0)
@@ -44,14 +45,22 @@ def plain_loop(wrist: Wrist, seen_of: Any) -> np.ndarray:
     return np.array(angles)
 
 
+def behind(wrist: Wrist, gains: PI, reference: float, seen_by: Sensor, noise: Any, every: int, *record: str):
+    """Metrics and recorded rows of a step of a loop behind a sensor."""
+    samples = 1000 * int(SECONDS)
+    first, c = step_loop(wrist, gains, reference, wrist.rest(), sensor=seen_by)
+    own = {} if noise is None else {"noise": noise}
+    last, rows = advance(first, c, samples, clock(wrist, samples), own, HOLD, every, record)
+    return c.judge.finish(last.judge, samples), rows
+
+
 @pytest.mark.parametrize("plant", WRISTS)
-@pytest.mark.parametrize("given", [None, NORMAL], ids=["no noise", "noise of size 0"])
-def test_a_perfect_sensor_gives_the_plain_loop(plant, given):
+@pytest.mark.parametrize("seen_by", [sensor(), Sensor(Noise(0.0))], ids=["no noise", "noise of size 0"])
+def test_a_perfect_sensor_gives_the_plain_loop(plant, seen_by):
     wrist = WRISTS[plant]
-    judged, last, _ = loop.run(wrist, CONTROLLER, 15.0, duration=SECONDS, jobs=1)
-    same, rows = noisy_loop.run(
-        wrist, CONTROLLER, 15.0, wrist.rest(), sensor(0.0, 0.0), given, SECONDS, 3000, ("plant.angle",)
-    )
+    judged, last, _ = run(wrist, CONTROLLER, 15.0, duration=SECONDS, jobs=1)
+    noise = NORMAL if seen_by.noise else None
+    same, rows = behind(wrist, CONTROLLER, 15.0, seen_by, noise, 3000, "plant.angle")
     for a, b in zip(vars(judged).values(), vars(same).values(), strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(rows[0, -1], last.plant.angle, rtol=1e-12)
@@ -66,9 +75,7 @@ def test_the_loop_is_the_one_written_out(size, quantum):
         return quantum * np.floor(shown / quantum + 0.5) if quantum else shown
 
     given = NORMAL[:, :1] if size else None
-    _, rows = noisy_loop.run(
-        wrist, CONTROLLER, 15.0, wrist.rest(), sensor(size, quantum), given, SECONDS, 1, ("plant.angle",)
-    )
+    _, rows = behind(wrist, CONTROLLER, 15.0, sensor(size, quantum), given, 1, "plant.angle")
     np.testing.assert_allclose(rows[0, :-1, 0], plain_loop(wrist, seen), atol=1e-9)
 
 
@@ -118,10 +125,7 @@ def test_noise_in_the_kernel_has_its_standard_deviation_and_its_hold_time():
     drawn = noise(task, 0, lanes)
     assert drawn is not None
     wrist = Wrist.flexion().with_values(Tw=np.full(lanes, 0.16))
-    _, rows = noisy_loop.run(
-        wrist, PI(Kp, 0.0), 5.0, wrist.rest(), sensor(size, 0.0), drawn, 10.0, 1,
-        ("plant.angle", "tally.command"),
-    )  # fmt: skip
+    _, rows = behind(wrist, PI(Kp, 0.0), 5.0, sensor(size), drawn, 1, "plant.angle", "judge.command")
     angle, command = rows[0, :-1], rows[1, 1:]
     heard = 5.0 - (49.4 * command - 100.0) / Kp - angle
     steps = np.abs(np.diff(heard, axis=0)) > 1e-9
@@ -138,7 +142,7 @@ def test_noise_in_the_kernel_has_its_standard_deviation_and_its_hold_time():
 
 
 def test_a_quantum_rounds_to_the_nearest_and_in_the_kernel_as_in_numpy():
-    shown = rounded(np.array([-0.26, -0.24, 0.0, 0.24, 0.26, 7.74]), sensor(0.0, 0.5))
+    shown = sensor(0.0, 0.5).shows(np.array([-0.26, -0.24, 0.0, 0.24, 0.25, 7.74]))
     np.testing.assert_allclose(shown, [-0.5, 0.0, 0.0, 0.0, 0.5, 7.5])
 
     def law(s: Heard, _inputs: tuple[()], c: Nothing) -> Heard:
@@ -150,10 +154,23 @@ def test_a_quantum_rounds_to_the_nearest_and_in_the_kernel_as_in_numpy():
     np.testing.assert_array_equal(last.last, np.floor(x))
 
 
-def test_loops_without_signals_of_their_own_have_the_code_they_had():
-    """Emitted code is the key of the machine-code cache, which the option must leave alone."""
-    wrist = Wrist.flexion()
-    first, c = noisy_loop.trees(wrist, CONTROLLER, 15.0, wrist.rest(), sensor(0.0, 0.0), True)
-    names = [tree.like(t, tree.names(t)) for t in (first, c)]
-    plain = emit("loop", loop.step, names[0], ("sample",), names[1])
+def code(seen_by: Sensor, names: tuple[str, ...] = ("sample",)) -> str:
+    """Emitted code of a loop, of which a line for every leaf of the state and the coefficients."""
+    first, c = step_loop(Wrist.flexion(), CONTROLLER, 15.0, Wrist.flexion().rest(), sensor=seen_by)
+    if "command" in names:
+        first, c = first._replace(controller=()), c._replace(controller=())
+    first, c = (tree.like(t, tree.names(t)) for t in (first, c))
+    return emit("loop", law(names), first, names, c, tuple(n for n in names if n == "noise"))
+
+
+def test_parts_that_are_absent_leave_no_code():
+    plain = code(sensor())
     assert "held" not in plain
+    assert "floor" not in plain
+    noisy = code(sensor(0.1), ("sample", "noise"))
+    assert "held" in noisy
+    assert "floor" not in noisy
+    assert "floor" in code(sensor(0.0, 0.1))
+    # A replay has neither the law of a controller nor rows for its state.
+    given = code(sensor(), ("sample", "command"))
+    assert given.count("\n") < plain.count("\n") - 8
