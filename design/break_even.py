@@ -234,7 +234,7 @@ def _run(
     cases: Sequence[Case], controller: Controller, dead: bool, duration: float, jobs: int | None
 ) -> Metrics:
     values = [c.scenario.wrist.values for c in cases]
-    wrist = Wrist.from_values({n: np.array([v[n] for v in values], float) for n in values[0]})
+    wrist = cases[0].scenario.wrist.made_of({n: np.array([v[n] for v in values], float) for n in values[0]})
     states = np.array([tree.leaves(c.scenario.wrist.rest(c.scenario.start)) for c in cases], float)
     state = tree.like(cases[0].scenario.wrist.rest(), list(states.T))
     if dead:

@@ -18,22 +18,19 @@ from design.controllers.pi import PI
 from design.controllers.state_space import linearised
 from design.margins import BranchResponse, Margins, branch_responses, by_python_control, margins
 from plants.linear import RATES, branch_slopes, branch_ss, slope_factors
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
+from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 POINTS = 1500
 """Frequencies that margins are read from."""
 
-INTEGRATOR = PI(0.0, 1.0 / SAMPLE_TIME, gain=1.0)
-"""A PI whose response is 1 / (z - 1), so that `design.margins` takes any loop as one beside it."""
-
 
 def closed(wrist: Wrist, controller: Controller, branch: str, rate: str) -> Array:
     """The sampled loop of a declared wrist and its controller on one branch at one rate, shape (n, n),
     in pressure [kPa], angle [deg] and what the controller remembers."""
     plant = branch_ss(wrist, branch, rate)
-    law = linearised(controller)
+    law = linearised(controller, wrist.rig.sample_time)
     seen = np.array([[0.0, 1.0], [1.0, 0.0]])  # (y, P) of the plant's (P, y)
     into = np.asarray(plant.B, float)
     return np.block([[plant.A + into @ (law.d[None] @ seen), into @ law.c[None]], [law.b @ seen, law.a]])
@@ -51,10 +48,10 @@ def worst_pole(wrist: Wrist, controller: Controller) -> tuple[float, str]:
 
 def pressure_responses(wrist: Wrist, omega: Array) -> list[Complex]:
     """Responses of the pressure [kPa/V] that belong to `design.margins.branch_responses`, in its order."""
-    z = np.exp(1j * omega * SAMPLE_TIME)
+    z = np.exp(1j * omega * wrist.rig.sample_time)
     p = wrist.regulator
-    reach = (p.gain * COMMAND_RANGE[0], p.gain * COMMAND_RANGE[1])
-    parts = [e.linear(wrist, z, SAMPLE_TIME, reach) for e in wrist.effects]
+    reach = (p.gain * wrist.rig.command_range[0], p.gain * wrist.rig.command_range[1])
+    parts = [e.linear(wrist, z, wrist.rig.sample_time, reach) for e in wrist.effects]
     speeds = list(dict.fromkeys(float(np.prod(x)) for x in product(*(x.rates for x in parts))))
     before = p.gain * np.prod([np.broadcast_to(x.command, z.shape) for x in parts], axis=0)
     found = []
@@ -62,7 +59,7 @@ def pressure_responses(wrist: Wrist, omega: Array) -> list[Complex]:
         sides = wrist.hysteresis.sides(branch)
         factors = {float(np.prod(x)) for x in product(*(slope_factors(x.slopes, sides) for x in parts))}
         for _, rate, speed in product({min(factors), max(factors)}, RATES, speeds):
-            share = -np.expm1(-speed * (p.k_fast if rate == "fast" else p.k_slow) * SAMPLE_TIME)
+            share = -np.expm1(-speed * (p.k_fast if rate == "fast" else p.k_slow) * wrist.rig.sample_time)
             found.append(np.asarray(before * (share / (z - 1.0 + share)), complex))
     return found
 
@@ -81,7 +78,7 @@ class InputLoop:
     ) -> "InputLoop":
         """What comes back of a command by way of angle and pressure, with its sign turned."""
         omega = branches[0].omega
-        angle, pressure = linearised(controller).responses(omega)
+        angle, pressure = linearised(controller, wrist.rig.sample_time).responses(omega)
         of = zip(branches, pressure_responses(wrist, omega), strict=True)
         return cls(angle, np.array([-(angle * b.response + pressure * air) for b, air in of]))
 
@@ -96,9 +93,13 @@ class InputLoop:
         Stability is Nyquist's criterion, for a controller that is stable itself but for one integrator (an
         LQI is, as long as Kq does not exceed its washout).
         """
-        beside = np.exp(1j * branches[0].omega * SAMPLE_TIME) - 1.0
+        # A PI whose response is 1 / (z - 1), so that `design.margins` takes any loop as one beside it.
+        dt = branches[0].dt
+        integrator, beside = PI(0.0, 1.0 / dt, gain=1.0), np.exp(1j * branches[0].omega * dt) - 1.0
         found = zip(branches, self.open, strict=True)
-        return margins([BranchResponse(b.branch, b.rate, b.omega, x * beside) for b, x in found], INTEGRATOR)
+        return margins(
+            [BranchResponse(b.branch, b.rate, b.omega, x * beside, dt=dt) for b, x in found], integrator
+        )
 
 
 def command_margins(wrist: Wrist, controller: Any) -> tuple[float, float]:

@@ -80,5 +80,5 @@ def run(
     last, rows = advance(
         first, c, samples, clock(wrist, samples, begin), every=int(record), record=names, jobs=jobs
     )
-    went = trajectory(rows, state, c.plant, begin) if record else None
+    went = trajectory(rows, state, c.plant, wrist.rig.sample_time, begin) if record else None
     return c.judge.finish(last.judge, samples), last, went

@@ -174,7 +174,7 @@ def rollouts(problem: Problem, Kp: Array, Ki: Array) -> Metrics:
     wrist, state, reference = problem.stacked
     n, m = Kp.size, len(problem.scenarios)
     lanes = tree.like(state, [np.tile(x, n) for x in tree.leaves(state)])
-    plants = Wrist.from_values({k: np.tile(v, n) for k, v in wrist.values.items()}, wrist.forms)
+    plants = wrist.made_of({k: np.tile(v, n) for k, v in wrist.values.items()})
     gains = controller(problem, np.repeat(Kp, m), np.repeat(Ki, m))
     judged, _, _ = run(
         plants, gains, np.tile(reference, n), lanes, duration=problem.duration, jobs=problem.jobs

@@ -154,9 +154,7 @@ def stack(sequences: Iterable[Sequence]) -> Batch:
     references = np.array([(s.references[0],) * n + s.references for s, n in zip(given, pad, strict=True)]).T
     holds = np.array([(0.0,) * n + s.holds for s, n in zip(given, pad, strict=True)]).T
     values = [s.wrist.values for s in given]
-    wrist = Wrist.from_values(
-        {n: np.array([v[n] for v in values], float) for n in values[0]}, given[0].wrist.forms
-    )
+    wrist = given[0].wrist.made_of({n: np.array([v[n] for v in values], float) for n in values[0]})
     dead_time, load = (np.array([getattr(s, n) for s in given], float) for n in ("dead_time", "load"))
     return batch(
         wrist, [s.start for s in given], np.array([s.angle for s in given], float), references, holds,
@@ -171,7 +169,7 @@ def repeated(b: Batch, n: int) -> Batch:
     def again(x: Number) -> Number:
         return np.tile(np.broadcast_to(x, (lanes,)), n)
 
-    wrist = Wrist.from_values({k: again(v) for k, v in b.wrist.values.items()}, b.wrist.forms)
+    wrist = b.wrist.made_of({k: again(v) for k, v in b.wrist.values.items()})
     state = tree.like(b.state, [again(x) for x in tree.leaves(b.state)])
     return Batch(
         wrist, state, np.tile(b.references, (1, n)), np.tile(b.switches, (1, n)), np.tile(b.judged, n)
@@ -211,7 +209,7 @@ def play(
     played = Played(judge.finish(last.judge, samples), start, np.abs(b.references[-1] - start))
     if not record:
         return played
-    went = trajectory(rows, b.state, c.plant)
+    went = trajectory(rows, b.state, c.plant, b.wrist.rig.sample_time)
     asked = profile.at(np.arange(len(went.time))[:, None]).reference
     reference = np.broadcast_to(np.asarray(asked, float), went.angle.shape)
     return replace(played, reference=reference, trajectory=went)

@@ -13,7 +13,7 @@ import numpy as np
 
 from plants import tree
 from plants.rest import obstacle
-from plants.wrist import COMMAND_RANGE, STARTS, Start, State, Wrist
+from plants.wrist import STARTS, Start, State, Wrist
 
 STEP = 15.0
 """Size of the paper's step [deg] (section 7)."""
@@ -97,7 +97,8 @@ def within_reach(scenarios: Sequence[Scenario]) -> tuple[list[Scenario], list[Sc
     sets it aside (and reports it).  Scenarios of the nominal plant always stay:
     that the task itself is out of reach is an answer.
     """
-    low, high = COMMAND_RANGE[0] + HEADROOM, COMMAND_RANGE[1] - HEADROOM
+    least, most = scenarios[0].wrist.rig.command_range
+    low, high = least + HEADROOM, most - HEADROOM
     kept = [s for s in scenarios if s.plant == "nominal" or unreachable(s, low, high) == 0.0]
     return kept, [s for s in scenarios if s not in kept]
 
@@ -106,8 +107,7 @@ def stack(scenarios: Sequence[Scenario]) -> tuple[Wrist, State, Any]:
     """Wrist, states and references of many scenarios, leaves of shape (scenarios,); the wrists have
     effects of the same forms."""
     values = [s.wrist.values for s in scenarios]
-    forms = scenarios[0].wrist.forms
-    wrist = Wrist.from_values({n: np.array([v[n] for v in values], float) for n in values[0]}, forms)
+    wrist = scenarios[0].wrist.made_of({n: np.array([v[n] for v in values], float) for n in values[0]})
     states = [tree.leaves(s.wrist.rest(s.start, s.angle)) for s in scenarios]
     state = tree.like(scenarios[0].wrist.rest(), list(np.array(states, float).T))
     return wrist, state, np.array([s.reference for s in scenarios], float)

@@ -16,7 +16,7 @@ from plants import lag, regulator, tree
 from plants.hysteresis import Side
 from plants.kernel.graphs import jacobians
 from plants.regulator import Regulator
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist, step
+from plants.wrist import Wrist, step
 
 RATES = ("slow", "fast")
 """The two ends of the regulator's rate: near to and far from the commanded pressure."""
@@ -56,7 +56,7 @@ def nlsys(wrist: Wrist) -> Any:
         return np.array([x[0], x[-1]])
 
     return control.nlsys(
-        update, output, dt=SAMPLE_TIME, name="wrist", inputs=["command_V"],
+        update, output, dt=wrist.rig.sample_time, name="wrist", inputs=["command_V"],
         states=[names.get(n, n) for n in tree.names(rest)],
         outputs=["pressure_kPa", "angle_deg"],
     )  # fmt: skip
@@ -84,7 +84,7 @@ def branch_slopes(wrist: Wrist) -> dict[str, float]:
     >>> branch_slopes(Wrist.flexion())
     {'transit': 0.0803, 'line1': 0.36, 'line2': 0.36}
     """
-    low, high = (wrist.regulator.gain * v for v in COMMAND_RANGE)
+    low, high = (wrist.regulator.gain * v for v in wrist.rig.command_range)
     return {name: float(slope) for name, slope in wrist.hysteresis.branches(low, high).items()}
 
 
@@ -113,8 +113,8 @@ def branch_ss(wrist: Wrist, branch: str, rate: str = "fast") -> Any:
         raise ValueError(f"unknown regulator rate {rate!r}; one of {', '.join(RATES)}")
     p = wrist.regulator
     k = p.k_fast if rate == "fast" else p.k_slow
-    air = regulator.sampled(Regulator(p.gain, k, k, p.e0), SAMPLE_TIME)
-    transient = lag.sampled(wrist.Tw, SAMPLE_TIME)
+    air = regulator.sampled(Regulator(p.gain, k, k, p.e0), wrist.rig.sample_time)
+    transient = lag.sampled(wrist.Tw, wrist.rig.sample_time)
 
     def linear(state: Any, command: Any) -> Any:
         pressure, angle = state
@@ -123,7 +123,7 @@ def branch_ss(wrist: Wrist, branch: str, rate: str = "fast") -> Any:
 
     a, b = jacobians(linear, (0.0, 0.0), 0.0)
     return control.ss(
-        a, b, [[0.0, 1.0]], [[0.0]], SAMPLE_TIME, name=f"{branch}_{rate}",
+        a, b, [[0.0, 1.0]], [[0.0]], wrist.rig.sample_time, name=f"{branch}_{rate}",
         inputs=["command_V"], states=["pressure_kPa", "angle_deg"], outputs=["angle_deg"],
     )  # fmt: skip
 
@@ -150,11 +150,11 @@ def responses(wrist: Wrist, omega: Any) -> list[Response]:
     of filling and exhausting at both ends of the range.  Of several effects the
     extremes are multiplied, so that the list holds more than what can occur at once.
     """
-    z = np.exp(1j * np.asarray(omega, float) * SAMPLE_TIME)
+    z = np.exp(1j * np.asarray(omega, float) * wrist.rig.sample_time)
     p = wrist.regulator
-    reach = (p.gain * COMMAND_RANGE[0], p.gain * COMMAND_RANGE[1])
-    parts = [e.linear(wrist, z, SAMPLE_TIME, reach) for e in wrist.effects]
-    c = lag.sampled(wrist.Tw, SAMPLE_TIME)
+    reach = (p.gain * wrist.rig.command_range[0], p.gain * wrist.rig.command_range[1])
+    parts = [e.linear(wrist, z, wrist.rig.sample_time, reach) for e in wrist.effects]
+    c = lag.sampled(wrist.Tw, wrist.rig.sample_time)
     joint = next((x.joint for x in parts if x.joint is not None), (c.before + c.after * z) / (z - c.keep))
     common = p.gain * joint
     for part in parts:
@@ -165,7 +165,7 @@ def responses(wrist: Wrist, omega: Any) -> list[Response]:
         sides = wrist.hysteresis.sides(branch)
         slopes = _products([slope_factors(x.slopes, sides) for x in parts])
         for slope, rate, speed in product(sorted({min(slopes), max(slopes)}), RATES, speeds):
-            share = -np.expm1(-speed * (p.k_fast if rate == "fast" else p.k_slow) * SAMPLE_TIME)
+            share = -np.expm1(-speed * (p.k_fast if rate == "fast" else p.k_slow) * wrist.rig.sample_time)
             air = share / (z - 1.0 + share)
             bent = "" if len(set(slopes)) == 1 else f", slope x {slope:.3g}"
             quick = rate if speed == 1.0 else f"{rate} x {speed:.3g}"

@@ -8,12 +8,19 @@ from plants import lag
 from plants.effects.effect import Around
 from plants.wrist import STARTS, Number, Start, State, Wrist
 
-LOWEST, HIGHEST = -300.0, 700.0
-"""Pressures [kPa] between which a wrist with effects is looked for at rest; one that is found at
-an end of them rests nowhere."""
+BEYOND = (1.5, 2.5)
+"""By how many spans below and above the range of its pressure a wrist with effects is looked for at rest."""
 
-SPACING = 5.0
-"""Pressures [kPa] are tried so far apart before the rest is narrowed down."""
+TRIED = 40
+"""Pressures that are tried in a span before the rest is narrowed down."""
+
+
+def searched(wrist: Wrist) -> tuple[float, float, float]:
+    """Pressures between which a wrist with effects is looked for at rest (one that is found at an end of them
+    rests nowhere), and how far apart they are tried at first."""
+    low, high = wrist.rig.pressure_range
+    span = high - low
+    return low - BEYOND[0] * span, high + BEYOND[1] * span, span / TRIED
 
 
 def at_rest(wrist: Wrist, start: Start = "virgin", angle: Number = 0.0) -> State:
@@ -76,7 +83,8 @@ def obstacle(wrist: Wrist, start: Start, angle: float) -> str | None:
         words = effect.obstacle(pressure, angle)
         if words is not None:
             return words
-    return None if LOWEST < pressure < HIGHEST else f"a branch that no pressure takes to {angle:+g} deg"
+    lowest, highest, _ = searched(wrist)
+    return None if lowest < pressure < highest else f"a branch that no pressure takes to {angle:+g} deg"
 
 
 def _held_angle(wrist: Wrist, h: Number) -> Number:
@@ -146,15 +154,16 @@ def _pressure_on(wrist: Wrist, line: int, h: Number) -> Number:
         return _line_angle(wrist, line, pressure, h) < h
 
     shape = np.shape(below(wrist.hysteresis.rest_pressure))
-    grid = np.arange(LOWEST, HIGHEST + SPACING, SPACING).reshape(-1, *(1 for _ in shape))
+    lowest, highest, spacing = searched(wrist)
+    grid = np.arange(lowest, highest + spacing, spacing).reshape(-1, *(1 for _ in shape))
     under = np.broadcast_to(below(grid), (len(grid), *shape))
     rises = under[:-1] & ~under[1:]
-    far = np.abs(grid[:-1] + 0.5 * SPACING - wrist.hysteresis.rest_pressure)
+    far = np.abs(grid[:-1] + 0.5 * spacing - wrist.hysteresis.rest_pressure)
     nearest = np.where(rises, far, np.inf).argmin(axis=0)
-    low = LOWEST + SPACING * nearest
+    low = lowest + spacing * nearest
     # Where it rises through it nowhere, the end that is nearer to it.
-    nowhere, high = ~rises.any(axis=0), low + SPACING
-    low = np.where(nowhere, np.where(under[-1], HIGHEST, LOWEST), low)
+    nowhere, high = ~rises.any(axis=0), low + spacing
+    low = np.where(nowhere, np.where(under[-1], highest, lowest), low)
     high = np.where(nowhere, low, high)
     for _ in range(50):
         middle = 0.5 * (low + high)

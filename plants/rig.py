@@ -70,6 +70,7 @@ class Rig:
     motions: tuple[str, ...]
     units: Units
     command_range: tuple[float, float]
+    pressure_range: tuple[float, float]
     sample_time: float
     log_time: float
     task: StepTask
@@ -86,6 +87,7 @@ class Rig:
             "motions": list(self.motions),
             "units": dict(vars(self.units)),
             "command": {"range": list(self.command_range)},
+            "pressure": {"range": list(self.pressure_range)},
             "time": {"loop_s": self.sample_time, "log_s": self.log_time},
             "task": {
                 "step": t.step, "band": t.band, "duration_s": t.duration, "hold_s": t.hold,
@@ -143,6 +145,7 @@ def parse_rig(table: Mapping[str, Any], where: str) -> Rig:
         tuple(motions),
         units,
         of.pair(parts["command"], "range"),
+        of.pair(parts["pressure"], "range"),
         of.positive(parts["time"], "loop_s"),
         of.positive(parts["time"], "log_s"),
         StepTask(
@@ -154,14 +157,16 @@ def parse_rig(table: Mapping[str, Any], where: str) -> Rig:
         ),
         limits,
         Uncertainty(
-            *(of.share(sure, n) for n in _TABLES["uncertainty"][:4]), of.pair(sure, "dead_time_s", True)
+            of.share(sure, "width"), of.share(sure, "slope"), of.share(sure, "lag"), of.share(sure, "rates"),
+            of.pair(sure, "dead_time_s", True),
         ),
-    )
+    )  # fmt: skip
 
 
 _TABLES: dict[str, tuple[str, ...]] = {
     "units": ("command", "pressure", "angle"),
     "command": ("range",),
+    "pressure": ("range",),
     "time": ("loop_s", "log_s"),
     "task": ("step", "band", "duration_s", "hold_s", "reaction"),
     "limits": ("overshoot_percent", "Ms", "delay_margin_s", "total_variation_V", "steady_error_percent"),

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from plants.quantities import ParameterSet
 
 Number = Any
-SAMPLE_TIME = 0.001
-"""Sample time of loop and model [s] (section 4)."""
+SAMPLE_TIME = built_in_rig().sample_time
+"""Sample time of loop and model [s] of the built-in rig, for values that are made without a rig."""
 
-COMMAND_RANGE = (0.0, 4.0)
-"""Range of the command [V] (section 3)."""
+COMMAND_RANGE = built_in_rig().command_range
+"""Range of the command [V] of the built-in rig, likewise."""
 
 __all__ = ["COMMAND_RANGE", "SAMPLE_TIME", "STARTS", "Start", "State", "Wrist"]
 

@@ -114,7 +114,7 @@ def judge(problem: Problem, controllers: Sequence[LQI], noise_limit: float | Non
     wrist, state, reference = problem.stacked
     n, m = len(controllers), len(problem.scenarios)
     lanes = tree.like(state, [np.tile(x, n) for x in tree.leaves(state)])
-    plants = Wrist.from_values({k: np.tile(v, n) for k, v in wrist.values.items()}, wrist.forms)
+    plants = wrist.made_of({k: np.tile(v, n) for k, v in wrist.values.items()})
     found, _, _ = run(
         plants, stacked(controllers, m), np.tile(reference, n), lanes, duration=problem.duration,
         jobs=problem.jobs,

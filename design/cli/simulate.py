@@ -126,7 +126,7 @@ def _played(wrist: "Wrist", path: Path) -> dict[str, Any]:
     from plants.measured.playback import Playback
 
     r = load_recording(path)
-    pressure, angle = Playback(r).play(wrist)
+    pressure, angle = Playback(r, wrist.rig.sample_time).play(wrist)
     result: dict[str, Any] = {
         "time_s": r.time,
         "command_V": r.command,

@@ -78,7 +78,7 @@ def carrying(wrist: Wrist, lanes: int) -> Wrist:
     for form in FORMS:
         wrist = wrist + form()
     values = {n: np.broadcast_to(np.asarray(v, float), (lanes,)) for n, v in wrist.values.items()}
-    return Wrist.from_values(values, wrist.forms)
+    return wrist.made_of(values)
 
 
 def nominal(wrist: Wrist) -> Field:

@@ -95,7 +95,7 @@ def run(
 def lanes_of(wrist: Wrist, pick: NDArray[np.intp]) -> Wrist:
     """Some lanes of a wrist with lanes."""
     values = {n: np.broadcast_to(np.asarray(v, float), _lanes(wrist))[pick] for n, v in wrist.values.items()}
-    return Wrist.from_values(values, wrist.forms)
+    return wrist.made_of(values)
 
 
 def _lanes(wrist: Wrist) -> tuple[int, ...]:

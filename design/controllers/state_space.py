@@ -24,17 +24,18 @@ class StateSpace:
     """m+ = a m + b (y, P), command = c m + d (y, P), of a controller under a reference that rests.
 
     m: what it remembers and measurements move, n numbers; y the angle [deg], P the pressure [kPa], command
-    in V, all as deviations from an equilibrium; shapes (n, n), (n, 2), (n,), (2,).
+    in V, all as deviations from an equilibrium; shapes (n, n), (n, 2), (n,), (2,); dt: sample time [s].
     """
 
     a: Array
     b: Array
     c: Array
     d: Array
+    dt: float = SAMPLE_TIME
 
     def responses(self, omega: Array) -> Complex:
         """Frequency response at omega [rad/s], from angle and pressure to the command, (2, n)."""
-        z = np.exp(1j * omega * SAMPLE_TIME)
+        z = np.exp(1j * omega * self.dt)
         inner = z[:, None, None] * np.eye(len(self.a)) - self.a
         driven = np.linalg.solve(inner, np.broadcast_to(self.b, (z.size, *self.b.shape)))
         return np.asarray((self.c @ driven + self.d).T, complex)
@@ -51,7 +52,7 @@ def _derivatives(state: Any, c: Any, types: str) -> Any:
     return derivatives(_law, state, ("angle", "pressure"), c)
 
 
-def linearised(controller: Controller) -> StateSpace:
+def linearised(controller: Controller, dt: float = SAMPLE_TIME) -> StateSpace:
     """The state space of a controller of floats about the middle of its range, where nothing is clipped.
 
     >>> from design.controllers.pi import PI
@@ -60,13 +61,13 @@ def linearised(controller: Controller) -> StateSpace:
     ([[1.0]], [[-0.005, 0.0]], [0.02], [-0.04, 0.0])
     """
     pressure = float(0.5 * (controller.low + controller.high) * controller.gain)
-    state, c = controller.holding(pressure, Measured(0.0, 0.0, pressure)), controller.sampled()
+    state, c = controller.holding(pressure, Measured(0.0, 0.0, pressure)), controller.sampled(dt)
     names = [pytrees.like(t, pytrees.names(t)) for t in (state, c)]
     # Trees that differ in their types alone are equal; their representations are not.
     by_state, by_seen, _ = evaluated(_derivatives(*names, repr(names)), state, (0.0, pressure), c)
     a, b, c_row, d_row = by_state[:-1], by_seen[:-1], by_state[-1], by_seen[-1]
     moved = _moved(a, b)
-    return StateSpace(a[np.ix_(moved, moved)], b[moved], c_row[moved], d_row)
+    return StateSpace(a[np.ix_(moved, moved)], b[moved], c_row[moved], d_row, dt)
 
 
 def _moved(a: Array, b: Array) -> NDArray[np.intp]:

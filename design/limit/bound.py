@@ -43,7 +43,7 @@ from plants.errors import InputError
 from plants.kernel import pytrees as tree
 from plants.kernel.batches import run_lanes
 from plants.simulation.open_loop import OpenLoop, SampledOpenLoop, law, surroundings
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
+from plants.wrist import State, Wrist
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def bound(wrist: Wrist, reference: float, state: State | None = None, begin: flo
     size = float(reference - state.angle)
     if size == 0.0 or not np.isfinite(size):
         raise InputError(f"limit: a step from {state.angle:g} to {reference:g} deg has no size; give another")
-    sign, samples = float(np.sign(size)), round(DURATION / SAMPLE_TIME)
+    sign, samples = float(np.sign(size)), round(DURATION / wrist.rig.sample_time)
     fastest = _envelope(wrist, state, sign, samples, begin)
     left = sign * (reference - fastest.angle)
     band = SETTLING_BAND * abs(size)
@@ -82,8 +82,8 @@ def bound(wrist: Wrist, reference: float, state: State | None = None, begin: flo
         pressure, static = fastest.pressure, fastest.memory.h
         entry = settles_after(wrist, entry, float(state.angle), reference, band, pressure, static)
     return Bound(
-        float("inf") if entry is None else entry * SAMPLE_TIME,
-        float(np.maximum(left, 0.0).sum()) * SAMPLE_TIME,
+        float("inf") if entry is None else entry * wrist.rig.sample_time,
+        float(np.maximum(left, 0.0).sum()) * wrist.rig.sample_time,
         np.asarray(fastest.angle, float),
     )
 
@@ -91,7 +91,7 @@ def bound(wrist: Wrist, reference: float, state: State | None = None, begin: flo
 def _envelope(wrist: Wrist, state: State, sign: float, samples: int, begin: float) -> State:
     """Pressure, static angle and angle that no command passes in the direction of `sign`, (samples,)."""
     monotone, start = relaxed(wrist, state)
-    ahead, back = (COMMAND_RANGE[1], COMMAND_RANGE[0]) if sign > 0 else COMMAND_RANGE
+    ahead, back = wrist.rig.command_range[::-1] if sign > 0 else wrist.rig.command_range
     straight, _ = _throttle(monotone, start, ahead, samples, begin)
     static, angle = sign * straight.memory.h, sign * straight.angle
     if monotone.hysteresis.DEAD_ZONE and start.memory.virgin:
@@ -107,7 +107,7 @@ def _envelope(wrist: Wrist, state: State, sign: float, samples: int, begin: floa
             ready_to_go, ready = prompt(monotone, ready)
             left_it = monotone.hysteresis.doubted(ready.memory, True)
             ready = ready._replace(memory=left_it._replace(h=float(raised)))
-            later = begin + (m - 1) * SAMPLE_TIME
+            later = begin + (m - 1) * wrist.rig.sample_time
             dipped, _ = _throttle(ready_to_go, ready, ahead, samples - m + 1, later)
             static[m - 1 :] = np.maximum(static[m - 1 :], sign * dipped.memory.h)
             angle[m - 1 :] = np.maximum(angle[m - 1 :], sign * dipped.angle)

@@ -28,7 +28,7 @@ import numpy as np
 from design.limit.replay import Array
 from plants import regulator
 from plants.hysteresis import FourSegment
-from plants.wrist import COMMAND_RANGE, SampledWrist, State, Wrist
+from plants.wrist import SampledWrist, State, Wrist
 
 AFTER = (4, 6, 8, 11, 15, 20, 26, 33, 41, 50, 62)
 """Samples n after T at which the angle is asked to be inside the band still; any will do."""
@@ -48,7 +48,7 @@ def knows(wrist: Wrist, state: State, reference: float, sign: float) -> bool:
     time, which only makes braking later; no virgin curve beyond the reference; and lines that do not cross
     within the pressures of the commands, since the loop has no inside beyond that."""
     p, gain = wrist.hysteresis, wrist.regulator.gain
-    ends = np.array([float(state.pressure), *(gain * v for v in COMMAND_RANGE)])
+    ends = np.array([float(state.pressure), *(gain * v for v in wrist.rig.command_range)])
     return (
         isinstance(p, FourSegment)
         and all(e.DELAY for e in wrist.effects)
@@ -67,7 +67,7 @@ def settles_after(
     """
     c, p, sign = wrist.sampled(), wrist.hysteresis, float(np.sign(reference - start))
     assert isinstance(p, FourSegment)
-    back = COMMAND_RANGE[0] if sign > 0 else COMMAND_RANGE[1]
+    back = wrist.rig.command_range[0] if sign > 0 else wrist.rig.command_range[1]
     last = first + LATEST
     if last + AFTER[-1] >= len(static):
         return first

@@ -31,7 +31,7 @@ from plants.effects.effect import Around
 from plants.errors import InputError
 from plants.hysteresis import FourSegment
 from plants.regulator import Regulator
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist, press
+from plants.wrist import State, Wrist, press
 
 POINTS = 201
 """Points of the grids of pressures and of commands."""
@@ -74,12 +74,12 @@ def relaxed(wrist: Wrist, state: State) -> tuple[Wrist, State]:
 def claimed(wrist: Wrist) -> int | None:
     """For how many samples the envelope is one; None: for ever."""
     ends = [t for e in wrist.effects if (t := e.bound_ends(wrist)) is not None]
-    return max(int(min(ends) / SAMPLE_TIME) - 1, 0) if ends else None
+    return max(int(min(ends) / wrist.rig.sample_time) - 1, 0) if ends else None
 
 
 def _pressures(wrist: Wrist, state: State) -> Any:
     """Pressures [kPa] that the wrist may come to, (POINTS,)."""
-    ends = [wrist.regulator.gain * v for v in COMMAND_RANGE] + [float(state.pressure)]
+    ends = [wrist.regulator.gain * v for v in wrist.rig.command_range] + [float(state.pressure)]
     return np.linspace(min(ends), max(ends), POINTS)
 
 
@@ -91,7 +91,7 @@ def _check_pressure(wrist: Wrist, state: State) -> None:
     valve, _ = prompt(wrist, state)
     c, grid = valve.sampled(), _pressures(wrist, state)
     start = valve.rest()._replace(pressure=grid[:, None])
-    after, _ = press(start, np.linspace(*COMMAND_RANGE, POINTS)[None, :], c)
+    after, _ = press(start, np.linspace(*wrist.rig.command_range, POINTS)[None, :], c)
     if min(np.diff(after, axis=0).min(), np.diff(after, axis=1).min()) < -ROUNDING:
         r: Regulator = wrist.regulator
         raise InputError(

@@ -33,7 +33,7 @@ from plants.effects.effect import dead_time_of
 from plants.errors import InputError
 from plants.hysteresis import FourSegment
 from plants.kernel.graphs import graph
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, SampledWrist, State, Wrist
+from plants.wrist import SampledWrist, State, Wrist
 
 Goal = Literal["settling", "iae"]
 
@@ -86,6 +86,11 @@ class Problem:
     bound: int
 
     @property
+    def range(self) -> tuple[float, float]:
+        """Least and largest command [V]."""
+        return self.wrist.rig.command_range
+
+    @property
     def loop(self) -> FourSegment:
         """The hysteresis, whose order of branches is known."""
         assert isinstance(self.wrist.hysteresis, FourSegment)
@@ -94,7 +99,7 @@ class Problem:
     @property
     def nodes(self) -> int:
         """Nodes of the horizon."""
-        return -(-(self.bound + round(TAIL / SAMPLE_TIME)) // HOLD)
+        return -(-(self.bound + round(TAIL / self.wrist.rig.sample_time)) // HOLD)
 
     @property
     def band(self) -> float:
@@ -138,9 +143,9 @@ def optimal(wrist: Wrist, reference: float, state: State, found: Bound, goal: Go
         raise InputError(f"limit: no trajectory for a wrist with {names}; ask for the bound alone")
     if not np.isfinite(found.settling_s):
         raise InputError(f"limit: {reference:g} deg is out of reach, no trajectory settles; ask for less")
-    delay = int(float(dead_time_of(wrist.effects)) / SAMPLE_TIME + 1e-9)
+    delay = int(float(dead_time_of(wrist.effects)) / wrist.rig.sample_time + 1e-9)
     bare, start = prompt(wrist, state)
-    reached = max(round(found.settling_s / SAMPLE_TIME) - delay, 1)
+    reached = max(round(found.settling_s / wrist.rig.sample_time) - delay, 1)
     problem = Problem(bare, start, reference, float(np.sign(reference - state.angle)), reached)
     _check_hold(problem)
 
@@ -172,10 +177,10 @@ def _check_hold(problem: Problem) -> None:
     p, gain = problem.wrist.hysteresis, problem.wrist.regulator.gain
     pressures = (p.descending_pressure, p.ascending_pressure)
     volts = [pressure(problem.reference) / gain for pressure in pressures]
-    if max(volts) < COMMAND_RANGE[0] or min(volts) > COMMAND_RANGE[1]:
+    if max(volts) < problem.range[0] or min(volts) > problem.range[1]:
         raise InputError(
             f"limit: holding {problem.reference:g} deg needs {min(volts):.3g} to {max(volts):.3g} V, outside "
-            f"the range of {COMMAND_RANGE[0]:g} to {COMMAND_RANGE[1]:g} V; ask for less"
+            f"the range of {problem.range[0]:g} to {problem.range[1]:g} V; ask for less"
         )
 
 
@@ -183,11 +188,11 @@ def _commands(problem: Problem, turn: int, goal: Goal) -> Any:
     """Commands [V], one per sample, the last of which holds the pressure that was come to."""
     levels, _, _ = _solve(problem, turn, goal)
     c = problem.wrist.sampled()
-    v = np.repeat(np.clip(levels, *COMMAND_RANGE), HOLD)
+    v = np.repeat(np.clip(levels, *problem.range), HOLD)
     pressure = float(problem.state.pressure)
     for command in v:
         pressure = float(regulator.step(pressure, command, c.regulator))
-    return np.append(v, np.clip(pressure / c.regulator.gain, *COMMAND_RANGE))
+    return np.append(v, np.clip(pressure / c.regulator.gain, *problem.range))
 
 
 def _laws(problem: Problem) -> tuple[Any, Any]:
@@ -231,7 +236,8 @@ def _solve(problem: Problem, turn: int, goal: Goal) -> tuple[Any, Any, Any]:
     left = sign * (r - angles)  # deg, positive before the reference
     last = x[:, n - 1]
     size = ca.sqrt(left**2 + 1e-4)
-    cost = SAMPLE_TIME * ca.sum1(size) + problem.wrist.Tw * ca.sqrt((last[1] - r) ** 2 + 1e-4)
+    dt = problem.wrist.rig.sample_time
+    cost = dt * ca.sum1(size) + problem.wrist.Tw * ca.sqrt((last[1] - r) ** 2 + 1e-4)
 
     moves = sign * (x[0, :] - before[0, :])
     constraints = [
@@ -250,8 +256,8 @@ def _solve(problem: Problem, turn: int, goal: Goal) -> tuple[Any, Any, Any]:
     nlp = {"x": w, "f": cost, "g": ca.vertcat(*(g for g, _, _ in constraints))}
     limits = [np.concatenate([np.full(g.numel(), c[i]) for g, *c in constraints]) for i in (0, 1)]
     solver = ca.nlpsol("limit", "ipopt", nlp, _OPTIONS)
-    low = np.concatenate([np.full(n, COMMAND_RANGE[0]), np.full(2 * n, -np.inf), np.zeros(late.numel())])
-    high = np.concatenate([np.full(n, COMMAND_RANGE[1]), np.full(2 * n + late.numel(), np.inf)])
+    low = np.concatenate([np.full(n, problem.range[0]), np.full(2 * n, -np.inf), np.zeros(late.numel())])
+    high = np.concatenate([np.full(n, problem.range[1]), np.full(2 * n + late.numel(), np.inf)])
     guess = np.concatenate([_guess(problem, turn), np.zeros(late.numel())])
     solution = solver(x0=guess, lbx=low, ubx=high, lbg=limits[0], ubg=limits[1])
     found = np.array(solution["x"]).ravel()
@@ -262,7 +268,7 @@ def _solve(problem: Problem, turn: int, goal: Goal) -> tuple[Any, Any, Any]:
 def _guess(problem: Problem, turn: int) -> Any:
     """Full throttle until the turn, full throttle back until the loop is at the reference, then hold."""
     c, sign = problem.wrist.sampled(), problem.sign
-    low, high = COMMAND_RANGE if sign > 0 else COMMAND_RANGE[::-1]
+    low, high = problem.range if sign > 0 else problem.range[::-1]
     node, top, levels, nodes = Node(problem.state.pressure, problem.state.angle), 0.0, [], []
     for k in range(problem.nodes):
         top = node.pressure if k == turn else top

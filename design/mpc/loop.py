@@ -61,5 +61,5 @@ def run(
     )  # fmt: skip
     last, rows = periodic.play(first, recorded(first.loop) if record else ())
     judged = judge.finish(last.loop.judge, len(last.commands))
-    went = trajectory(rows, at_rest, first.c.plant, begin) if record else None
+    went = trajectory(rows, at_rest, first.c.plant, wrist.rig.sample_time, begin) if record else None
     return Play(judged, last.loop, last.memories[0], went, last.periods)

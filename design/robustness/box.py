@@ -17,7 +17,7 @@ from plants.errors import InputError
 from plants.hysteresis import Role
 from plants.linear import branch_slopes
 from plants.quantities import Assumed, Fitted, Parameter, ParameterSet
-from plants.wrist import COMMAND_RANGE, Wrist
+from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 SIGMAS = 2.0
@@ -229,7 +229,7 @@ def _refuse(name: str, low: float, high: float, least: float, most: float, p: Pa
 
 def _refuse_backwards(box: Box) -> None:
     """Raises InputError where the loop runs backwards at a corner of the box."""
-    low, high = (v * box.wrist.regulator.gain for v in COMMAND_RANGE)
+    low, high = (v * box.wrist.regulator.gain for v in box.wrist.rig.command_range)
     for wrist in box.loops():
         words = wrist.hysteresis.problem(low, high)
         if words:

@@ -38,7 +38,8 @@ class LoopModel:
 
     Kp [kPa/deg], Ki [kPa/(deg s)] as they act on the plant; slopes [deg/kPa] by branch; k_slow, k_fast
     [1/s]; Tw [s]; dead_time [s]: of the plant's own tube, 0 for a declared wrist; left_out: effects of
-    the plant that this model knows nothing of, so that what is proved of it is not proved of the plant.
+    the plant that this model knows nothing of, so that what is proved of it is not
+    proved of the plant; dt: sample time [s].
     """
 
     Kp: float
@@ -49,6 +50,7 @@ class LoopModel:
     Tw: float
     dead_time: float = 0.0
     left_out: tuple[str, ...] = ()
+    dt: float = SAMPLE_TIME
 
     @classmethod
     def of(cls, wrist: Wrist, controller: PI) -> "LoopModel":
@@ -69,6 +71,7 @@ class LoopModel:
             float(wrist.Tw),
             float(dead_time_of(wrist.effects)),
             tuple(e.NAME for e in wrist.effects if not e.only_delays),
+            wrist.rig.sample_time,
         )
 
     @property
@@ -99,22 +102,23 @@ class LoopModel:
         """The linear loop dx/dt = matrix x on one branch at one rate [1/s], shape (3, 3)."""
         return self.a + rate * np.outer(self.b(slope), [0.0, 0.0, 1.0])
 
-    def share(self, rate: float, dt: float = SAMPLE_TIME) -> float:
+    def share(self, rate: float) -> float:
         """Share of q that a sample takes away at a rate [1/s]."""
-        return float(-np.expm1(-rate * dt))
+        return float(-np.expm1(-rate * self.dt))
 
-    def sampled_matrix(self, slope: float, rate: float, dt: float = SAMPLE_TIME) -> Array:
+    def sampled_matrix(self, slope: float, rate: float) -> Array:
         """The sampled linear loop x+ = matrix x on one branch at one rate [1/s], shape (3, 3)."""
-        c, gone = lag.sampled(self.Tw, dt), self.share(rate, dt)
+        dt = self.dt
+        c, gone = lag.sampled(self.Tw, dt), self.share(rate)
         error = np.array([1.0, -(1.0 - c.keep), -c.after * slope * gone])
         ahead = np.array([0.0, c.keep, (1.0 - c.after) * slope * gone])
         lack = np.array([0.0, 0.0, 1.0 - gone])
         lack += self.Kp * (error - np.array([1.0, 0.0, 0.0])) + np.array([self.Ki * dt, 0.0, 0.0])
         return np.array([error, ahead, lack])
 
-    def sampled_shares(self, dt: float = SAMPLE_TIME) -> tuple[float, float]:
+    def sampled_shares(self) -> tuple[float, float]:
         """Least and largest share of q that the simulator's regulator takes away in a sample: those of
         the two rates, with what its second-order term adds."""
-        c = regulator.sampled(regulator.Regulator(1.0, self.k_fast, self.k_slow, 1.0), dt)
+        c = regulator.sampled(regulator.Regulator(1.0, self.k_fast, self.k_slow, 1.0), self.dt)
         shares = regulator.share(np.append(0.0, np.geomspace(1e-4, 1e6, 20_001)), c)
         return float(np.min(shares)), float(np.max(shares))

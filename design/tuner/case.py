@@ -49,12 +49,12 @@ def case(wrist: Wrist, setting: Setting, limits: Limits | None = None, jobs: int
     # The state at rest in closed form where the wrist has no effects of its own: those of `Scenario` take
     # ten times as long, which a drag would feel.
     own = DELAY in wrist.values
-    bare = here if own else Wrist.from_values(here.values, wrist.forms)
+    bare = here if own else wrist.made_of(here.values)
     rest = batch(
         bare, [s.start for s in scenarios], angles, references[None], np.ones((1, lanes)),
         None if own else setting.dead_time,
     )  # fmt: skip
-    stacked = Wrist.from_values({n: np.full(lanes, v) for n, v in here.values.items()}, here.forms)
+    stacked = here.made_of({n: np.full(lanes, v) for n, v in here.values.items()})
     problem = Problem(
         here, scenarios, limits or Limits(), "iae", tuple(branch_responses(here)),
         (stacked, rest.state, references), 10.0, jobs,

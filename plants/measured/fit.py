@@ -135,7 +135,8 @@ def fit_campaign(
         tell(stage, number / len(plan))
         used = [i for i, r in enumerate(campaign.fit) if measured(r, channel) is not None]
         problem = FitProblem(
-            tuple(Playback(campaign.fit[i]) for i in used), values, names, channel, noise[channel] or 1.0,
+            tuple(Playback(campaign.fit[i], start.rig.sample_time) for i in used), values, names, channel,
+            noise[channel] or 1.0, start.rig,
             None if begins is None else tuple(begins[i] for i in used),
             () if begins is None else _free(channel, any(with_pressure)),
         )  # fmt: skip
@@ -149,7 +150,11 @@ def fit_campaign(
                 begins[i] = begin
     tell("done", 1.0)
     loop = with_values(values)
-    trouble = loop.problem(0.0, 4.0 * values["gain"]) if campaign.stage == "wrist" else None
+    trouble = (
+        loop.problem(*(v * values["gain"] for v in start.rig.command_range))
+        if campaign.stage == "wrist"
+        else None
+    )
     if trouble:
         raise InputError(
             f"{campaign.name}: the best fit makes no loop ({trouble}); the data may not be a wrist's"
@@ -226,9 +231,12 @@ def _runs(
     found = []
     for role, recordings, starts in roles:
         for i, recording in enumerate(recordings):
-            wrists = [Wrist.from_values(p.values) for p in (fitted, start)]
+            wrists = [Wrist.from_values(p.values, rig=p.rig) for p in (fitted, start)]
             states = [None if starts is None else starts[i].state(w.hysteresis) for w in wrists]
-            sides = [Playback(recording).play(w, s) for w, s in zip(wrists, states, strict=True)]
+            sides = [
+                Playback(recording, start.rig.sample_time).play(w, s)
+                for w, s in zip(wrists, states, strict=True)
+            ]
             angles = [None, None] if campaign.stage == "regulator" else [angle for _, angle in sides]
             found.append(Run(recording, role, sides[0][0], angles[0], sides[1][0], angles[1]))
     return found

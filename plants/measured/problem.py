@@ -12,6 +12,7 @@ from plants.kernel.batches import default_jobs
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.quantities import ParameterSet
+from plants.rig import Rig
 from plants.wrist import Number, State, Wrist
 
 Array = NDArray[np.float64]
@@ -83,6 +84,7 @@ class FitProblem:
     names: tuple[str, ...]
     channel: str
     noise: float
+    rig: Rig
     begins: tuple[Begin, ...] | None = None
     free: tuple[str, ...] = ()
 
@@ -110,7 +112,7 @@ class FitProblem:
     def wrist(self, x: Array) -> Wrist:
         """Wrists of vectors (lanes, n)."""
         lanes = {n: np.full(len(x), v) for n, v in self.values.items()}
-        return Wrist.from_values({**lanes, **{n: x[:, i] for i, n in enumerate(self.names)}})
+        return Wrist.from_values({**lanes, **{n: x[:, i] for i, n in enumerate(self.names)}}, rig=self.rig)
 
     def begins_at(self, x: Array) -> tuple[Begin, ...] | None:
         """The starts that one vector (n,) stands for."""

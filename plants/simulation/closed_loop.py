@@ -25,7 +25,7 @@ from plants.kernel import pytrees
 from plants.kernel.batches import run_lanes
 from plants.simulation.reference_profile import ReferenceProfile
 from plants.simulation.sensor import Measured, Sensor
-from plants.wrist import QUIET, SAMPLE_TIME, SampledWrist, State, Wrist
+from plants.wrist import QUIET, SampledWrist, State, Wrist
 
 Number = Any
 Array = NDArray[np.float64]
@@ -115,7 +115,9 @@ def advance(
 
 def clock(wrist: Wrist, samples: int, begin: float = 0.0) -> dict[str, Array]:
     """The time [s] of each sample as a signal, for a plant with effects; others need none."""
-    return {"time": np.asarray(begin + np.arange(samples) * SAMPLE_TIME, float)} if wrist.effects else {}
+    if not wrist.effects:
+        return {}
+    return {"time": np.asarray(begin + np.arange(samples) * wrist.rig.sample_time, float)}
 
 
 def holding(wrist: Wrist, controller: Any, state: State, begin: float = 0.0) -> Any:
@@ -145,11 +147,12 @@ def recorded(of: ClosedLoop) -> tuple[str, ...]:
     return (*(n for n in names if n.startswith("plant.")), "judge.command")
 
 
-def trajectory(rows: Array, like: State, c: SampledWrist, begin: float = 0.0) -> Trajectory:
-    """The trajectory of which `recorded` signals are the rows, (signals, samples, lanes), from a time [s]."""
+def trajectory(rows: Array, like: State, c: SampledWrist, dt: float, begin: float = 0.0) -> Trajectory:
+    """The trajectory of which `recorded` signals are the rows, (signals, samples, lanes), `dt` [s]
+    apart, from a time [s]."""
     # The command of a row is given after its measurement: it stands in the row after.
     given = np.concatenate([rows[-1, 1:], rows[-1, -1:]])
-    time = np.asarray(np.arange(rows.shape[1]) * SAMPLE_TIME, float)
+    time = np.asarray(np.arange(rows.shape[1]) * dt, float)
     went = pytrees.like(like, rows[:-1])
     seen = plant.read(went, c, Around(begin + time[:, None]))
     return Trajectory(time, went.angle, went.memory.h, went.pressure, given, seen)

@@ -72,10 +72,10 @@ def surroundings(
     if not wrist.effects:
         return {}
     other = np.full(samples, QUIET.other_pressure) if other_pressure is None else other_pressure
-    return {"other": other, "time": _times(samples, begin)}
+    return {"other": other, "time": _times(samples, begin, wrist.rig.sample_time)}
 
 
-def _times(samples: int, begin: float, dt: float = SAMPLE_TIME) -> Array:
+def _times(samples: int, begin: float, dt: float) -> Array:
     return np.asarray(begin + np.arange(samples) * dt, float)
 
 
@@ -88,7 +88,7 @@ def open_loop(
     other_pressure: Any = None,
     begin: float = 0.0,
 ) -> Response:
-    """Response of a wrist to commands [V], one per sample of 1 ms, from rest unless told otherwise.
+    """Response of a wrist to commands [V], one per sample, from rest unless told otherwise.
 
     Row k is the wrist before command ``k * every`` acts; the last row follows
     the last command.  `angle` is what the sensor shows.  other_pressure [kPa]:
@@ -103,8 +103,8 @@ def open_loop(
     """
     v = np.asarray(commands, float)
     if v.ndim != 1 or not np.isfinite(v).all():
-        raise InputError("commands: need one finite number of volts per sample of 1 ms")
-    start, c = wrist.rest() if state is None else state, wrist.sampled()
+        raise InputError("commands: need one finite number per sample")
+    start, c, dt = wrist.rest() if state is None else state, wrist.sampled(), wrist.rig.sample_time
     signals = {"command": v, **surroundings(wrist, len(v), begin, other_pressure)}
     seen: Any = ()
     if wrist.effects:
@@ -113,15 +113,13 @@ def open_loop(
         seen = read(start, c, first)
     angle = "reading" if wrist.effects else "plant.angle"
     last, rows = run_lanes(
-        law(tuple(signals)), OpenLoop(start, seen), SampledOpenLoop(c), len(v), signals, tuple(signals),
+        law(tuple(signals)), OpenLoop(start, seen), SampledOpenLoop(c, dt), len(v), signals, tuple(signals),
         every, ("plant.pressure", "plant.memory.h", angle), jobs,
     )  # fmt: skip
     after = last.plant
     if not any(np.ndim(x) for x in pytrees.leaves((c, start))):
         rows, after = rows[:, :, 0], pytrees.like(after, [float(x[0]) for x in pytrees.leaves(after)])
-    return Response(
-        np.arange(rows.shape[1], dtype=float) * (every * SAMPLE_TIME), rows[0], rows[1], rows[2], after
-    )
+    return Response(np.arange(rows.shape[1], dtype=float) * (every * dt), rows[0], rows[1], rows[2], after)
 
 
 def driven(
@@ -132,17 +130,17 @@ def driven(
     jobs: int | None = None,
     other_pressure: Any = None,
     begin: float = 0.0,
-    dt: float = SAMPLE_TIME,
+    dt: float | None = None,
 ) -> Array:
     """What the sensor shows [deg], shape (rows, lanes), of a wrist whose pressure [kPa] is given.
 
     `pressures` has one value more than there are samples, the first being that
-    of the start; samples are `dt` [s] apart, which need not be 1 ms, since neither
-    loop nor lag depends on it.  The regulator and its effects take no part.
+    of the start; samples are `dt` [s] apart, the rig's sample time where not given; it may be another,
+    since neither loop nor lag depends on it.  The regulator and its effects take no part.
     Other arguments as in `open_loop`.
     """
     p = np.asarray(pressures, float)
-    steps = len(p) - 1
+    steps, dt = len(p) - 1, wrist.rig.sample_time if dt is None else dt
     other = np.full(steps, QUIET.other_pressure) if other_pressure is None else other_pressure
     c, first = wrist.sampled(dt), Around(begin, other[0] if steps else QUIET.other_pressure)
     start = (settled(wrist.rest(), c, first) if state is None else state)._replace(pressure=p[0])

@@ -20,7 +20,7 @@ from plants.errors import InputError
 from plants.simulation.closed_loop import ClosedLoop, SampledClosedLoop, advance
 from plants.simulation.reference_profile import ReferenceProfile
 from plants.simulation.sensor import HOLD, Measured, Sensor
-from plants.wrist import QUIET, SAMPLE_TIME, State, Wrist
+from plants.wrist import QUIET, State, Wrist
 
 Number = Any
 Array = NDArray[np.float64]
@@ -64,6 +64,7 @@ class PeriodicLoop:
     periods: list[Any]
     loop: ClosedLoop
     begin: float
+    dt: float
 
     @property
     def substeps(self) -> int:
@@ -72,7 +73,7 @@ class PeriodicLoop:
 
     def around(self, sample: int, other: Number) -> Around:
         """Surroundings at a sample; other: pressure of the other motion [kPa]."""
-        return Around(self.begin + sample * SAMPLE_TIME, other)
+        return Around(self.begin + sample * self.dt, other)
 
 
 def prompt(wrist: Wrist) -> Wrist:
@@ -98,17 +99,18 @@ def begin(
 
     Raises InputError for a duration [s] that is no whole number of periods.
     """
-    substeps, samples = int(controller.problem.substeps), round(duration / SAMPLE_TIME)
-    if samples < 1 or samples % substeps or abs(samples * SAMPLE_TIME - duration) > 1e-9:
+    dt = wrist.rig.sample_time
+    substeps, samples = int(controller.problem.substeps), round(duration / dt)
+    if samples < 1 or samples % substeps or abs(samples * dt - duration) > 1e-9:
         raise InputError(
             f"duration of {duration:g} s is no whole number of periods: "
-            f"give a multiple of {substeps * SAMPLE_TIME:g} s"
+            f"give a multiple of {substeps * dt:g} s"
         )
-    late = np.broadcast_to(wrist.values.get(DELAY, 0.0), (lanes,)) / SAMPLE_TIME
+    late = np.broadcast_to(wrist.values.get(DELAY, 0.0), (lanes,)) / dt
     c = SampledClosedLoop(prompt(wrist).sampled(), (), reference, judge, sensor)
     first = ClosedLoop(state)
     s = PeriodicLoop(
-        controller, c, noise, late, np.empty(0), np.empty((samples, lanes)), [], [], first, begin
+        controller, c, noise, late, np.empty(0), np.empty((samples, lanes)), [], [], first, begin, dt
     )
     if memories is None:
         seen, pressure = shown(s, 0, QUIET.other_pressure), np.broadcast_to(state.pressure, (lanes,))
@@ -156,7 +158,7 @@ def move(
     }
     if other is not None:
         own["other_pressure"] = np.ascontiguousarray(other)
-    shared = {"index": index, "time": s.begin + index * SAMPLE_TIME}
+    shared = {"index": index, "time": s.begin + index * s.dt}
     return advance(s.loop, s.c, s.substeps, shared, own, every=1, record=record, jobs=1)
 
 

@@ -29,7 +29,7 @@ from design.robustness.predictions.orbits import (
 )
 from design.robustness.statement import Claim, Reason, Statement
 from design.status import Status
-from plants.wrist import SAMPLE_TIME, Wrist
+from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 AMPLITUDE_AGREES, FREQUENCY_AGREES = 0.3, 0.15
@@ -98,7 +98,7 @@ def predicted(wrist: Wrist, controller: PI, reference: float = 0.0) -> list[Limi
             continue
         N, _ = hysteresis_function(loop, A, centre)
         known = parts(wrist, controller, w)
-        air = regulator_response(regulator_rate(wrist.regulator, A * w), known.z)
+        air = regulator_response(regulator_rate(wrist.regulator, A * w), known.z, wrist.rig.sample_time)
         asked = float(A / abs(air))
         clipped = centre - asked < controller.low * gain or centre + asked > controller.high * gain
         found.append(LimitCycle(float(abs(N[0] * known.joint) * A), A, w, centre, stable, bool(clipped)))
@@ -180,12 +180,12 @@ def _from_scales(wrist: Wrist, controller: PI, cycle: LimitCycle, scales: Array,
     N, mean = hysteresis_function(wrist.hysteresis, A, cycle.centre_kPa)
     _, static = swept(wrist.hysteresis, A, cycle.centre_kPa)
     swing = N * known.joint * A  # of the angle, to a pressure that rises through its centre
-    part = controller.Ki * SAMPLE_TIME / (known.z - 1.0) * -swing
+    part = controller.Ki * wrist.rig.sample_time / (known.z - 1.0) * -swing
     state, held = on_orbit(
         wrist, controller, cycle.centre_kPa, static[0], np.asarray(mean + swing.imag), np.asarray(part.imag)
     )
     period = 2.0 * np.pi / w
-    every = max(1, round(period / PER_PERIOD / SAMPLE_TIME))
+    every = max(1, round(period / PER_PERIOD / wrist.rig.sample_time))
     return rollout(wrist, controller, reference, state, held, PERIODS * period, every)
 
 

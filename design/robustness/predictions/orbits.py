@@ -16,7 +16,7 @@ from design.loop import holding, step_loop
 from plants import tree
 from plants.rest import at_pressure
 from plants.simulation.closed_loop import advance, clock
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
+from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
 PER_PERIOD = 200
@@ -84,7 +84,7 @@ def rollout(
     wrist: Wrist, controller: PI, reference: float, state: State, held: PIState, duration: float, every: int
 ) -> Rollout:
     """The loop of `design.loop` from given states for a duration [s], every `every`-th sample recorded."""
-    samples = round(duration / SAMPLE_TIME)
+    samples = round(duration / wrist.rig.sample_time)
     first, c = step_loop(wrist, controller, reference, state, held)
     _, rows = advance(
         first,
@@ -95,7 +95,7 @@ def rollout(
         record=("plant.pressure", "plant.angle"),
         jobs=1,
     )
-    time = np.asarray(np.arange(rows.shape[1]) * (every * SAMPLE_TIME), float)
+    time = np.asarray(np.arange(rows.shape[1]) * (every * wrist.rig.sample_time), float)
     return Rollout(time, rows[0], rows[1])
 
 
@@ -124,7 +124,7 @@ def on_orbit(
 def large_swings(wrist: Wrist, controller: PI, reference: float = 0.0, duration: float = 120.0) -> Swings:
     """What is left after a duration [s] of swings from far off: pressures over nine tenths of the range, on
     both lines, with the integrator holding them and with it far on the other side."""
-    low, high = (wrist.regulator.gain * v for v in COMMAND_RANGE)
+    low, high = (wrist.regulator.gain * v for v in wrist.rig.command_range)
     starts: list[Any] = []
     held = []
     for share in (0.05, 0.25, 0.75, 0.95):

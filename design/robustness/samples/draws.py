@@ -16,7 +16,7 @@ from design.robustness.box import Box
 from design.robustness.samples.conditions import Conditions, added, left_out
 from plants import tree
 from plants.effects.effect import Around, Effect
-from plants.rest import HIGHEST, LOWEST, at_rest
+from plants.rest import at_rest, searched
 from plants.simulation.sensor import HOLD
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, STARTS, Start, State, Wrist, settled
 
@@ -160,7 +160,8 @@ def _beyond(controller: Controller, wrist: Wrist, pressure: Array) -> Flags:
 
 def _kept_from(wrist: Wrist, pressure: Array, angle: Array) -> Flags:
     """Where an effect keeps the wrist from an angle [deg] that needs a pressure [kPa], lane by lane."""
-    out = ~((pressure > LOWEST) & (pressure < HIGHEST))
+    lowest, highest, _ = searched(wrist)
+    out = ~((pressure > lowest) & (pressure < highest))
     for effect in wrist.effects:
         if type(effect).obstacle is Effect.obstacle:
             continue

@@ -10,7 +10,7 @@ def remainders(model: Model) -> list[Remainder]:
     """What a model leaves of its channel in each recording, measured minus simulated."""
     stage, found = model.stage, []
     simulated = model.residual * stage.noise + stage.target
-    whole = Wrist.from_values(model.values, model.forms)
+    whole = model.wrist
     for i, (playback, a, b) in enumerate(
         zip(stage.playbacks, stage.edges[:-1], stage.edges[1:], strict=True)
     ):

@@ -22,8 +22,9 @@ from plants.measured.playback import Playback
 from plants.measured.problem import Begin, block_length, measured
 from plants.measured.recording import Recording
 from plants.quantities import REGULATOR_NAMES, ParameterSet
+from plants.rig import Rig
 from plants.simulation.open_loop import driven
-from plants.wrist import SAMPLE_TIME, State, Wrist
+from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
 Name = Literal["regulator", "wrist", "whole"]
@@ -45,7 +46,7 @@ class Stage:
 
     name: ``regulator`` (command to pressure), ``wrist`` (pressure to angle), or
     ``whole`` (command to angle).  noise: floor of the channel.  loop: parameters of hysteresis and joint
-    that are fitted.  drives: pressure
+    that are fitted; rig: whose motion was recorded.  drives: pressure
     [kPa] of every ms, for ``wrist``.  begins: where recordings start, None at rest.
     """
 
@@ -54,6 +55,7 @@ class Stage:
     noise: float
     playbacks: tuple[Playback, ...]
     loop: tuple[str, ...]
+    rig: Rig
     drives: tuple[Array, ...] | None = None
     begins: tuple[Begin, ...] | None = None
 
@@ -98,7 +100,9 @@ class Stage:
         """The channel of wrists with effects, shape (rows, lanes); leaves of `values` floats or (lanes,)."""
         lanes = max((np.size(v) for v in values.values()), default=1)
         wrist = Wrist.from_values(
-            {n: np.broadcast_to(np.asarray(v, float), lanes) for n, v in values.items()}, tuple(forms)
+            {n: np.broadcast_to(np.asarray(v, float), lanes) for n, v in values.items()},
+            tuple(forms),
+            self.rig,
         )
         with ThreadPoolExecutor(default_jobs()) as pool:
             return np.concatenate(list(pool.map(lambda i: self._play(i, wrist), range(len(self.playbacks)))))
@@ -119,7 +123,7 @@ class Stage:
         rows = driven(
             wrist, self.drives[i][::stride], state, playback.every // stride, 1,
             None if other is None else other[::stride], float(playback.recording.time[0]),
-            stride * SAMPLE_TIME,
+            stride * playback.dt,
         )  # fmt: skip
         return rows[playback.rows // playback.every]
 

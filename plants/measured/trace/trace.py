@@ -86,8 +86,9 @@ def _stages(campaign: Campaign, fit: Fit) -> list[Stage]:
         used = [i for i, r in enumerate(campaign.fit) if measured(r, channel) is not None]
         begins = None if fit.begins is None else tuple(fit.begins[i] for i in used)
         floor = fit.noise[channel] or 1.0
-        played = tuple(Playback(campaign.fit[i]) for i in used)
-        return Stage(name, channel, floor, played, loop_names(fit.fitted.parameters), None, begins)  # type: ignore[arg-type]
+        rig = fit.before.rig
+        played = tuple(Playback(campaign.fit[i], rig.sample_time) for i in used)
+        return Stage(name, channel, floor, played, loop_names(fit.fitted.parameters), rig, None, begins)  # type: ignore[arg-type]
 
     pressure = any(r.pressure is not None for r in campaign.fit)
     stages = [made("regulator", "pressure_kPa")] if pressure else []
@@ -179,7 +180,7 @@ def _played(fit: Fit, wrist: Wrist) -> list[Played]:
             rest = fit.before.values["rest_pressure"]
             begin = next(fitted_begins) if run.role == "fit" else first_begin(run.recording, rest)
         if wrist.effects:
-            pressure, angle = Playback(run.recording).play(wrist, begun(wrist, begin))
+            pressure, angle = Playback(run.recording, wrist.rig.sample_time).play(wrist, begun(wrist, begin))
         else:
             pressure, angle = run.pressure, run.angle if run.angle is not None else run.pressure
         found.append(
@@ -218,10 +219,10 @@ def _named(s: StageTrace, errors: Mapping[str, float | None], revised: Parameter
             n: (revised.values[prefix + n], kind.unit, errors[prefix + n]) for n, kind in form.kinds().items()
         }
         others = {_other(s.model, c.model): c.model for c in beside[form.NAME]}
-        mine = Wrist.from_values(s.model.values, s.model.forms)
+        mine = s.model.wrist
         words = tuple(
             sentence(form.NAME, name, separate(
-                mine, Wrist.from_values(m.values, m.forms), s.stage.channel, s.stage.noise
+                mine, m.wrist, s.stage.channel, s.stage.noise
             ))
             for name, m in others.items()
         )  # fmt: skip

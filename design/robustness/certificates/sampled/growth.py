@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from design.robustness.certificates.sampled.sampled_loop import vertices
 from design.robustness.certificates.sampled.words import Word
 from design.robustness.loop_model import LoopModel
-from plants.wrist import SAMPLE_TIME
 
 Array = NDArray[np.float64]
 
@@ -28,7 +27,7 @@ class Growth:
 def growth_of(model: LoopModel, word: Word, passes: int = 8) -> Growth:
     """The growth of a loop under a word, from the direction that grows most under it."""
     loops = vertices(model)
-    letters = [(loops[n], round(d / SAMPLE_TIME)) for n, d in zip(word.names, word.dwells, strict=True)]
+    letters = [(loops[n], round(d / model.dt)) for n, d in zip(word.names, word.dwells, strict=True)]
     samples = sum(count for _, count in letters)
     once = played(np.eye(len(letters[0][0])), letters)[-1]
     values, vectors = np.linalg.eig(once)
@@ -37,10 +36,10 @@ def growth_of(model: LoopModel, word: Word, passes: int = 8) -> Growth:
     unit = np.abs(under[: samples + 1]).max(axis=0)  # of each state, the most of the first pass
     alone = {n: played(start, [(loops[n], samples * passes)]) for n in dict.fromkeys(word.names)}
     return Growth(
-        np.asarray(SAMPLE_TIME * np.arange(len(under)), float),
+        np.asarray(model.dt * np.arange(len(under)), float),
         np.abs(under / unit).max(axis=1),
         {n: np.abs(states / unit).max(axis=1) for n, states in alone.items()},
-        np.asarray(np.arange(1, passes) * samples * SAMPLE_TIME, float),
+        np.asarray(np.arange(1, passes) * samples * model.dt, float),
     )
 
 

@@ -27,7 +27,6 @@ from design.robustness.certificates.sampled.words import Word, named, search_wor
 from design.robustness.loop_model import LoopModel
 from plants.errors import InputError
 from plants.linear import RATES
-from plants.wrist import SAMPLE_TIME
 
 Array = NDArray[np.float64]
 
@@ -42,9 +41,9 @@ STEPS = (11, 8)
 """Bisections of the decay, without and with dead time: to about 1 % and 4 % of itself."""
 
 
-def vertices(model: LoopModel, dt: float = SAMPLE_TIME) -> dict[str, Array]:
+def vertices(model: LoopModel) -> dict[str, Array]:
     """The sampled loop at each slope and each end of the regulator's share, by name, each (3, 3);
-    sample time dt [s].
+    at the model's sample time.
 
     The matrix is affine in the slope and in the share, so that all between are in the convex hull.
 
@@ -54,20 +53,20 @@ def vertices(model: LoopModel, dt: float = SAMPLE_TIME) -> dict[str, Array]:
     ['transit at the slow rate', 'transit at the fast rate']
     """
     return {
-        f"{branch} at the {rate} rate": model.sampled_matrix(slope, -np.log1p(-share) / dt, dt)
+        f"{branch} at the {rate} rate": model.sampled_matrix(slope, -np.log1p(-share) / model.dt)
         for branch, slope in model.distinct_slopes.items()
-        for rate, share in zip(RATES, model.sampled_shares(dt), strict=True)
+        for rate, share in zip(RATES, model.sampled_shares(), strict=True)
     }
 
 
-def delay_samples(model: LoopModel, dead_time: float, dt: float = SAMPLE_TIME) -> int:
+def delay_samples(model: LoopModel, dead_time: float) -> int:
     """Whole samples of a dead time [s] and the plant's own, rounded up.
 
     Raises InputError for one that is negative or not finite.
     """
     if not (np.isfinite(dead_time) and dead_time >= 0.0):
         raise InputError(f"dead time {dead_time:g} s: give a finite one that is not negative")
-    return ceil((dead_time + model.dead_time) / dt - 1e-9)
+    return ceil((dead_time + model.dead_time) / model.dt - 1e-9)
 
 
 def certify_sampled(
@@ -109,8 +108,8 @@ def word_of(model: LoopModel, seed: int = 1) -> Word | None:
     True
     """
     loops = vertices(model)
-    system = discrete(list(loops.values()), SAMPLE_TIME)
-    word = search_word(system, 2.0 * SAMPLE_TIME, 4.0 / model.k_slow, seed=seed)
+    system = discrete(list(loops.values()), model.dt)
+    word = search_word(system, 2.0 * model.dt, 4.0 / model.k_slow, seed=seed)
     return named(word, list(loops)) if word.grows else None
 
 
@@ -119,7 +118,7 @@ Rung = tuple[str, Search, float, Array | None]
 
 
 def _rungs(model: LoopModel) -> Iterator[Rung]:
-    system = discrete(list(vertices(model).values()), SAMPLE_TIME)
+    system = discrete(list(vertices(model).values()), model.dt)
     even, back = rounded(system)
     high = float(np.min(even.fates))
     yield "common quadratic", common_quadratic(even), high, back
@@ -130,9 +129,9 @@ def _rungs(model: LoopModel) -> Iterator[Rung]:
         yield name, common_quadratic(forms), float(np.min(forms.fates)), None
 
 
-def delayed(model: LoopModel, samples: int, dt: float = SAMPLE_TIME) -> Delayed:
+def delayed(model: LoopModel, samples: int) -> Delayed:
     """The vertices of the loop whose changes of command z = Kp (x0+ - x0) + Ki dt x0 enter q after so
-    many samples of dt [s]; the other states move as they do without dead time.
+    many samples; the other states move as they do without dead time.
 
     >>> from plants import Wrist
     >>> from design.controllers.pi import PI
@@ -141,11 +140,11 @@ def delayed(model: LoopModel, samples: int, dt: float = SAMPLE_TIME) -> Delayed:
     True
     """
     entry, loops, reads = np.array([0.0, 0.0, 1.0]), [], []
-    for matrix in vertices(model, dt).values():
-        z = model.Kp * (matrix[0] - np.array([1.0, 0.0, 0.0])) + np.array([model.Ki * dt, 0.0, 0.0])
+    for matrix in vertices(model).values():
+        z = model.Kp * (matrix[0] - np.array([1.0, 0.0, 0.0])) + np.array([model.Ki * model.dt, 0.0, 0.0])
         loops.append(matrix - np.outer(entry, z))
-        reads.append(z / dt)
-    return Delayed(tuple(loops), entry, tuple(reads), dt, samples)
+        reads.append(z / model.dt)
+    return Delayed(tuple(loops), entry, tuple(reads), model.dt, samples)
 
 
 def _delayed_rungs(model: LoopModel, samples: int) -> Iterator[Rung]:
