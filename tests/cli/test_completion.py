@@ -1,13 +1,13 @@
 """Shells complete commands, options and values, by the protocol that their scripts speak."""
 
 import pytest
-from terminal import piped
 
 from design.export.catalogue import CATALOGUE
 from design.requirements import COSTS
 from plants.quantities import KINDS
 from plants.wrist import STARTS
 from reports.paper import FIGURES
+from tests.cli.terminal import piped
 
 VALUES = {
     "tune --axis ": ["flexion", "deviation"],

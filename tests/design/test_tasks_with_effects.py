@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from effect_samples import WRIST
 
 from design.answer import refusal
 from design.requirements import Limits, Problem, default_problem, out_of_range, rollouts
@@ -21,6 +20,7 @@ from plants.effects import (
     Saturation,
     TubeDeadTime,
 )
+from tests.design.effect_samples import WRIST
 
 UP = {"start": "virgin", "angle": 0.0, "reference": 15.0}
 

@@ -2,13 +2,12 @@
 
 from dataclasses import replace
 
-from report_samples import compare_both, small_break_even, small_contest, small_ledgers
-
 from design.compare import NEAREST
 from reports.comparison_contest import main_table
 from reports.comparison_costs import break_even_table, break_even_words, ledger_table, ledger_words
 from reports.comparison_words import LATE, summary
 from reports.tables import number
+from tests.reports.report_samples import compare_both, small_break_even, small_contest, small_ledgers
 
 
 def test_too_few_plants_give_neither_interval_nor_rank():

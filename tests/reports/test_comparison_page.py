@@ -9,7 +9,6 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from report_samples import Compared, compare_both, small_break_even, small_contest, small_ledgers
 
 from design.alternatives.lqi_design import RobustLQI
 from design.compare import row_record
@@ -23,6 +22,13 @@ from reports.comparison_designs import designs
 from reports.html import Made, commit, render
 from reports.records import comparison_record
 from reports.tables import number
+from tests.reports.report_samples import (
+    Compared,
+    compare_both,
+    small_break_even,
+    small_contest,
+    small_ledgers,
+)
 
 VOID = {"meta", "br", "hr", "img", "link", "input", "wbr"}
 

@@ -5,13 +5,13 @@ import re
 import matplotlib
 import numpy as np
 import pytest
-from report_samples import Compared, compare_both
 
 from reports import figures, signals
 from reports.fitted import draw_fit, shown_run
 from reports.gain_map import gain_map
 from reports.style import save, svg
 from reports.tables import number
+from tests.reports.report_samples import Compared, compare_both
 
 
 @pytest.fixture(scope="module")

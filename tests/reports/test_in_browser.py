@@ -6,7 +6,12 @@ import zlib
 from pathlib import Path
 
 import pytest
-from report_samples import (
+
+from reports.comparison import write_comparison
+from reports.html import Made
+from reports.robust_page import write_robust
+from reports.trace_page import write_trace
+from tests.reports.report_samples import (
     compare_both,
     small_assessment,
     small_break_even,
@@ -15,11 +20,6 @@ from report_samples import (
     small_plane,
     small_trace,
 )
-
-from reports.comparison import write_comparison
-from reports.html import Made
-from reports.robust_page import write_robust
-from reports.trace_page import write_trace
 
 sync_api = pytest.importorskip("playwright.sync_api")
 

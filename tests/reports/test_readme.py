@@ -72,10 +72,9 @@ def test_it_names_the_pythons_that_the_package_does():
 
 
 def test_the_committed_example_has_the_keys_of_today():
-    from report_samples import compare_both
-
     from reports.html import Made
     from reports.records import comparison_record
+    from tests.reports.report_samples import compare_both
 
     c = compare_both()
     made = Made.now("wrist compare", sets=c.sets)

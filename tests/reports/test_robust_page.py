@@ -3,14 +3,14 @@
 from dataclasses import replace
 
 import pytest
-from report_samples import small_assessment, small_plane
-from test_comparison_page import Page, summary_of
 
 from reports.html import Made
 from reports.robust_page import SECTIONS, robust_page
 from reports.robust_tables import verdict_table
 from reports.robust_words import summary
 from reports.tables import number
+from tests.reports.report_samples import small_assessment, small_plane
+from tests.reports.test_comparison_page import Page, summary_of
 
 
 @pytest.fixture(scope="module")

@@ -5,8 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from report_samples import small_trace
-from test_comparison_page import Page, summary_of
 
 from plants.measured.trace.choose import Round
 from plants.measured.trace.learnt import Curve, Learnt
@@ -17,6 +15,8 @@ from reports.trace_record import trace_record
 from reports.trace_residual_figures import means, telling, thinned
 from reports.trace_tables import decision_table
 from reports.trace_words import depends, summary, verdict_sentence
+from tests.reports.report_samples import small_trace
+from tests.reports.test_comparison_page import Page, summary_of
 
 BENT = "branch-curvature"
 

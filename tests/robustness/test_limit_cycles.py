@@ -5,7 +5,6 @@ from functools import cache
 import control
 import numpy as np
 import pytest
-from plain_loop import Plant, closed_loop
 
 from design.controllers.pi import PI
 from design.margins import loop_tf
@@ -14,6 +13,7 @@ from design.robustness.predictions.limit_cycles import LimitCycle, limit_cycles,
 from design.robustness.predictions.orbits import Swings, large_swings
 from plants import Wrist
 from plants.effects import DeadTime
+from tests.oracles.plain_loop import Plant, closed_loop
 
 FLEXION, DEVIATION = Wrist.flexion(), Wrist.deviation()
 CALM = [

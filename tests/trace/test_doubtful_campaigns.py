@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from traces import trace_folder
 
 from plants.errors import InputError, InputWarning
 from plants.measured.campaign import load_campaign
 from plants.measured.trace.trace import trace_campaign
 from plants.quantities import built_in
 from tests.rig.campaign import make_campaign
+from tests.trace.traces import trace_folder
 
 
 @pytest.fixture(scope="module")

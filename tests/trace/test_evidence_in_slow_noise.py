@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from scipy.linalg import solve_toeplitz, toeplitz
-from traces import trace_folder
 
 from benchmarks.false_discoveries import null_campaign
 from plants.measured.residual.joined import Joined, join
@@ -12,6 +11,7 @@ from plants.measured.trace.likelihood import demanded, expected, likelihood_of
 from plants.measured.trace.result import StageTrace, Trace
 from tests.rig.campaign import make_campaign
 from tests.rig.rig import Noise
+from tests.trace.traces import trace_folder
 
 DT, ROWS, MEMORY = 0.01, 4400, 0.2
 

@@ -1,11 +1,11 @@
 """A few campaigns of the independent rig: one effect, two, none, one that no library lists."""
 
 import pytest
-from traces import trace_folder
 
 from plants.quantities import dump, load
 from plants.wrist import Wrist
 from tests.rig.campaign import make_campaign
+from tests.trace.traces import trace_folder
 
 
 @pytest.fixture(scope="module")
