@@ -80,6 +80,7 @@ def test_a_few_seconds_cannot_tell_slow_effects(spoiled, plain):
     assert trace.cannot_judge
 
 
+@pytest.mark.suite
 def test_two_rigs_in_one_campaign_are_not_explained_by_an_effect(tmp_path):
     for seed, name in ((52, "a"), (57, "b")):
         make_campaign(tmp_path / name, "flexion", [], seed=seed)

@@ -102,6 +102,7 @@ def test_an_effect_too_short_for_structure_is_found(tmp_path):
     assert (trace.verdict, [e.name for e in trace.effects]) == ("explained", ["branch-curvature"])
 
 
+@pytest.mark.suite
 def test_an_effect_is_told_from_the_slow_noise_around_it(tmp_path):
     make_campaign(tmp_path / "c", "flexion", ["gyro-drift"], seed=412, short=True, correlation_s=0.2)
     trace = trace_folder(tmp_path / "c")
@@ -109,6 +110,7 @@ def test_an_effect_is_told_from_the_slow_noise_around_it(tmp_path):
     assert (trace.verdict, [e.name for e in trace.effects]) == ("explained", ["gyro-drift"])
 
 
+@pytest.mark.suite
 @pytest.mark.parametrize("seed", [1192, 1197])
 def test_a_fit_to_the_wrong_minimum_is_no_missing_effect(tmp_path, seed):
     trace = trace_folder(null_campaign(tmp_path, seed))
