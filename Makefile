@@ -9,10 +9,10 @@ compare: $(ENV)
 	$(BIN)/wrist compare --example --samples 0 --mpc-plants 0 --out build/compare
 
 test: $(ENV)
-	$(BIN)/python -m pytest -n 2
+	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
 suite: $(ENV)
-	$(BIN)/python -m pytest -m suite -s tests/trace
+	$(BIN)/python -m pytest -n 2 --dist loadgroup -m suite
 
 bench: $(ENV) .venv/.bench
 	$(BIN)/python -m benchmarks

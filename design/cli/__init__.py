@@ -12,6 +12,10 @@ def main(arguments: list[str] | None = None) -> None:
 
     arguments: those of the process where None, which then also hears Ctrl-C whatever it is doing.
     """
+    import os
+
+    # Before NumPy is loaded: on matrices as small as these BLAS's threads wait for each other.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     code = 130
     try:
         from design.cli.errors import answered

@@ -186,7 +186,12 @@ def describing(
 def _without(wrist: Wrist, controller: PI, omega: Any, rate: Any) -> Any:
     """Frequency response [kPa/deg] of the loop without its hysteresis, at one rate [1/s]."""
     known = parts(wrist, controller, omega)
-    return known.controller * known.command * known.joint * regulator_response(rate, known.z)
+    return (
+        known.controller
+        * known.command
+        * known.joint
+        * regulator_response(rate, known.z, wrist.rig.sample_time)
+    )
 
 
 def _amplitudes(axes: "Axes", wrist: Wrist, reference: float) -> None:

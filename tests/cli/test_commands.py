@@ -117,6 +117,7 @@ def test_corners_of_no_size_leave_only_the_nominal_plant(wrist):
     assert none["worst_case"][worst]["overshoot_percent"] <= 5.0
 
 
+@pytest.mark.suite
 def test_compare_writes_its_report_table_and_json(wrist, tmp_path):
     outcome = wrist(
         "compare", "--points", "8", "--samples", "0", "--mpc-plants", "0", "--out", tmp_path, "--json", "-"

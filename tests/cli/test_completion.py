@@ -1,13 +1,13 @@
 """Shells complete commands, options and values, by the protocol that their scripts speak."""
 
 import pytest
-from terminal import piped
 
 from design.export.catalogue import CATALOGUE
 from design.requirements import COSTS
 from plants.quantities import built_in
 from plants.wrist import STARTS
 from reports.paper.figures import FIGURES
+from tests.cli.terminal import piped
 
 VALUES = {
     "tune --axis ": ["flexion", "deviation"],

@@ -5,7 +5,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from terminal import COMMAND, PATIENCE, environment, piped
+
+from tests.cli.terminal import COMMAND, PATIENCE, environment, piped
 
 PLAY = ("simulate", "--gains", "1.2,2.2")
 

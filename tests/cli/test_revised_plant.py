@@ -61,6 +61,7 @@ def test_tune_says_no_behind_an_end_stop(wrist, tmp_path):
     assert said.startswith("no: the end stop at +11 deg keeps the wrist from holding 0 to +15 deg from ")
 
 
+@pytest.mark.suite
 def test_compare_of_one_plant_is_of_that_plant_alone(wrist, revised, tmp_path):
     out = tmp_path / "report"
     outcome = wrist(

@@ -4,9 +4,9 @@ import os
 import sys
 
 import pytest
-from terminal import ROOT, on_terminal
 
 from plants import files
+from tests.cli.terminal import ROOT, on_terminal
 
 CTRL_C = "\x03"
 EXAMPLE = ROOT / "plants/measured/examples/flexion"

@@ -3,7 +3,8 @@
 import json
 
 import pytest
-from terminal import ROOT, on_terminal, piped
+
+from tests.cli.terminal import ROOT, on_terminal, piped
 
 QUICK = ("tune", "--points", "8", "--starts", "1")
 FIT = ("fit", ROOT / "plants/measured/examples/flexion", "--starts", "1")

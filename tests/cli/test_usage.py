@@ -3,7 +3,8 @@
 import re
 
 import pytest
-from terminal import ROOT
+
+from tests.cli.terminal import ROOT
 
 CASES = {
     "option that is none": (["tune", "--foo"], "wrist tune: no such option --foo; see wrist tune --help"),

@@ -4,7 +4,6 @@ import re
 from pathlib import Path
 
 import pytest
-from c_target import GAINS, WRIST, exported
 
 from design.controllers.feedforward import Feedforward
 from design.controllers.lqi import LQI
@@ -14,6 +13,7 @@ from design.export.fields import described
 from design.export.folder import contents
 from plants import InputError, Wrist
 from plants.effects import Creep
+from tests.control.c_target import GAINS, WRIST, exported
 
 TEXTS = ("h", "c", "README.md")
 

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from c_target import CC, WRIST, exported, needs_compiler, objects, program, run
 
 from design.export.mpc import of_linear_mpc
 from design.export.rendering import render
 from design.mpc.linear import planner
 from design.mpc.prediction import coefficients
 from design.mpc.problem import Problem, Weights, robust
+from tests.control.c_target import CC, WRIST, exported, needs_compiler, objects, program, run
 
 pytestmark = needs_compiler
 

@@ -5,7 +5,8 @@ import re
 
 import numpy as np
 import pytest
-from c_target import GAINS, STEPS, WRIST, exported, needs_compiler, program, run
+
+from tests.control.c_target import GAINS, STEPS, WRIST, exported, needs_compiler, program, run
 
 pytestmark = needs_compiler
 

@@ -3,7 +3,8 @@
 import shutil
 
 import pytest
-from c_target import CC, GAINS, exported, needs_compiler, objects, program, run
+
+from tests.control.c_target import CC, GAINS, exported, needs_compiler, objects, program, run
 
 pytestmark = needs_compiler
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from limit_plant import iae, lanes, of_state, random_switching, settled_at
 from scipy.optimize import brentq
 
 from design.limit import bound
 from plants import Wrist
 from plants.wrist import STARTS
+from tests.control.limit_plant import iae, lanes, of_state, random_switching, settled_at
 
 TASKS = [(start, 0.0, r) for start in STARTS for r in (15.0, -15.0)]
 TASKS += [("line1", 15.0, 0.0), ("line2", -15.0, 0.0)]

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from limit_plant import iae, lanes, of_state, settled_at
 from scipy.optimize import fsolve
 
 from design.controllers.pi import PI
@@ -11,6 +10,7 @@ from design.loop import run
 from design.tasks import Scenario
 from plants import Wrist
 from plants.effects.dead_time import DeadTime
+from tests.control.limit_plant import iae, lanes, of_state, settled_at
 
 
 @pytest.mark.parametrize(

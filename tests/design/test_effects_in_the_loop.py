@@ -4,7 +4,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from effect_samples import FORMS, IDS, WRIST, present
 
 from design.controllers.pi import PI
 from design.loop import run
@@ -21,6 +20,7 @@ from plants.effects import (
 from plants.effects.inertia import NULL
 from plants.rest import at_pressure, obstacle
 from plants.wrist import Wrist
+from tests.design.effect_samples import FORMS, IDS, WRIST, present
 
 PLAIN = run(WRIST, PI(3.13, 10.4), 15.0, duration=1.5, record=True)
 NEARLY = {Saturation: 1e-6, Inertia: 1e2 * NULL, DraggedInertia: 1e2 * NULL}

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from effect_samples import WRIST
 
 from design.answer import OutOfReach, refusal
 from design.requirements import Limits, Problem, default_problem, out_of_range, rollouts
@@ -22,6 +21,7 @@ from plants.effects import (
     TubeDeadTime,
 )
 from reports.shared.tuning import refused
+from tests.design.effect_samples import WRIST
 
 UP = {"start": "virgin", "angle": 0.0, "reference": 15.0}
 

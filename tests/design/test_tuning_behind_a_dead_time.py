@@ -4,7 +4,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from effect_samples import WRIST
 
 from design.answer import refusal
 from design.controllers.pi import PI
@@ -13,6 +12,7 @@ from design.requirements import Problem, evaluate
 from design.tasks import Scenario
 from design.tuning import Region, Tuning, tune
 from plants.effects import DeadTime
+from tests.design.effect_samples import WRIST
 
 DECLARED = (3.13, 10.4)
 """What ``wrist tune`` says of the declared flexion."""

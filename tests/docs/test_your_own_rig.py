@@ -59,6 +59,7 @@ def quicker(arguments: list[str]) -> list[str]:
     return arguments + QUICKER.get(name, [])
 
 
+@pytest.mark.suite
 def test_every_step_works_and_prints_what_the_guide_shows(here, run):
     printed, ran = "", []
     for block in blocks(GUIDE):

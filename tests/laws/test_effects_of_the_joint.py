@@ -4,7 +4,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from effect_steps import DT, WRIST, moved, ramp
 from scipy.signal import lsim
 
 from plants.effects import (
@@ -26,6 +25,7 @@ from plants.effects import (
 )
 from plants.effects.creep import LOG_RATIO
 from plants.effects.effect import Around, Nothing
+from tests.laws.effect_steps import DT, WRIST, moved, ramp
 
 
 def crept(effect, angles):

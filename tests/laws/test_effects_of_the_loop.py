@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from effect_steps import DT, WRIST, moved, ramp
 
 from plants.effects import (
     Bow,
@@ -17,6 +16,7 @@ from plants.effects import (
     Viscous,
     Warming,
 )
+from tests.laws.effect_steps import DT, WRIST, moved, ramp
 
 UP = ramp(100.0, 190.0, rate=200.0)
 LATE = UP > 140.0

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from effect_steps import DT, ONE_RATE, WRIST, played
 from scipy.signal import lfilter
 
 from plants.effects import (
@@ -19,6 +18,7 @@ from plants.effects import (
     ValveOverlap,
 )
 from plants.effects.effect import Around
+from tests.laws.effect_steps import DT, ONE_RATE, WRIST, played
 
 STEPS = np.repeat([2.5, 1.0, 3.5, 3.4], 500)
 GAIN, REST = WRIST.regulator.gain, WRIST.hysteresis.rest_pressure

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from effect_steps import DT, WRIST, played
 from scipy.integrate import quad
 
 from plants.effects import Drift, HarmonicHum, Hum, WarmingDrift
+from tests.laws.effect_steps import DT, WRIST, played
 
 VOLTS = np.repeat([3.0, 2.0], 300)
 TIME = np.arange(601) * DT

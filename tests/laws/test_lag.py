@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from law_strategies import between
 
 from plants import lag
+from tests.laws.law_strategies import between
 
 TW = [0.01, 0.13, 0.16, 1.0]
 

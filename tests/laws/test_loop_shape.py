@@ -3,10 +3,10 @@
 import numpy as np
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from law_strategies import HIGH, LOW, REST, between, loops, paths, pressures, trace, walk
 
 from plants import Wrist
 from plants.hysteresis import Memory
+from tests.laws.law_strategies import HIGH, LOW, REST, between, loops, paths, pressures, trace, walk
 
 VIRGIN = Memory(0.0, 1.0)
 ROUNDING = 1e-10

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from law_strategies import commands, wrists
 
 from plants import State, Wrist, one_page, tree, wrist
+from tests.laws.law_strategies import commands, wrists
 
 
 def plain(w: Wrist, volts: list[float]) -> np.ndarray:

@@ -2,9 +2,9 @@
 
 from hypothesis import given
 from hypothesis import strategies as st
-from law_strategies import REST, loops, paths, pressures, trace, walk
 
 from plants.hysteresis import Memory
+from tests.laws.law_strategies import REST, loops, paths, pressures, trace, walk
 
 
 @given(loops(), paths, pressures, st.integers(2, 50))

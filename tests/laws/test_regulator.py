@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from hypothesis import given
-from law_strategies import between, regulators
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from plants import Regulator, Wrist, regulator
+from tests.laws.law_strategies import between, regulators
 
 DECLARED = Wrist.flexion().regulator
 VOLTS = 3.0

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 from hypothesis import given
-from law_strategies import REST, commands, paths, symmetric_loops, walk, wrists
 
 from plants import Wrist
+from tests.laws.law_strategies import REST, commands, paths, symmetric_loops, walk, wrists
 
 
 @given(symmetric_loops(), paths)

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from spoiled import HEADER, rows_with
 
 from plants.errors import InputError
 from plants.measured.campaign import load_recording
+from tests.measured.spoiled import HEADER, rows_with
 
 
 def refusal(load, *arguments, **named) -> str:

@@ -1,10 +1,10 @@
 """Recordings that load but are probably not what was meant: a warning in one line."""
 
 import pytest
-from spoiled import HEADER, rows_with
 
 from plants.errors import InputWarning
 from plants.measured.campaign import load_recording
+from tests.measured.spoiled import HEADER, rows_with
 
 
 def warning(load, *arguments, **named) -> str:

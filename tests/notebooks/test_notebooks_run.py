@@ -4,14 +4,18 @@ import copy
 import os
 
 import nbformat
-import outputs
 import pytest
 
-from notebooks.build import NEEDS_DATA, executed, notebook_of, texts
+from tests.notebooks import outputs
+from tests.notebooks.stored import TEXTS
 
 
-@pytest.mark.parametrize("text", texts(), ids=lambda p: p.stem)
+@pytest.mark.suite
+@pytest.mark.parametrize("text", TEXTS, ids=lambda p: p.stem)
 def test_notebook_runs_and_shows_what_is_stored(text):
+
+    from notebooks.build import NEEDS_DATA, executed, notebook_of
+
     stored = nbformat.read(text.with_suffix(".ipynb"), as_version=4)
     skipped = {"varies"} | (set() if os.environ.get("WRIST_DATA") else {NEEDS_DATA})
     for before, now in zip(stored.cells, executed(notebook_of(text)).cells, strict=True):
@@ -23,6 +27,7 @@ def test_notebook_runs_and_shows_what_is_stored(text):
 
 
 def test_a_number_that_changed_is_seen_and_rounding_is_not():
+
     said = nbformat.v4.new_output("stream", name="stdout", text="Kp 3.13 kPa/deg, off by 3e-14, never: ∞\n")
     cell = nbformat.v4.new_code_cell("x", outputs=[said])
     for text, same in (

@@ -5,13 +5,11 @@ import base64
 import re
 from pathlib import Path
 
-import nbformat
-import outputs
 import pytest
 
-from notebooks.build import HERE, KERNEL, LANGUAGE, content, notebook_of, texts
+from tests.notebooks import outputs
+from tests.notebooks.stored import HERE, TEXTS
 
-TEXTS = texts()
 WORDS = 1800
 """Words that are read in ten minutes, figures looked at."""
 
@@ -27,6 +25,8 @@ def text(request) -> Path:
 
 @pytest.fixture
 def stored(text):
+    import nbformat
+
     return nbformat.read(text.with_suffix(".ipynb"), as_version=4)
 
 
@@ -48,6 +48,8 @@ def test_there_are_five_in_order_each_paired():
 
 
 def test_the_text_and_the_notebook_have_the_same_cells(text, stored):
+    from notebooks.build import notebook_of
+
     made = notebook_of(text)
     assert [(c.cell_type, c.source, c.metadata) for c in made.cells] == [
         (c.cell_type, c.source, c.metadata) for c in stored.cells
@@ -55,6 +57,8 @@ def test_the_text_and_the_notebook_have_the_same_cells(text, stored):
 
 
 def test_nothing_is_stored_that_differs_from_run_to_run(text, stored):
+    from notebooks.build import KERNEL, LANGUAGE, content
+
     assert content(stored) == text.with_suffix(".ipynb").read_text()
     assert set(stored.metadata) == {"kernelspec", "language_info"}
     assert (stored.metadata.kernelspec, stored.metadata.language_info) == (KERNEL, LANGUAGE)

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from plain_loop import Plant, closed_loop
 
 from design.controllers.pi import PI
 from design.loop import holding, run
 from plants import Wrist
+from tests.oracles.plain_loop import Plant, closed_loop
 
 AXES = ["flexion", "deviation"]
 GAINS = [(1.2, 2.2), (5.0, 10.0), (9.0, 27.0), (30.0, 100.0), (0.0, 6.0), (4.0, 0.0)]

@@ -4,7 +4,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from plain_loop import Plant, closed_loop
 
 from design.controllers.pi import PI
 from design.margins import branch_responses, margins
@@ -12,6 +11,7 @@ from design.requirements import NOMINAL, Limits, Problem
 from design.tasks import Scenario
 from design.tuning import Region, tune
 from plants import Wrist
+from tests.oracles.plain_loop import Plant, closed_loop
 
 TUBE = 0.050
 WRISTS = {axis: getattr(Wrist, axis)() for axis in ("flexion", "deviation")}

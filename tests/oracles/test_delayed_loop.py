@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from plain_loop import Plant, closed_loop
 
 from design.controllers.pi import PI
 from design.loop import run
 from plants import Wrist, tree
 from plants.effects import DeadTime
+from tests.oracles.plain_loop import Plant, closed_loop
 
 
 @pytest.mark.parametrize("axis", ["flexion", "deviation"])

@@ -5,7 +5,6 @@ from functools import cache
 import control
 import numpy as np
 import pytest
-from plain_loop import Plant, closed_loop
 
 from design.controllers.pi import PI
 from design.margins import loop_tf
@@ -16,6 +15,7 @@ from design.status import Status
 from plants import Wrist
 from plants.effects import DeadTime
 from reports.robustness.statements import cycle_words
+from tests.oracles.plain_loop import Plant, closed_loop
 
 FLEXION, DEVIATION = Wrist.flexion(), Wrist.deviation()
 CALM = [

@@ -4,7 +4,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from plain_loop import Plant
 
 from design.alternatives.lqi_design import RobustLQI, design_lqi, judge
 from design.alternatives.lqi_synthesis import Weights, checked, plant, synthesise, vertices
@@ -18,6 +17,7 @@ from design.requirements import Limits, Problem
 from design.tasks import Scenario
 from plants import Wrist
 from plants.effects import Creep, DeadTime
+from tests.oracles.plain_loop import Plant
 
 WRIST = Wrist.flexion()
 TYPICAL = LQI(Ke=600.0, Kd=-640.0, Kq=-70.0, jump=8.0, slope=0.36, Tw=0.16, bandwidth=45.0)

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from traces import trace_folder
 
 from plants.errors import InputError, InputWarning
 from plants.measured.campaign import load_campaign
 from plants.measured.trace.trace import trace_campaign
 from plants.quantities import built_in
 from tests.rig.campaign import make_campaign
+from tests.trace.traces import trace_folder
 
 
 @pytest.fixture(scope="module")
@@ -80,6 +80,7 @@ def test_a_few_seconds_cannot_tell_slow_effects(spoiled, plain):
     assert trace.cannot_judge
 
 
+@pytest.mark.suite
 def test_two_rigs_in_one_campaign_are_not_explained_by_an_effect(tmp_path):
     for seed, name in ((52, "a"), (57, "b")):
         make_campaign(tmp_path / name, "flexion", [], seed=seed)

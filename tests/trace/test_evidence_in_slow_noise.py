@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from scipy.linalg import solve_toeplitz, toeplitz
-from traces import trace_folder
 
 from benchmarks.false_discoveries import null_campaign
 from plants.measured.residual.joined import Joined, join
@@ -12,6 +11,7 @@ from plants.measured.trace.likelihood import demanded, expected, likelihood_of
 from plants.measured.trace.result import StageTrace, Trace
 from tests.rig.campaign import make_campaign
 from tests.rig.rig import Noise
+from tests.trace.traces import trace_folder
 
 DT, ROWS, MEMORY = 0.01, 4400, 0.2
 
@@ -102,6 +102,7 @@ def test_an_effect_too_short_for_structure_is_found(tmp_path):
     assert (trace.verdict, [e.name for e in trace.effects]) == ("explained", ["branch-curvature"])
 
 
+@pytest.mark.suite
 def test_an_effect_is_told_from_the_slow_noise_around_it(tmp_path):
     make_campaign(tmp_path / "c", "flexion", ["gyro-drift"], seed=412, short=True, correlation_s=0.2)
     trace = trace_folder(tmp_path / "c")
@@ -109,6 +110,7 @@ def test_an_effect_is_told_from_the_slow_noise_around_it(tmp_path):
     assert (trace.verdict, [e.name for e in trace.effects]) == ("explained", ["gyro-drift"])
 
 
+@pytest.mark.suite
 @pytest.mark.parametrize("seed", [1192, 1197])
 def test_a_fit_to_the_wrong_minimum_is_no_missing_effect(tmp_path, seed):
     trace = trace_folder(null_campaign(tmp_path, seed))

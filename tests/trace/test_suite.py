@@ -5,9 +5,9 @@ Takes minutes, so it runs apart: ``make suite``.
 
 import numpy as np
 import pytest
-from traces import KNOWN, NOTHING, OUTSIDE, Judged, judge_suite
 
 from tests.rig.suite import write_suite
+from tests.trace.traces import KNOWN, NOTHING, OUTSIDE, Judged, judge_suite
 
 pytestmark = pytest.mark.suite
 SEED = 7

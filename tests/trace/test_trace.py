@@ -1,11 +1,11 @@
 """A few campaigns of the independent rig: one effect, two, none, one that no library lists."""
 
 import pytest
-from traces import trace_folder
 
 from plants.quantities import dump, load
 from plants.wrist import Wrist
 from tests.rig.campaign import make_campaign
+from tests.trace.traces import trace_folder
 
 
 @pytest.fixture(scope="module")
@@ -45,6 +45,7 @@ def test_the_revised_plant_can_be_saved_and_read(creeping, tmp_path):
     assert Wrist.of(again).forms == Wrist.of(trace.revised).forms
 
 
+@pytest.mark.suite
 def test_two_effects_at_two_stages(tmp_path):
     make_campaign(tmp_path / "c", "deviation", ["dead-time", "end-stop"], seed=42)
     trace = trace_folder(tmp_path / "c")
@@ -52,6 +53,7 @@ def test_two_effects_at_two_stages(tmp_path):
     assert trace.verdict == "explained"
 
 
+@pytest.mark.suite
 def test_a_pair_at_one_stage(tmp_path):
     make_campaign(tmp_path / "c", "flexion", ["softening", "gyro-drift"], seed=43)
     trace = trace_folder(tmp_path / "c")
@@ -66,6 +68,7 @@ def test_a_rig_that_is_as_declared(tmp_path, correlation):
     assert trace.after == trace.before
 
 
+@pytest.mark.suite
 def test_an_effect_that_no_library_lists_is_described_but_not_named(tmp_path):
     make_campaign(tmp_path / "c", "flexion", ["eccentric-sensor"], seed=45)
     trace = trace_folder(tmp_path / "c")
