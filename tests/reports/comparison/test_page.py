@@ -277,4 +277,6 @@ def test_a_rig_with_one_motion_has_a_page_of_its_own_and_none_of_the_papers_figu
     page = Page(comparison_page(alone, made))
     assert "eviation" not in page.text.replace("standard deviation", "")
     assert "The paper, redrawn" not in page.text
+    assert "in both motions" not in page.text
+    assert "in both motions" in Page(comparison_page(compared, made)).text
     assert len(verdict_sentences(alone)) == 1
