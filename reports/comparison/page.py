@@ -115,7 +115,8 @@ def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:
         wrong=[_wrong(m, b, shown) for m, b in (study.break_even or {}).items()],
         times=_times(study.execution_times) if study.execution_times else None,
         responses=responses, paper=_paper(study),
-        assumed=assumed, assumed_count=sum(len(g.rows) for g in assumed.groups), further=words.FURTHER,
+        assumed=assumed, assumed_count=sum(len(g.rows) for g in assumed.groups),
+        further=words.further(motions), motion_count=len(motions),
         made=made,
     )  # fmt: skip
 

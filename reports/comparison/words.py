@@ -1,6 +1,6 @@
 """What a comparison page says in sentences: summary, verdict on the fit, evidence, captions."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import isfinite
 
 from design.alternatives.convex_concave import NOISE_GAIN
@@ -41,12 +41,14 @@ FURTHER = (
     "slope that is wrong in proportion to the speed of the pressure, so that feedback and observer cannot be "
     "designed apart; the loop with the observer is what is simulated, and its poles and margins are taken on "
     f"every branch. What the regulator's gain is off by it unlearns at {WASHOUT:g} rad/s.",
-    "One pressure stands for a motion, its antagonist mirrored about the rest pressure; the two motions do "
-    "not act on each other, except where both are played at once on other plants.",
+    "One pressure stands for a motion, its antagonist mirrored about the rest pressure.",
     "In the contest on other plants: the noise and the quantum of the sensor, the coupling of the motions, "
     "and the size of the load and of each effect that no model has.",
 )
 """What is assumed besides the values of parameters."""
+
+APART = "The two motions do not act on each other, except where both are played at once on other plants."
+"""The same of a rig with two motions."""
 
 WORST_CAPTION = (
     "Worst settling time and overshoot over the tasks of a motion. See who is quick, to the left above, and "
@@ -58,6 +60,11 @@ LOOPS_CAPTION = (
     "while the pressure crosses the dead zone, until line 1 is met, and then rises beside it. The dots are "
     "instants after the step."
 )
+
+
+def further(motions: Sequence[str]) -> list[str]:
+    """What is assumed besides the values of parameters, of a rig with these motions."""
+    return [*FURTHER, *([APART] if len(motions) > 1 else [])]
 
 
 def summary(study: Study) -> list[str]:

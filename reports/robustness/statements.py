@@ -1,7 +1,6 @@
 """Statements in words and for machines: what is claimed, and why it holds or does not."""
 
 from collections.abc import Mapping
-from functools import singledispatch
 from typing import Any
 
 from design.robustness.assess import UnstableCentre
@@ -102,78 +101,42 @@ def late(dead_time: float) -> str:
     return f", {1000 * dead_time:g} ms of dead time" if dead_time else ""
 
 
-@singledispatch
 def claim_words(claim: Claim) -> str:
     """What is claimed.
 
     >>> claim_words(StaysInRange(15.0, 0.05))
     'a step of 15 deg from a line never meets the end of the command, 50 ms of dead time'
     """
+    match claim:
+        case DiesAway(rung, about, dead_time):
+            return f"{rung}{late(dead_time)}: {'' if about is None else class_words(about)}"
+        case ClassDiesAway(switching, dead_time):
+            return CLASSES[switching] + late(dead_time)
+        case StaysInRange(step, dead_time):
+            return f"a step of {step:g} deg from a line never meets the end of the command{late(dead_time)}"
+        case LeavesVirginCurve(step):
+            return f"a step of {step:+g} deg from rest leaves the virgin curve by this time"
+        case StableWhileConstant(gain, dead_time):
+            parameters = "slope, rate, Tw and gain" if gain else "slope, rate and Tw"
+            behind = f", with up to {1e3 * dead_time:g} ms of dead time" if dead_time > 0.0 else ""
+            return f"stable for every constant {parameters} within the box{behind}"
+        case StableEverywhere():
+            return "the linear loop is stable on every branch at every rate"
+        case MarginHeld(key, at_most, limit):
+            if limit is None:
+                return f"{MARGINS[key]} on every branch"
+            shown = f"{1e3 * limit:g} ms" if key == "delay_margin_s" else f"{limit:g}"
+            return f"{MARGINS[key]} {'at most' if at_most else 'at least'} {shown} on every branch"
+        case NoOscillation():
+            return "no lasting oscillation about the reference"
+        case HasCycle(c):
+            return (
+                f"a limit cycle that {'attracts' if c.stable else 'repels'}: {c.amplitude_deg:.3g} deg, "
+                f"{c.amplitude_kPa:.3g} kPa at {c.frequency_rad_s:.3g} rad/s"
+            )
+        case RarelyBroken(words, level):
+            return f"{words} in at most {100 * level:g} % of cases"
     raise TypeError(f"no words for {claim!r}")
-
-
-@claim_words.register
-def _(claim: DiesAway) -> str:
-    about = "" if claim.about is None else class_words(claim.about)
-    return f"{claim.rung}{late(claim.dead_time)}: {about}"
-
-
-@claim_words.register
-def _(claim: ClassDiesAway) -> str:
-    return CLASSES[claim.switching] + late(claim.dead_time)
-
-
-@claim_words.register
-def _(claim: StaysInRange) -> str:
-    return (
-        f"a step of {claim.step:g} deg from a line never meets the end of the command{late(claim.dead_time)}"
-    )
-
-
-@claim_words.register
-def _(claim: LeavesVirginCurve) -> str:
-    return f"a step of {claim.step:+g} deg from rest leaves the virgin curve by this time"
-
-
-@claim_words.register
-def _(claim: StableWhileConstant) -> str:
-    parameters = "slope, rate, Tw and gain" if claim.gain else "slope, rate and Tw"
-    words = f"stable for every constant {parameters} within the box"
-    return words + (
-        f", with up to {1e3 * claim.dead_time:g} ms of dead time" if claim.dead_time > 0.0 else ""
-    )
-
-
-@claim_words.register
-def _(claim: StableEverywhere) -> str:
-    return "the linear loop is stable on every branch at every rate"
-
-
-@claim_words.register
-def _(claim: MarginHeld) -> str:
-    if claim.limit is None:
-        return f"{MARGINS[claim.key]} on every branch"
-    shown = f"{1e3 * claim.limit:g} ms" if claim.key == "delay_margin_s" else f"{claim.limit:g}"
-    return f"{MARGINS[claim.key]} {'at most' if claim.at_most else 'at least'} {shown} on every branch"
-
-
-@claim_words.register
-def _(claim: NoOscillation) -> str:
-    return "no lasting oscillation about the reference"
-
-
-@claim_words.register
-def _(claim: HasCycle) -> str:
-    c = claim.cycle
-    return (
-        f"a limit cycle that {'attracts' if c.stable else 'repels'}: {c.amplitude_deg:.3g} deg, "
-        f"{c.amplitude_kPa:.3g} kPa at {c.frequency_rad_s:.3g} rad/s"
-    )
-
-
-@claim_words.register
-def _(claim: RarelyBroken) -> str:
-    return f"{claim.words} in at most {100 * claim.level:g} % of cases"
 
 
 def class_words(c: LoopClass) -> str:
@@ -197,92 +160,60 @@ def class_words(c: LoopClass) -> str:
 
 def because(s: Statement) -> str:
     """Why a statement holds or does not, or how its figure was checked."""
-    words = reason_words(s.reason)
-    told = isinstance(s.claim, MarginHeld) and s.claim.limit is None
-    if isinstance(s.claim, StableEverywhere):
-        return "poles, or Nyquist's criterion where a delay leaves none; no switching is considered"
-    return f"{words}; no limit is set" if told else words
+    match s.claim:
+        case StableEverywhere():
+            return "poles, or Nyquist's criterion where a delay leaves none; no switching is considered"
+        case MarginHeld(_, _, None):
+            return f"{reason_words(s.reason)}; no limit is set"
+    return reason_words(s.reason)
 
 
-@singledispatch
 def reason_words(reason: Reason) -> str:
     """A reason in words."""
+    match reason:
+        case Confirmed(solver, margin, left_out, name):
+            words = f"{name}, " if name else ""
+            words += f"found by {solver}, confirmed outside it"
+            words += "" if margin is None else f" with a margin of {margin:.2g}"
+            return words + (f"; of the wrist without {', '.join(left_out)}" if left_out else "")
+        case NotFound(why, word):
+            none = "" if word is None else f"; none exists: {word} (of the class, not of the real loop)"
+            return no_certificate(why) + none
+        case NoneFound(names, word):
+            none = "" if word is None else "; none exists, since a word makes the class grow"
+            return f"none found ({', '.join(names)}){none}"
+        case Covered(rung):
+            return (
+                f"{rung}: steps up to this start within a set that is never left and in which the command is "
+                "not clipped"
+            )
+        case VirginTimes(bounds):
+            return virgin_words(bounds)
+        case UnstableCentre(said):
+            return said
+        case OfRows():
+            return "worst of the branches and rates"
+        case Balanced(attract, repel, swings):
+            return (
+                f"harmonic balance: {attract} that attract, {repel} that repel; {swings.lanes} large swings, "
+                f"{swings.duration:g} s each: {swings.persisting} persist"
+            )
+        case Simulated(cycle):
+            return cycle_words(cycle)
+        case Counted(v, noisy, uncounted):
+            words = (
+                f"{v.count} of {v.trials} independent samples, {100 * v.probability:.3g} %; "
+                f"95 % interval {100 * v.low:.3g} to {100 * v.high:.3g} %"
+            )
+            words += "; the sensor's noise moves the command too" if noisy else ""
+            return words + (f"; {uncounted} cases out of reach not counted" if uncounted else "")
+        case MuBounds(row):
+            return mu_words(row)
     raise TypeError(f"no words for {reason!r}")
 
 
-@reason_words.register
-def _(reason: Confirmed) -> str:
-    words = f"{reason.name}, " if reason.name else ""
-    words += f"found by {reason.solver}, confirmed outside it"
-    words += "" if reason.margin is None else f" with a margin of {reason.margin:.2g}"
-    return words + (f"; of the wrist without {', '.join(reason.left_out)}" if reason.left_out else "")
-
-
-@reason_words.register
-def _(reason: NotFound) -> str:
-    words = no_certificate(reason.reason)
-    return words + (
-        "" if reason.word is None else f"; none exists: {reason.word} (of the class, not of the real loop)"
-    )
-
-
-@reason_words.register
-def _(reason: NoneFound) -> str:
-    none = "; none exists, since a word makes the class grow" if reason.word is not None else ""
-    return f"none found ({', '.join(reason.names)}){none}"
-
-
-@reason_words.register
-def _(reason: Covered) -> str:
-    return (
-        f"{reason.rung}: steps up to this start within a set that is never left and in which the command is "
-        "not clipped"
-    )
-
-
-@reason_words.register
-def _(reason: VirginTimes) -> str:
-    return virgin_words(reason.bounds)
-
-
-@reason_words.register
-def _(reason: UnstableCentre) -> str:
-    return reason.said
-
-
-@reason_words.register
-def _(reason: OfRows) -> str:
-    return "worst of the branches and rates"
-
-
-@reason_words.register
-def _(reason: Balanced) -> str:
-    s = reason.swings
-    return (
-        f"harmonic balance: {reason.attract} that attract, {reason.repel} that repel; "
-        f"{s.lanes} large swings, {s.duration:g} s each: {s.persisting} persist"
-    )
-
-
-@reason_words.register
-def _(reason: Simulated) -> str:
-    return cycle_words(reason.cycle)
-
-
-@reason_words.register
-def _(reason: Counted) -> str:
-    v = reason.violations
-    words = (
-        f"{v.count} of {v.trials} independent samples, {100 * v.probability:.3g} %; "
-        f"95 % interval {100 * v.low:.3g} to {100 * v.high:.3g} %"
-    )
-    words += "; the sensor's noise moves the command too" if reason.noisy else ""
-    return words + (f"; {reason.uncounted} cases out of reach not counted" if reason.uncounted else "")
-
-
-@reason_words.register
-def _(reason: MuBounds) -> str:
-    r = reason.row
+def mu_words(r: RobustStability) -> str:
+    """What the bounds of mu say of a branch at a rate."""
     if r.reason is Centre.UNSTABLE:
         return Centre.UNSTABLE.value
     if r.upper == 0.0:

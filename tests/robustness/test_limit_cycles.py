@@ -14,7 +14,7 @@ from design.robustness.predictions.orbits import Swings, large_swings
 from design.status import Status
 from plants import Wrist
 from plants.effects import DeadTime
-from reports.robustness.statements import cycle_words
+from reports.robustness.statements import cycle_words, statement_record
 from tests.oracles.plain_loop import Plant, closed_loop
 
 FLEXION, DEVIATION = Wrist.flexion(), Wrist.deviation()
@@ -152,7 +152,7 @@ def test_statements_tell_each_cycle_and_that_the_loop_goes_on_swinging():
     assert first.value == pytest.approx(swings.amplitude_deg, rel=1e-2)
     assert [o.holds for o in others] == [True, True]
     assert [o.value for o in others] == [c.amplitude_deg for c in cycles]
-    assert others[1].record["seen_frequency_rad_s"] == cycles[1].seen_frequency_rad_s
+    assert statement_record(others[1])["seen_frequency_rad_s"] == cycles[1].seen_frequency_rad_s
 
 
 def test_a_predicted_cycle_that_nothing_shows_leaves_the_question_open():

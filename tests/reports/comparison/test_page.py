@@ -280,7 +280,9 @@ def test_a_rig_with_one_motion_has_a_page_of_its_own_and_none_of_the_papers_figu
     )
     question = Question({"flexion": compared.plants["flexion"]})
     alone = replace(compared, question=question, comparison=comparison, redrawn={})
-    page = Page(comparison_page(alone, made))
+    page = Page(comparison_page(alone, Made.now("wrist compare", 7, question.plants)))
     assert "eviation" not in page.text.replace("standard deviation", "")
     assert "The paper, redrawn" not in page.text
+    assert "in both motions" not in page.text
+    assert "in both motions" in Page(comparison_page(compared, made)).text
     assert len(verdict_sentences(alone)) == 1
