@@ -71,9 +71,7 @@ def controllers(
     named |= {n: [d.controller] for n, d in (designs or {}).items() if not isinstance(d, str)}
     named |= {FORWARD: [Feedforward.of(wrist)]} if no_inverse(wrist) is None else {}
     named |= {name: [pi] for name, pi in baselines(wrist).items()}
-    named[PAPER] = [
-        PI(Kp, Ki, wrist.regulator.gain, wrist.hysteresis.rest_pressure) for Kp, Ki in paper_range()
-    ]
+    named[PAPER] = [PI.of(wrist, Kp, Ki) for Kp, Ki in paper_range()]
     return named
 
 

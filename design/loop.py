@@ -20,7 +20,7 @@ from plants.simulation.closed_loop import (
 )
 from plants.simulation.reference_profile import ReferenceProfile
 from plants.simulation.sensor import Sensor
-from plants.wrist import SAMPLE_TIME, State, Wrist
+from plants.wrist import State, Wrist
 
 __all__ = ["Trajectory", "holding", "run", "step_loop"]
 
@@ -39,9 +39,10 @@ def step_loop(
     """First state and coefficients of a loop whose reference [deg] steps at time 0; `held`: state of the
     controller, which holds the wrist where not given."""
     held = holding(wrist, controller, state) if held is None else held
-    judge = metrics.of_step(state.angle, reference)
+    dt = wrist.rig.sample_time
+    judge = metrics.of_step(state.angle, reference, dt)
     profile = ReferenceProfile((reference,))
-    c = SampledClosedLoop(wrist.sampled(), controller.sampled(), profile, judge, sensor)
+    c = SampledClosedLoop(wrist.sampled(), controller.sampled(dt), profile, judge, sensor)
     return ClosedLoop(state, held, judge.begin(controller.command(held))), c
 
 
@@ -72,7 +73,7 @@ def run(
     >>> float(judged.settling_time_s[0].round(2)), float(judged.overshoot_percent[0].round(2))
     (5.59, 0.58)
     """
-    samples = round(duration / SAMPLE_TIME)
+    samples = round(duration / wrist.rig.sample_time)
     state = wrist.rest() if state is None else state
     held = holding(wrist, controller, state, begin) if held is None else held
     first, c = step_loop(wrist, controller, reference, state, held)

@@ -193,7 +193,7 @@ def adverse_values(problem: Problem, Kp: Array, Ki: Array) -> dict[str, Array]:
 
 def controller(problem: Problem, Kp: Any, Ki: Any) -> PI:
     """A PI that knows of the problem's regulator what its declared parameters say."""
-    return PI(Kp, Ki, problem.wrist.regulator.gain, problem.wrist.hysteresis.rest_pressure)
+    return PI.of(problem.wrist, Kp, Ki)
 
 
 def evaluate(problem: Problem, Kp: Any, Ki: Any) -> Evaluation:

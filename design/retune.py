@@ -207,7 +207,7 @@ def simulated(wrist: Wrist) -> Judge:
     """A judge that runs a wrist, without noise, under a PI that knows its declared parameters."""
 
     def play(Kp: float, Ki: float) -> Response:
-        pi = PI(Kp, Ki, wrist.regulator.gain, wrist.hysteresis.rest_pressure)
+        pi = PI.of(wrist, Kp, Ki)
         _, _, t = run(wrist, pi, STEP, record=True)
         assert t is not None
         return Response(

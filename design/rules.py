@@ -128,15 +128,14 @@ def _dead(r: Reaction, wrist: Wrist) -> float:
 
 
 def _pi(wrist: Wrist, Kp: float, Ti: float) -> PI:
-    return PI(Kp, Kp / Ti, wrist.regulator.gain, wrist.hysteresis.rest_pressure)
+    return PI.of(wrist, Kp, Kp / Ti)
 
 
 def baselines(wrist: Wrist) -> dict[str, PI]:
     """The baseline controllers of a comparison, by name; the paper's is the stand-in."""
     reaction = reaction_curve(wrist)
-    g, p0 = wrist.regulator.gain, wrist.hysteresis.rest_pressure
     return {
-        "paper": PI(*PAPER_GAINS, gain=g, rest_pressure=p0),
+        "paper": PI.of(wrist, *PAPER_GAINS),
         "SIMC": simc(wrist),
         "AMIGO": amigo(wrist, reaction),
         "Ziegler-Nichols": ziegler_nichols(wrist, reaction),

@@ -105,7 +105,7 @@ def complete(wrist: Wrist, weights: Weights, bandwidth: float, feedback: Feedbac
     p, k = wrist.hysteresis, feedback.gains
     return LQI(
         float(k[0]), float(k[1]), float(k[2]), feedback.jump, 0.5 * float(sum(p.steepness)), float(wrist.Tw),
-        bandwidth, WASHOUT, float(wrist.regulator.gain),
+        bandwidth, WASHOUT, float(wrist.regulator.gain), *wrist.rig.command_range,
     )  # fmt: skip
 
 

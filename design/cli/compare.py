@@ -139,9 +139,7 @@ def robust(gains: list[str], wrists: Any) -> "dict[str, dict[str, Controller]]":
         values = pi_gains(pair, "--robust-gains", "2.1,5.4")
         for name in [motion] if given else list(wrists):
             w = wrists[name]
-            found[name] = {
-                "robust PI": PI(values[0], values[1], w.regulator.gain, w.hysteresis.rest_pressure)
-            }
+            found[name] = {"robust PI": PI.of(w, values[0], values[1])}
     return found
 
 

@@ -159,7 +159,7 @@ def controller(gains: str, wrist: "Wrist") -> "PI":
         raise InputError(
             f"--gains: {gains!r}: Kp and Ki must both be above 0; without Ki the error never goes"
         )
-    return PI(Kp, Ki, wrist.regulator.gain, wrist.hysteresis.rest_pressure)
+    return PI.of(wrist, Kp, Ki)
 
 
 def lines(found: "Assessment") -> list[Any]:

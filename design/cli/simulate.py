@@ -157,9 +157,7 @@ def _closed(
 
     if not math.isfinite(step) or step == 0.0:
         raise InputError(f"--step: {step} is no step; give an angle in deg that is not 0")
-    controller = PI(
-        gains[0], gains[1], gain=wrist.regulator.gain, rest_pressure=wrist.hysteresis.rest_pressure
-    )
+    controller = PI.of(wrist, *gains)
     judged, _, t = run(wrist, controller, step, wrist.rest(start), duration=duration, record=True)
     assert t is not None
     metrics = {n: float(v[0]) for n, v in vars(judged).items()}

@@ -68,7 +68,8 @@ class Feedforward:
         refusal = no_inverse(plant)
         if refusal:
             raise InputError(refusal)
-        return cls(replace(plant, effects=()), **settings)
+        low, high = plant.rig.command_range
+        return cls(replace(plant, effects=()), **{"low": low, "high": high, **settings})
 
     @property
     def gain(self) -> Number:

@@ -26,7 +26,7 @@ import numpy as np
 from design.controllers.controller import remembers
 from plants import inverse, wrist
 from plants.errors import InputError, InputWarning
-from plants.wrist import COMMAND_RANGE, Number, SampledWrist, State, Wrist
+from plants.wrist import Number, SampledWrist, State, Wrist
 
 
 @remembers(
@@ -100,7 +100,7 @@ def proceed(s: Course, reference: Number, c: SampledCourse) -> tuple[Course, Num
     return Course(wrist.step(m, command, c.wrist), s.outside + np.where(r == reference, 0.0, 1.0)), command
 
 
-def no_inverse(plant: Wrist, low: float = COMMAND_RANGE[0], high: float = COMMAND_RANGE[1]) -> str | None:
+def no_inverse(plant: Wrist) -> str | None:
     """Why a wrist has no inverse, and what to do, in one line; None for one that has.
 
     A dead time needs none: it only makes the wrist late, which `FeedforwardPI.dead_time` allows for.
@@ -113,21 +113,20 @@ def no_inverse(plant: Wrist, low: float = COMMAND_RANGE[0], high: float = COMMAN
     if stubborn:
         words = f"the effect{'s' * (len(stubborn) > 1)} {', '.join(stubborn)}"
         return f"no inverse of {words}: invert the wrist without it (replace effects by ()), or use a PI"
-    problem = plant.hysteresis.problem(low * plant.regulator.gain, high * plant.regulator.gain)
+    problem = plant.hysteresis.problem(*(v * plant.regulator.gain for v in plant.rig.command_range))
     if problem:
         return f"no inverse of the loop: {problem}; correct the parameters, or use a PI"
     return None
 
 
-def reachable(
-    plant: Wrist, low: float = COMMAND_RANGE[0], high: float = COMMAND_RANGE[1]
-) -> tuple[float, float]:
-    """Angles [deg] that commands from `low` to `high` [V] reach whatever the wrist's memory.
+def reachable(plant: Wrist) -> tuple[float, float]:
+    """Angles [deg] that commands within the rig's range reach whatever the wrist's memory.
 
     >>> [round(angle, 2) for angle in reachable(Wrist.flexion())]
     [-30.0, 29.14]
     """
-    found = plant.hysteresis.reachable(low * plant.regulator.gain, high * plant.regulator.gain)
+    low, high = (v * plant.regulator.gain for v in plant.rig.command_range)
+    found = plant.hysteresis.reachable(low, high)
     return float(found[0]), float(found[1])
 
 

@@ -29,9 +29,11 @@ import numpy as np
 from design.controllers.controller import Measured, remembers
 from design.controllers.double_pole import double_pole
 from plants import lag
+from plants.quantities import built_in
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
 
 Number = Any
+_PAPER = built_in("flexion").values
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,7 @@ class LQI:
     Tw: Number
     bandwidth: Number
     washout: Number = 0.3
-    gain: Number = 49.4
+    gain: Number = _PAPER["gain"]
     low: Number = COMMAND_RANGE[0]
     high: Number = COMMAND_RANGE[1]
 

@@ -16,9 +16,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from design.controllers.controller import Measured, remembers
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
+from plants.quantities import built_in
+from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
 
 Number = Any
+_PAPER = built_in("flexion").values
 
 
 @dataclass(frozen=True)
@@ -26,14 +28,14 @@ class PI:
     """Gains of the controller: Kp [kPa/deg], Ki [kPa/(deg s)]; floats or arrays of lanes.
 
     gain [kPa/V] and rest_pressure [kPa] are what the controller knows of the
-    regulator; low and high [V] bound the command.  Raises ValueError for gains
+    regulator, those of the built-in wrist where not given; low and high [V] bound the command.  Raises ValueError for gains
     that are negative or not finite.
     """
 
     Kp: Number
     Ki: Number
-    gain: Number = 49.4
-    rest_pressure: Number = 100.0
+    gain: Number = _PAPER["gain"]
+    rest_pressure: Number = _PAPER["rest_pressure"]
     low: Number = COMMAND_RANGE[0]
     high: Number = COMMAND_RANGE[1]
 
@@ -46,6 +48,16 @@ class PI:
     def pi(self) -> "PI":
         """The PI that closes the loop: itself."""
         return self
+
+    @classmethod
+    def of(cls, wrist: Wrist, Kp: Number, Ki: Number) -> "PI":
+        """The controller that knows of a wrist its regulator, its rest and the range of its command.
+
+        >>> PI.of(Wrist.flexion(), 3.1, 10.4) == PI(3.1, 10.4)
+        True
+        """
+        low, high = wrist.rig.command_range
+        return cls(Kp, Ki, wrist.regulator.gain, wrist.hysteresis.rest_pressure, low, high)
 
     def sampled(self, dt: float = SAMPLE_TIME) -> "SampledPI":
         """Coefficients for a sample time `dt` [s]."""

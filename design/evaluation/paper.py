@@ -171,10 +171,7 @@ def pi_step(wrist: Wrist, motion: str, every: int = 10) -> tuple[Panel, ...]:
     """Figs. 14 and 15: a step of 15 degrees under the stand-in for the paper's PI; bounds are
     taken over the range of its gains."""
     gains = paper_range()
-    pi = PI(
-        np.array([Kp for Kp, _ in gains]), np.array([Ki for _, Ki in gains]),
-        wrist.regulator.gain, wrist.hysteresis.rest_pressure,
-    )  # fmt: skip
+    pi = PI.of(wrist, np.array([Kp for Kp, _ in gains]), np.array([Ki for _, Ki in gains]))
     _, _, t = run(wrist, pi, STEP, record=True)
     assert t is not None
     time, rows = t.time[::every], slice(None, None, every)

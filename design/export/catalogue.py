@@ -16,7 +16,7 @@ from design.export.part import Part, of_controller, of_observer
 from design.mpc.problem import Problem, nominal, robust
 from plants.delay import LONGEST
 from plants.errors import InputError
-from plants.wrist import SAMPLE_TIME, Wrist
+from plants.wrist import Wrist
 
 Numbers = tuple[float, ...]
 
@@ -39,14 +39,26 @@ def _pi(wrist: Wrist, g: Numbers) -> Controller:
     Kp, Ki = g
     if Kp == Ki == 0.0:
         raise ValueError("Kp and Ki are both 0, which controls nothing")
-    return PI(Kp, Ki, wrist.regulator.gain, wrist.hysteresis.rest_pressure)
+    return PI.of(wrist, Kp, Ki)
 
 
 def _lqi(wrist: Wrist, g: Numbers) -> Controller:
     p = wrist.hysteresis
     Ke, Kd, Kq, jump, bandwidth = g
     slope = 0.5 * float(sum(p.steepness))  # as `design.alternatives.lqi_design` completes a feedback
-    return LQI(Ke, Kd, Kq, jump, slope, float(wrist.Tw), bandwidth, gain=float(wrist.regulator.gain))
+    low, high = wrist.rig.command_range
+    return LQI(
+        Ke,
+        Kd,
+        Kq,
+        jump,
+        slope,
+        float(wrist.Tw),
+        bandwidth,
+        gain=float(wrist.regulator.gain),
+        low=low,
+        high=high,
+    )
 
 
 def _feedforward(wrist: Wrist, g: Numbers) -> Controller:
@@ -54,8 +66,9 @@ def _feedforward(wrist: Wrist, g: Numbers) -> Controller:
 
 
 def _feedforward_pi(wrist: Wrist, g: Numbers) -> Controller:
-    if g[2] > (LONGEST - 1) * SAMPLE_TIME:
-        raise ValueError(f"a dead time of {g[2]:g} s is longer than {(LONGEST - 1) * SAMPLE_TIME:g} s")
+    longest = (LONGEST - 1) * wrist.rig.sample_time
+    if g[2] > longest:
+        raise ValueError(f"a dead time of {g[2]:g} s is longer than {longest:g} s")
     return FeedforwardPI.of(wrist, Kp=g[0], Ki=g[1], dead_time=g[2])  # type: ignore[no-any-return]
 
 

@@ -28,11 +28,12 @@ class Replay:
     static_angle: Array
     angle: Array
     metrics: Metrics
+    dt: float = SAMPLE_TIME
 
     @property
     def time(self) -> Array:
         """Time of each sample [s]."""
-        return np.asarray(np.arange(len(self.commands)) * SAMPLE_TIME, float)
+        return np.asarray(np.arange(len(self.commands)) * self.dt, float)
 
 
 def replay(wrist: Wrist, commands: Any, reference: float, state: State, begin: float = 0.0) -> Replay:
@@ -47,12 +48,12 @@ def replay(wrist: Wrist, commands: Any, reference: float, state: State, begin: f
     >>> float(held.metrics.settling_time_s), round(float(held.angle[256]), 1)
     (inf, 14.8)
     """
-    samples = round(DURATION / SAMPLE_TIME)
+    samples = round(DURATION / wrist.rig.sample_time)
     v = np.asarray(commands, float)
     if v.ndim != 1 or not 0 < len(v) <= samples or not np.isfinite(v).all():
         raise InputError(f"commands: need 1 to {samples} finite numbers of volts, one per sample of 1 ms")
     v = np.concatenate([v, np.full(samples - len(v), v[-1])])
-    judge, c = metrics.of_step(state.angle, reference), wrist.sampled()
+    judge, c = metrics.of_step(state.angle, reference, wrist.rig.sample_time), wrist.sampled()
     first = ClosedLoop(state, judge=judge.begin(v[0]))
     last, rows = advance(
         first, SampledClosedLoop(c, (), ReferenceProfile((reference,)), judge), samples,
@@ -60,4 +61,4 @@ def replay(wrist: Wrist, commands: Any, reference: float, state: State, begin: f
         record=("plant.pressure", "plant.memory.h", "plant.angle"), jobs=1,
     )  # fmt: skip
     P, h, y = rows[:, :-1, 0]
-    return Replay(v, P, h, y, judge.finish(last.judge, samples)[0])
+    return Replay(v, P, h, y, judge.finish(last.judge, samples)[0], wrist.rig.sample_time)

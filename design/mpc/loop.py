@@ -54,7 +54,10 @@ def run(
     if any(np.ndim(v) for v in wrist.values.values()):
         raise InputError("an MPC is played on one wrist at a time: give parameters that are numbers")
     at_rest = periodic.prompt(wrist).rest() if state is None else state
-    judge, profile = metrics.of_step(at_rest.angle, reference), ReferenceProfile((reference,))
+    judge, profile = (
+        metrics.of_step(at_rest.angle, reference, wrist.rig.sample_time),
+        ReferenceProfile((reference,)),
+    )
     first = periodic.begin(
         wrist, controller, at_rest, profile, judge, duration, 1, sensor, noise, begin,
         None if memory is None else [memory],

@@ -103,7 +103,7 @@ def open_loop(
     """
     v = np.asarray(commands, float)
     if v.ndim != 1 or not np.isfinite(v).all():
-        raise InputError("commands: need one finite number per sample")
+        raise InputError("commands: need one finite number of volts per sample")
     start, c, dt = wrist.rest() if state is None else state, wrist.sampled(), wrist.rig.sample_time
     signals = {"command": v, **surroundings(wrist, len(v), begin, other_pressure)}
     seen: Any = ()
