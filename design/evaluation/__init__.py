@@ -1,0 +1,1 @@
+"""Evaluation: tasks, and the runner that plays controllers on plants and tasks."""
