@@ -9,7 +9,7 @@ import numpy as np
 from benchmarks.rollouts import Disagreement
 from benchmarks.timing import duel
 from design.controllers.pi import PI
-from design.loop import step_loop
+from design.evaluation.runner import step_from
 from design.metrics import Metrics
 from design.robustness.box import box_of
 from design.robustness.samples.conditions import NONE, Conditions
@@ -51,7 +51,7 @@ def bare(conditions: Conditions) -> Callable[[], Metrics]:
 
 
 def _trees(case: Draw) -> tuple[Any, Any]:
-    return step_loop(case.wrist, CONTROLLER, case.reference, case.state)
+    return step_from(case.wrist, case.state, case.reference).loop(CONTROLLER)
 
 
 def _joined(parts: tuple[Any, ...]) -> Any:

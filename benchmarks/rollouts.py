@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from benchmarks import native
 from benchmarks.timing import duel
 from design.controllers.pi import PI
-from design.loop import run, step_loop
+from design.evaluation.runner import step_from
+from design.loop import run
 from design.metrics import Metrics
 from plants import Wrist, tree
 from plants.simulation.closed_loop import ClosedLoop, SampledClosedLoop
@@ -43,7 +44,7 @@ class Case:
 
     def trees(self) -> tuple[SampledClosedLoop, ClosedLoop]:
         """Coefficients and first state, as `design.loop.run` makes them."""
-        first, c = step_loop(self.wrist, self.controller, self.reference, self.wrist.rest())
+        first, c = step_from(self.wrist, self.wrist.rest(), self.reference).loop(self.controller)
         return c, first
 
     def ours(self, jobs: int) -> tuple[Metrics, ClosedLoop]:

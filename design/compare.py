@@ -17,7 +17,7 @@ from design.alternatives.designs import Design, design_others, design_record
 from design.compare_rows import FORWARD, PAPER, TUNED, Row, Standing, row_record
 from design.compare_tasks import (
     METRICS,
-    bounds_on_tasks,
+    OnTasks,
     later,
     on_tasks,
     played_on_tasks,
@@ -29,9 +29,10 @@ from design.controllers.feedforward import Feedforward
 from design.controllers.feedforward_course import no_inverse
 from design.controllers.pi import PI
 from design.controllers.registry import REGISTERED
+from design.evaluation.tasks import Task, comparison_tasks
 from design.input_loop import command_margins
 from design.limit import Limit, ratios
-from design.loop import Trajectory, run
+from design.loop import Trajectory
 from design.metrics import Metrics
 from design.requirements import ROUNDING, Limits, default_problem
 from design.rules import baselines, paper_range
@@ -75,14 +76,15 @@ def controllers(
     return named
 
 
-def _row(motion: str, task: str, name: str, judged: list[Metrics], bound: Limit | None) -> Row:
+def _row(motion: str, task: Task, name: str, judged: list[Metrics], bound: Limit | None) -> Row:
     table = {n: [float(getattr(m, n)) for m in judged] for n in METRICS}
     to_bound = ratios(judged[0], bound) if bound else None
     return Row(
-        motion, task, name,
+        motion, task.name, name,
         {n: v[0] for n, v in table.items()},
         {n: min(v) for n, v in table.items()},
         {n: max(v) for n, v in table.items()},
+        task.id,
         *((float(to_bound.settling), float(to_bound.iae)) if to_bound else (None, None)),
     )  # fmt: skip
 
@@ -110,45 +112,34 @@ def compare(
     rows: list[Row] = []
     standings: list[Standing] = []
     steps: dict[tuple[str, str], Trajectory] = {}
-    judged: dict[tuple[str, str], dict[str, list[Metrics]]] = {}
-    bounds: dict[tuple[str, str], dict[str, Limit]] = {}
+    done: dict[tuple[str, str], OnTasks] = {}
     for motion, wrist in wrists.items():
         others, slow = designs.get(motion, {}), (periodic or {}).get(motion, {})
         named = controllers(wrist, tuned[motion], others, (more or {}).get(motion))
         entrants: dict[str, list[Any]] = {**named, **{n: [c] for n, c in slow.items()}}
         for place, (name, alike) in enumerate(entrants.items()):
             tell(f"{motion}, {name}", place / len(entrants))
-            played = played_on_tasks(wrist, alike[0]) if name in slow else _played(wrist, alike)
-            tasks, bound, steps[motion, name] = played
-            judged[motion, name], bounds[motion, name] = tasks, bound
-            own = [_row(motion, task, name, m, bound.get(task)) for task, m in tasks.items()]
+            found = done[motion, name] = played_on_tasks(wrist, alike)
+            steps[motion, name] = found.trajectory
+            own = [
+                _row(motion, t, name, found.metrics[t.id], found.bounds[t.id] if found.bounds else None)
+                for t in comparison_tasks()
+            ]
             made = design_record(others[name]) if name in others else {}
             standings.append(_standing(motion, name, wrist, alike[0], own, limits, made))
             rows += own
     if len(wrists) == 2:
         one, other = wrists
-        for name in (n for m, n in judged if m == one and (other, n) in judged):
-            for sign in (1, -1):
-                task = f"0 to {sign * STEP:+g} deg, virgin"
-                both = [
-                    together(a, b)
-                    for a, b in zip(judged[one, name][task], judged[other, name][task], strict=True)
-                ]
-                slowest = later([bounds[m, name].get(task) for m in (one, other)])
-                rows.append(_row("both at once", task, name, both, slowest))
+        for name in (n for m, n in done if m == one and (other, n) in done):
+            a, b = done[one, name], done[other, name]
+            for t in (t for t in comparison_tasks() if t.family == "steps" and t.start == "virgin"):
+                both = [together(x, y) for x, y in zip(a.metrics[t.id], b.metrics[t.id], strict=True)]
+                slowest = later(a.bounds[t.id], b.bounds[t.id]) if a.bounds and b.bounds else None
+                rows.append(_row("both at once", t, name, both, slowest))
     return Comparison(
         tuple(rows), tuple(standings), steps, limits,
         {(m, n): d for m, of in designs.items() for n, d in of.items()},
     )  # fmt: skip
-
-
-def _played(
-    wrist: Wrist, alike: list[Controller]
-) -> tuple[dict[str, list[Metrics]], dict[str, Limit], Trajectory]:
-    """Metrics and bounds by task of controllers of one kind, and the step from rest of the first."""
-    _, _, trajectory = run(wrist, alike[0], STEP, record=True)
-    assert trajectory is not None
-    return on_tasks(wrist, alike), bounds_on_tasks(wrist, alike[0]), trajectory
 
 
 def _standing(

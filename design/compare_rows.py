@@ -15,7 +15,9 @@ FORWARD = "feedforward"
 
 @dataclass(frozen=True)
 class Row:
-    """One controller on one task.  `low` and `high` bound each metric over the range of the
+    """One controller on one task, which has a name for people and an id (`design.evaluation.tasks`).
+
+    `low` and `high` bound each metric over the range of the
     paper's gains; they equal `metrics` for every other controller.  The ratios are those of `metrics` to
     the lower bounds of the task, None where there is no such bound."""
 
@@ -25,6 +27,7 @@ class Row:
     metrics: Mapping[str, float]
     low: Mapping[str, float]
     high: Mapping[str, float]
+    task_id: str
     settling_ratio: float | None = None
     iae_ratio: float | None = None
 
@@ -62,6 +65,7 @@ def row_record(row: Row) -> dict[str, Any]:
         return v if np.isfinite(v) else None
 
     record: dict[str, Any] = {"motion": row.motion, "task": row.task, "controller": row.controller}
+    record["task_id"] = row.task_id
     for n in METRICS:
         record[n] = finite(row.metrics[n])
     for n in METRICS:

@@ -13,20 +13,13 @@ from numpy.typing import NDArray
 
 from design import metrics
 from design.controllers.controller import Controller
+from design.evaluation import runner
 from design.metrics import Metrics
 from design.tasks import STEP
 from plants.kernel import pytrees as tree
-from plants.simulation.closed_loop import (
-    ClosedLoop,
-    SampledClosedLoop,
-    Trajectory,
-    advance,
-    clock,
-    holding,
-    recorded,
-    trajectory,
-)
+from plants.simulation.closed_loop import Trajectory
 from plants.simulation.disturbance import at_rest, burdened
+from plants.simulation.periodic import Periodic
 from plants.simulation.reference_profile import ReferenceProfile
 from plants.wrist import SAMPLE_TIME, Start, State, Wrist
 
@@ -178,7 +171,7 @@ def repeated(b: Batch, n: int) -> Batch:
 
 def play(
     sequences: Batch | Iterable[Sequence],
-    controller: Controller,
+    controller: Controller | Periodic,
     record: bool = False,
     jobs: int | None = None,
 ) -> Played:
@@ -195,21 +188,16 @@ def play(
     ([5.59, inf], [0.0, 1.71])
     """
     b = sequences if isinstance(sequences, Batch) else stack(sequences)
-    held = holding(b.wrist, controller, b.state)
     judge = metrics.of_step_under_way(b.switches[-1], b.judged)
     profile = ReferenceProfile(tuple(b.references), tuple(b.switches[1:]))
-    tally = judge.begin(controller.command(held), b.state.angle)
-    c = SampledClosedLoop(b.wrist.sampled(), controller.sampled(), profile, judge)
-    first, samples = ClosedLoop(b.state, held, tally), int(np.max(b.switches[-1] + b.judged))
-    names = recorded(first) if record else ()
-    last, rows = advance(
-        first, c, samples, clock(b.wrist, samples), every=int(record), record=names, jobs=jobs
+    duration = float(np.max(b.switches[-1] + b.judged)) * SAMPLE_TIME
+    done = runner.play(
+        runner.Lanes(b.wrist, b.state, profile, judge, duration), controller, record=record, jobs=jobs
     )
-    start = last.judge.step.start
-    played = Played(judge.finish(last.judge, samples), start, np.abs(b.references[-1] - start))
-    if not record:
+    start = done.last.judge.step.start
+    played = Played(done.metrics, start, np.abs(b.references[-1] - start), trajectory=done.trajectory)
+    if done.trajectory is None:
         return played
-    went = trajectory(rows, b.state, c.plant, b.wrist.rig.sample_time)
-    asked = profile.at(np.arange(len(went.time))[:, None]).reference
-    reference = np.broadcast_to(np.asarray(asked, float), went.angle.shape)
-    return replace(played, reference=reference, trajectory=went)
+    asked = profile.at(np.arange(len(done.trajectory.time))[:, None]).reference
+    reference = np.broadcast_to(np.asarray(asked, float), done.trajectory.angle.shape)
+    return replace(played, reference=reference)

@@ -10,16 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design.contest.tasks import Asked
 from design.controllers.controller import Controller
-from design.loop import holding
-from design.metrics import SETTLING_BAND, Tally, Yardstick
+from design.evaluation.runner import Lanes, play
+from design.metrics import SETTLING_BAND, Metrics
 from design.tasks import STEP
 from plants.kernel import pytrees as tree
 from plants.rest import at_rest
-from plants.simulation.closed_loop import ClosedLoop, SampledClosedLoop, advance, clock
-from plants.simulation.sensor import HOLD, Sensor
-from plants.wrist import SAMPLE_TIME, State, Wrist
+from plants.simulation.closed_loop import ClosedLoop
+from plants.simulation.periodic import Periodic
+from plants.wrist import State, Wrist
 
 Number = Any
 Array = NDArray[np.float64]
@@ -48,48 +47,24 @@ class Result:
 METRICS = tuple(f.name for f in fields(Result))
 
 
-def finish(judge: Yardstick, tally: Tally, duration: float) -> Result:
-    """What a tally says after the last sample of runs of a duration [s], leaves (lanes,)."""
-    m = judge.finish(tally, round(duration / SAMPLE_TIME))
-    unsettled = np.isinf(m.settling_time_s)
+def result(lanes: Lanes, metrics: Metrics, last: ClosedLoop) -> Result:
+    """What became of lanes that were judged stair by stair, leaves (lanes,)."""
+    unsettled = np.isinf(metrics.settling_time_s)
     return Result(
-        m.iae_deg_s, np.where(unsettled, duration, m.settling_time_s), unsettled.astype(float),
-        m.overshoot_percent, m.total_variation_V, np.asarray(tally.stairs.travel, float),
+        metrics.iae_deg_s, np.where(unsettled, lanes.duration, metrics.settling_time_s),
+        unsettled.astype(float), metrics.overshoot_percent, metrics.total_variation_V,
+        np.asarray(last.judge.stairs.travel, float),
     )  # fmt: skip
 
 
 def run(
-    wrist: Wrist,
-    controller: Controller,
-    state: State,
-    asked: Asked,
-    sensor: Sensor,
-    noise: Array,
-    other: Array | None = None,
-    jobs: int | None = None,
-    record: bool = False,
+    lanes: Lanes, controller: Controller | Periodic, jobs: int | None = None, record: bool = False
 ) -> tuple[Result, Array]:
-    """Run lanes through their courses; the results, leaves (lanes,), and the pressures [kPa] (samples + 1,
-    lanes) where they are recorded.
-
-    noise: of standard deviation 1, (rows, lanes), a row for every 10 samples; other: pressure of the other
-    motion [kPa], (samples, lanes), at rest where not given.
-    """
-    samples = round(asked.duration / SAMPLE_TIME)
-    held = holding(wrist, controller, state)
-    first = ClosedLoop(state, held, asked.judge.begin(controller.command(held)))
-    c = SampledClosedLoop(wrist.sampled(), controller.sampled(), asked.profile, asked.judge, sensor)
-    own, hold = ({"noise": noise} if sensor.noise else {}), HOLD
-    if other is not None:  # another value in every sample
-        own, hold = {n: np.repeat(x, HOLD, axis=0)[:samples] for n, x in own.items()}, 1
-        own["other_pressure"] = other
-    last, rows = advance(
-        first, c, samples, clock(wrist, samples), own, hold, int(record),
-        ("plant.pressure",) if record else (), jobs,
-    )  # fmt: skip
-    return finish(asked.judge, last.judge, asked.duration), rows[0] if record else np.empty(
-        (0, noise.shape[1])
-    )
+    """Play lanes; the results, leaves (lanes,), and the pressures [kPa] (samples + 1, lanes) where they are
+    recorded."""
+    played = play(lanes, controller, signals=("plant.pressure",) if record else (), jobs=jobs)
+    pressures = played.rows[0] if record else np.empty((0, lanes.count))
+    return result(lanes, played.metrics, played.last), pressures
 
 
 def lanes_of(wrist: Wrist, pick: NDArray[np.intp]) -> Wrist:

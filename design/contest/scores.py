@@ -23,8 +23,8 @@ from design.contest.plants import (
 from design.contest.play import WORST, both_motions, by_plant, lanes_for, play
 from design.contest.run import METRICS, Result, lanes_of
 from design.contest.statistics import FEWEST, Interval
-from design.contest.tasks import DURATION, FAMILIES, Task, tasks
 from design.controllers.controller import Controller
+from design.evaluation.tasks import FAMILIES, SIDE_BY_SIDE, Task, side_by_side
 from design.metrics import SETTLING_BAND
 from design.robustness.samples.conditions import Conditions
 from design.tasks import STEP
@@ -112,7 +112,7 @@ def contest(
     conditions, scores, aside = Conditions(dead_time=0.0, load=0.0), list[Score](), {}
     fields: dict[str, Field] = {m: perturbed(p, count, seed) for m, p in plants.items()}
     for number, (motion, drawn) in enumerate(fields.items()):
-        given = tasks()
+        given = side_by_side()
         steps = [t for t in given if t.family == "steps"]
         slow = (periodic or {}).get(motion, {})
         declared = nominal(Wrist.of(plants[motion]))
@@ -179,7 +179,7 @@ def coupled_scores(
     one, two = fields
     count = min(f.count for f in fields.values())
     pick = np.arange(0, count, SHARE)
-    virgin = [t for t in tasks() if t.family == "steps" and t.start == "virgin"]
+    virgin = [t for t in side_by_side() if t.family == "steps" and t.start == "virgin"]
     pairs = [(i, a, b) for i in range(pick.size) for a in (0, 1) for b in (0, 1)]
     lanes = []
     for me, motion in enumerate((one, two)):
@@ -215,7 +215,7 @@ def contest_record(found: Contest) -> dict[str, Any]:
         "reference": found.reference,
         "interval": f"paired, {100 * statistics.LEVEL:g} % BCa bootstrap of the mean over plants; ranks "
         "hold together at this level (Bonferroni over the pairs of a table)",
-        "plants_drawn": found.plants, "seed": found.seed, "duration_s": DURATION,
+        "plants_drawn": found.plants, "seed": found.seed, "duration_s": SIDE_BY_SIDE,
         "band_deg": SETTLING_BAND * STEP, "sample_s": SAMPLE_TIME, "command_range_V": list(COMMAND_RANGE),
         "sensor": {"noise_deg": found.conditions.noise, "noise_held_s": HOLD * SAMPLE_TIME,
                    "quantum_deg": found.conditions.quantum},

@@ -1,1 +1,1 @@
-"""How designs are evaluated: the study of controllers, and what figures of plants and loops rest on."""
+"""Evaluation: tasks, the runner that plays controllers on plants and tasks, and studies of what they did."""

@@ -1,20 +1,19 @@
 """An MPC in the loop: one plant, stepped and judged as `design.loop.run` does it."""
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from design import metrics
+from design.evaluation.runner import play, step_from
 from design.metrics import Metrics
 from design.mpc.fallback import Info
 from design.mpc.fallback import State as MPCState
 from plants.errors import InputError
-from plants.simulation import periodic
-from plants.simulation.closed_loop import ClosedLoop, Trajectory, recorded, trajectory
-from plants.simulation.periodic import Periodic
-from plants.simulation.reference_profile import ReferenceProfile
-from plants.simulation.sensor import Sensor
+from plants.simulation.closed_loop import ClosedLoop, Trajectory
+from plants.simulation.periodic import Periodic, prompt
+from plants.simulation.sensor import PERFECT, Sensor
 from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
@@ -38,7 +37,7 @@ def run(
     state: State | None = None,
     duration: float = 10.0,
     record: bool = False,
-    sensor: Sensor = Sensor(),  # noqa: B008  (a value)
+    sensor: Sensor = PERFECT,
     noise: Array | None = None,
     begin: float = 0.0,
     memory: Any = None,
@@ -53,16 +52,7 @@ def run(
     """
     if any(np.ndim(v) for v in wrist.values.values()):
         raise InputError("an MPC is played on one wrist at a time: give parameters that are numbers")
-    at_rest = periodic.prompt(wrist).rest() if state is None else state
-    judge, profile = (
-        metrics.of_step(at_rest.angle, reference, wrist.rig.sample_time),
-        ReferenceProfile((reference,)),
-    )
-    first = periodic.begin(
-        wrist, controller, at_rest, profile, judge, duration, 1, sensor, noise, begin,
-        None if memory is None else [memory],
-    )  # fmt: skip
-    last, rows = periodic.play(first, recorded(first.loop) if record else ())
-    judged = judge.finish(last.loop.judge, len(last.commands))
-    went = trajectory(rows, at_rest, first.c.plant, wrist.rig.sample_time, begin) if record else None
-    return Play(judged, last.loop, last.memories[0], went, last.periods)
+    at_rest = prompt(wrist).rest() if state is None else state
+    lanes = replace(step_from(wrist, at_rest, reference, duration, begin), sensor=sensor, noise=noise)
+    played = play(lanes, controller, None if memory is None else [memory], record)
+    return Play(played.metrics, played.last, played.held[0], played.trajectory, played.periods)

@@ -24,7 +24,7 @@ from plants.effects.effect import Around
 from plants.kernel import pytrees
 from plants.kernel.batches import run_lanes
 from plants.simulation.reference_profile import ReferenceProfile
-from plants.simulation.sensor import Measured, Sensor
+from plants.simulation.sensor import PERFECT, Measured, Sensor
 from plants.wrist import QUIET, SampledWrist, State, Wrist
 
 Number = Any
@@ -46,7 +46,7 @@ class SampledClosedLoop(NamedTuple):
     controller: Any
     reference: ReferenceProfile
     judge: Any = ()
-    sensor: Sensor = Sensor()
+    sensor: Sensor = PERFECT
 
 
 class Signals(NamedTuple):

@@ -19,7 +19,7 @@ from plants.effects.effect import Around
 from plants.errors import InputError
 from plants.simulation.closed_loop import ClosedLoop, SampledClosedLoop, advance
 from plants.simulation.reference_profile import ReferenceProfile
-from plants.simulation.sensor import HOLD, Measured, Sensor
+from plants.simulation.sensor import HOLD, PERFECT, Measured, Sensor
 from plants.wrist import QUIET, State, Wrist
 
 Number = Any
@@ -89,7 +89,7 @@ def begin(
     judge: Any,
     duration: float,
     lanes: int = 1,
-    sensor: Sensor = Sensor(),  # noqa: B008  (a value)
+    sensor: Sensor = PERFECT,
     noise: Array | None = None,
     begin: float = 0.0,
     memories: list[Any] | None = None,

@@ -59,6 +59,10 @@ class Sensor(NamedTuple):
         return self.quantum.size * np.floor(seen * self.quantum.per_degree + 0.5)
 
 
+PERFECT = Sensor()
+"""A sensor that shows the angle itself."""
+
+
 def sensor(noise: float = 0.0, quantum: float = 0.0) -> Sensor:
     """A sensor with noise of a standard deviation [deg] and a quantum [deg]; without those that are 0."""
     return Sensor(

@@ -8,7 +8,8 @@ from design.compare import TUNED
 from design.contest.run import BAND
 from design.contest.scores import BESIDE, BOTH, Contest, Score
 from design.contest.statistics import FEWEST, LEVEL, Interval
-from design.contest.tasks import DURATION, FAMILIES
+from design.evaluation.tasks import FAMILIES
+from design.evaluation.tasks import SIDE_BY_SIDE as DURATION
 from reports.shared.names import name_of, title_of
 from reports.shared.style import BLACK, GREY, controller_line, new_figure, styled
 from reports.shared.tables import Cell, Column, Group, Table, fixed, row

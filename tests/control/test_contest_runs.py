@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from design.contest.coupled import run_coupled
-from design.contest.periodic import play_coupled, play_periodic
+from design.contest.periodic import play_coupled
 from design.contest.plants import carrying, nominal
 from design.contest.run import METRICS, run
 from design.contest.scores import lanes_for
-from design.contest.tasks import DURATION, STAIRS, TREAD, course, tasks
 from design.controllers.pi import PI
 from design.controllers.pi import step as pi_step
+from design.evaluation.tasks import SIDE_BY_SIDE as DURATION
+from design.evaluation.tasks import STAIRS, TREAD, side_by_side
 from design.loop import run as plain_run
 from design.robustness.samples.conditions import Conditions
 from plants import InputError, Wrist
@@ -35,9 +36,9 @@ def lanes(asked, conditions, wrist=WRIST, **effects):
     return lanes_for(field, [0] * len(asked), asked, conditions, seed=3, chunk=0)
 
 
-def short(asked, case):
-    """The case for 1.3 s: where every sample is a period, a run is slow."""
-    return case | {"asked": course(asked, 1.3)}
+def short(asked):
+    """The tasks for 1.3 s: where every sample is a period, a run is slow."""
+    return [replace(t, duration=1.3) for t in asked]
 
 
 def plainly(wrist, state, reference_at):
@@ -52,8 +53,8 @@ def plainly(wrist, state, reference_at):
 
 
 def test_a_step_is_judged_as_the_loop_of_the_comparison_judges_it():
-    steps = [t for t in tasks() if t.family == "steps"]
-    found, _ = run(controller=GAINS, **lanes(steps, QUIET))
+    steps = [t for t in side_by_side() if t.family == "steps"]
+    found, _ = run(lanes(steps, QUIET), GAINS)
     for lane, t in enumerate(steps):
         judged, _, _ = plain_run(WRIST, GAINS, t.references[0], WRIST.rest(t.start), duration=DURATION)
         assert found.iae_deg_s[lane] == pytest.approx(float(judged.iae_deg_s[0]), rel=1e-6)
@@ -64,8 +65,8 @@ def test_a_step_is_judged_as_the_loop_of_the_comparison_judges_it():
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_staircase_is_judged_stair_by_stair(sign):
-    asked = [t for t in tasks() if t.family == "staircase" and t.references[0] * sign > 0.0]
-    found, _ = run(controller=GAINS, **lanes(asked, QUIET))
+    asked = [t for t in side_by_side() if t.family == "staircase" and t.references[0] * sign > 0.0]
+    found, _ = run(lanes(asked, QUIET), GAINS)
     stairs = sign * np.array(STAIRS)
     held = round(1000 * TREAD)
     angle, command, pressure = plainly(WRIST, WRIST.rest(), lambda k: stairs[k // held])
@@ -82,15 +83,15 @@ def test_a_staircase_is_judged_stair_by_stair(sign):
 
 
 def test_a_stair_that_is_not_settled_counts_as_the_whole_window():
-    asked = [t for t in tasks() if t.family == "staircase"]
-    found, _ = run(controller=PI(1.2, 2.2), **lanes(asked, QUIET))
+    asked = [t for t in side_by_side() if t.family == "staircase"]
+    found, _ = run(lanes(asked, QUIET), PI(1.2, 2.2))
     assert found.unsettled.tolist() == [1.0, 1.0]
     assert found.settling_time_s.tolist() == [DURATION, DURATION]
 
 
 def test_a_load_counts_from_when_it_comes():
-    asked = [t for t in tasks() if t.family == "load step"]
-    found, _ = run(controller=GAINS, **lanes(asked, QUIET))
+    asked = [t for t in side_by_side() if t.family == "load step"]
+    found, _ = run(lanes(asked, QUIET), GAINS)
     for lane, t in enumerate(asked):
         loaded = WRIST + LoadStep(t.load, 1.0)
         rest = WRIST.rest(t.start, t.angle)
@@ -117,10 +118,10 @@ class EverySample:
 
 
 def test_a_controller_that_is_played_by_periods_meets_the_same_cases():
-    asked = [next(t for t in tasks() if t.family == f) for f in ("steps", "staircase", "load step")]
-    case = short(asked, lanes(asked, NOISY, **{"dead-time.delay": 0.0503, "creep.gain": 0.1}))
-    one, _ = run(controller=GAINS, **case)
-    other = play_periodic(controller=EverySample(), **case)
+    asked = [next(t for t in side_by_side() if t.family == f) for f in ("steps", "staircase", "load step")]
+    case = lanes(short(asked), NOISY, **{"dead-time.delay": 0.0503, "creep.gain": 0.1})
+    one, _ = run(case, GAINS)
+    other, _ = run(case, EverySample())
     for name in METRICS:
         np.testing.assert_allclose(getattr(other, name), getattr(one, name), rtol=1e-6, atol=1e-9)
 
@@ -129,12 +130,12 @@ def test_a_period_that_does_not_divide_the_window_is_refused():
     seventh = EverySample()
     seventh.problem = SimpleNamespace(substeps=7)
     with pytest.raises(InputError, match="no whole number of periods"):
-        play_periodic(controller=seventh, **lanes(tasks()[:1], QUIET))
+        run(lanes(side_by_side()[:1], QUIET), seventh)
 
 
 def test_coupled_motions_do_what_two_wrists_in_one_loop_do():
     others, gain = (WRIST, Wrist.deviation()), 0.02
-    asked = tasks()[:1]
+    asked = side_by_side()[:1]
     case = tuple(lanes(asked, QUIET, w, **{"cross-coupling.gain": gain}) for w in others)
     found, turns = run_coupled((GAINS, GAINS), case)
     assert turns > 2
@@ -148,13 +149,13 @@ def test_coupled_motions_do_what_two_wrists_in_one_loop_do():
             held[me], command = pi_step(held[me], 15.0 - states[me].angle, pis)
             states[me] = plant.step(states[me], command, c[me], Around(k * 1e-3, pressures[1 - me]))
     assert [float(r.iae_deg_s[0]) for r in found] == pytest.approx(iae.tolist(), rel=1e-6)
-    alone = [float(run(controller=GAINS, **lanes(asked, QUIET, w))[0].iae_deg_s[0]) for w in others]
+    alone = [float(run(lanes(asked, QUIET, w), GAINS)[0].iae_deg_s[0]) for w in others]
     assert abs(iae[0] - alone[0]) > 1e-2  # the coupling is felt
 
 
 def test_coupled_motions_that_are_played_by_periods_do_the_same():
-    others, asked = (WRIST, Wrist.deviation()), tasks()[:2]
-    case = tuple(short(asked, lanes(asked, NOISY, w, **{"cross-coupling.gain": 0.02})) for w in others)
+    others, asked = (WRIST, Wrist.deviation()), side_by_side()[:2]
+    case = tuple(lanes(short(asked), NOISY, w, **{"cross-coupling.gain": 0.02}) for w in others)
     together, _ = run_coupled((GAINS, GAINS), case)
     by_periods = play_coupled((EverySample(), EverySample()), case)
     for one, other in zip(together, by_periods, strict=True):

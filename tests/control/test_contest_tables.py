@@ -12,8 +12,8 @@ from design.contest.plants import FORMS, RIGS, day_to_day, first, nominal, pertu
 from design.contest.run import METRICS
 from design.contest.scores import BESIDE, BOTH, Score, by_plant, play
 from design.contest.statistics import FEWEST, Interval
-from design.contest.tasks import FAMILIES, tasks
 from design.controllers.pi import PI
+from design.evaluation.tasks import FAMILIES, side_by_side
 from design.mpc.linear import linear_mpc
 from design.mpc.problem import Problem
 from design.robustness.box import box_of
@@ -64,7 +64,7 @@ def test_a_single_plant_ranks_nobody():
 
 
 def test_a_score_is_the_mean_over_plants_of_means_and_worst_values_over_tasks():
-    drawn, asked = perturbed(SETS["flexion"], 12), [t for t in tasks() if t.family == "steps"]
+    drawn, asked = perturbed(SETS["flexion"], 12), [t for t in side_by_side() if t.family == "steps"]
     played = play(drawn, {"x": PIS["timid"]}, asked, Conditions(0.0, 0.0, 0.07, 0.01), seed=1)["x"]
     assert played.iae_deg_s.shape == (drawn.count, 8)
     values = by_plant(played, [0, 3])

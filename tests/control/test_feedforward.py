@@ -7,7 +7,8 @@ from design.controllers.controller import Measured, stacked
 from design.controllers.feedforward import Feedforward, FeedforwardPI
 from design.controllers.feedforward_course import no_inverse, reachable, within_reach
 from design.controllers.pi import PI
-from design.loop import run, step_loop
+from design.evaluation.runner import step_from
+from design.loop import run
 from plants import one_page, tree
 from plants.effects.creep import Creep
 from plants.effects.dead_time import DeadTime
@@ -109,7 +110,7 @@ def test_compiled_lanes_and_plain_python_agree():
     _, _, compiled = run(wrist, controller, 9.0, duration=0.4, record=True)
     rest = wrist.rest()
     held = controller.holding(rest.pressure, Measured(0.0, 0.0, rest.pressure))
-    loop, c = step_loop(wrist, controller, 9.0, rest, held)
+    loop, c = step_from(wrist, rest, 9.0).loop(controller, held)
     angles = []
     for k in range(400):
         angles.append(float(loop.plant.angle))

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from design.compare_tasks import played_on_tasks
+from design.evaluation.tasks import returns
 from design.limit import ratios
 from design.mpc.loop import run
 from design.mpc.problem import nominal, robust
@@ -57,8 +58,6 @@ def test_the_nominal_setting_does_not():
 def test_returns_settle_near_their_bound_too(motion):
     """Squared errors alone had the angle leave the band on the other side: the swing's weight keeps it in."""
     wrist = WRISTS[motion]
-    found, bounds, _ = played_on_tasks(wrist, real_time_mpc(nominal(wrist)))
-    returns = [n for n in found if n.startswith("return")]
-    assert len(returns) == 2
-    for name in returns:
-        assert float(ratios(found[name][0], bounds[name]).settling) <= 1.25
+    found = played_on_tasks(wrist, [real_time_mpc(nominal(wrist))])
+    for task in returns():
+        assert float(ratios(found.metrics[task.id][0], found.bounds[task.id]).settling) <= 1.25

@@ -111,7 +111,7 @@ def test_a_row_is_the_run_that_it_names(comparison, motion):
 
 def test_a_return_starts_from_where_five_seconds_of_holding_have_led():
     w, pi = WRISTS["flexion"], PI(1.2, 2.2)
-    (found,) = on_tasks(w, [pi])["return from -15 to 0 deg"]
+    (found,) = on_tasks(w, [pi])["return-"]
     _, held, _ = run(w, pi, -15.0, duration=5.0)
     _, _, t = run(w, pi, 0.0, held.plant, held.controller, record=True)
     assert float(t.angle[0, 0]) == float(held.plant.angle[0])
@@ -250,5 +250,6 @@ def test_a_record_is_flat_and_has_no_infinity(comparison):
     r = row(comparison, "flexion", "0 to +15 deg, virgin", PAPER)
     record = row_record(replace(r, high={**r.high, "settling_time_s": np.inf}))
     assert record["settling_time_s_high"] is None
-    assert len(record) == 3 + 3 * len(METRICS) + 2
+    assert len(record) == 4 + 3 * len(METRICS) + 2
+    assert record["task_id"] == "step+virgin"
     assert all(v is None or isinstance(v, str) or np.isfinite(v) for v in record.values())

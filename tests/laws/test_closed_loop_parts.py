@@ -1,12 +1,14 @@
 """A sensor's noise has its size and hold time, its quantum is one; a part that is absent leaves no code."""
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.loop import run, step_loop
+from design.evaluation.runner import play, step_from
+from design.loop import run
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.draws import Task, noise
 from plants import Wrist
@@ -15,7 +17,7 @@ from plants.effects.gyro_drift import Drift
 from plants.kernel import pytrees as tree
 from plants.kernel.batches import run_lanes
 from plants.kernel.templates import emit
-from plants.simulation.closed_loop import advance, clock, law
+from plants.simulation.closed_loop import law
 from plants.simulation.sensor import HOLD, Noise, Sensor, sensor
 
 LANES, SECONDS = 21, 3.0
@@ -47,11 +49,9 @@ def plain_loop(wrist: Wrist, seen_of: Any) -> np.ndarray:
 
 def behind(wrist: Wrist, gains: PI, reference: float, seen_by: Sensor, noise: Any, every: int, *record: str):
     """Metrics and recorded rows of a step of a loop behind a sensor."""
-    samples = 1000 * int(SECONDS)
-    first, c = step_loop(wrist, gains, reference, wrist.rest(), sensor=seen_by)
-    own = {} if noise is None else {"noise": noise}
-    last, rows = advance(first, c, samples, clock(wrist, samples), own, HOLD, every, record)
-    return c.judge.finish(last.judge, samples), rows
+    lanes = replace(step_from(wrist, wrist.rest(), reference, SECONDS), sensor=seen_by, noise=noise)
+    played = play(lanes, gains, signals=record, every=every)
+    return played.metrics, played.rows
 
 
 @pytest.mark.parametrize("plant", WRISTS)
@@ -156,7 +156,8 @@ def test_a_quantum_rounds_to_the_nearest_and_in_the_kernel_as_in_numpy():
 
 def code(seen_by: Sensor, names: tuple[str, ...] = ("sample",)) -> str:
     """Emitted code of a loop, of which a line for every leaf of the state and the coefficients."""
-    first, c = step_loop(Wrist.flexion(), CONTROLLER, 15.0, Wrist.flexion().rest(), sensor=seen_by)
+    first, c = step_from(Wrist.flexion(), Wrist.flexion().rest(), 15.0).loop(CONTROLLER)
+    c = c._replace(sensor=seen_by)
     if "command" in names:
         first, c = first._replace(controller=()), c._replace(controller=())
     first, c = (tree.like(t, tree.names(t)) for t in (first, c))

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.pi import PI, PIState
-from design.loop import holding, step_loop
+from design.evaluation.runner import play, step_from
+from design.loop import holding
 from plants import tree
 from plants.rest import at_pressure
-from plants.simulation.closed_loop import advance, clock
 from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
@@ -84,17 +84,8 @@ def rollout(
     wrist: Wrist, controller: PI, reference: float, state: State, held: PIState, duration: float, every: int
 ) -> Rollout:
     """The loop of `design.loop` from given states for a duration [s], every `every`-th sample recorded."""
-    samples = round(duration / wrist.rig.sample_time)
-    first, c = step_loop(wrist, controller, reference, state, held)
-    _, rows = advance(
-        first,
-        c,
-        samples,
-        clock(wrist, samples),
-        every=every,
-        record=("plant.pressure", "plant.angle"),
-        jobs=1,
-    )
+    lanes = step_from(wrist, state, reference, duration)
+    rows = play(lanes, controller, held, False, ("plant.pressure", "plant.angle"), every, jobs=1).rows
     time = np.asarray(np.arange(rows.shape[1]) * (every * wrist.rig.sample_time), float)
     return Rollout(time, rows[0], rows[1])
 

@@ -7,7 +7,7 @@ distribution that was drawn from, uniform over the box, and no more is known tha
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any
 
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from design.cluster import each
 from design.controllers.controller import Controller
-from design.loop import step_loop
+from design.evaluation.runner import play, step_from
 from design.metrics import SETTLING_BAND, Metrics
 from design.requirements import LIMIT_UNITS, Limits
 from design.robustness.box import Box
@@ -25,7 +25,6 @@ from design.robustness.samples.draws import CHUNK, Draw, Flags, Task, draw, nois
 from design.tasks import STEP
 from plants.errors import InputError
 from plants.kernel.batches import default_jobs
-from plants.simulation.closed_loop import advance, clock
 from plants.simulation.sensor import HOLD, sensor
 from plants.wrist import SAMPLE_TIME
 
@@ -138,11 +137,12 @@ def _rollouts(
 ) -> tuple[Metrics, Array]:
     """Metrics of cases, and the signals named in `record` after every `every` samples."""
     seen_by = sensor(task.conditions.noise, task.conditions.quantum)
-    first, c = step_loop(cases.wrist, task.controller, cases.reference, cases.state, sensor=seen_by)
-    samples, drawn = round(task.duration / SAMPLE_TIME), noise(task, *piece)
-    own = {} if drawn is None else {"noise": drawn}
-    last, rows = advance(first, c, samples, clock(cases.wrist, samples), own, HOLD, every, record, jobs=1)
-    return c.judge.finish(last.judge, samples), rows
+    lanes = step_from(cases.wrist, cases.state, cases.reference, task.duration)
+    played = play(
+        replace(lanes, sensor=seen_by, noise=noise(task, *piece)), task.controller, signals=record,
+        every=every, jobs=1,
+    )  # fmt: skip
+    return played.metrics, played.rows
 
 
 def _refuse(task: Task, samples: int) -> None:
