@@ -23,11 +23,11 @@ from numpy.typing import NDArray
 from design.controllers.controller import Controller, Measured
 from design.loop import run
 from design.metrics import Metrics
-from design.tasks import HEADROOM, STEP, Scenario, corner, unreachable
+from design.tasks import HEADROOM, Scenario, corner, unreachable
 from plants import tree
 from plants.effects.dead_time import DeadTime
 from plants.errors import InputError
-from plants.wrist import COMMAND_RANGE, STARTS, Start, Wrist
+from plants.wrist import STARTS, Start, Wrist
 
 Array = NDArray[np.float64]
 
@@ -154,7 +154,7 @@ def break_even(
     plain: Controller,
     others: Mapping[str, Controller],
     grids: Mapping[str, Array] | None = None,
-    step: float = STEP,
+    step: float | None = None,
     duration: float = 10.0,
     jobs: int | None = None,
 ) -> BreakEven:
@@ -173,6 +173,7 @@ def break_even(
     [0.39, 0.73]
     """
     tried = GRIDS if grids is None else grids
+    step = wrist.rig.task.step if step is None else step
     _check(wrist, tried)
     cases = [c for kind, errors in tried.items() for e in errors for c in _cases(wrist, kind, float(e), step)]
     judged = {name: _judge(cases, c, duration, jobs) for name, c in {"": plain, **others}.items()}
@@ -204,7 +205,8 @@ def _cases(wrist: Wrist, kind: str, error: float, step: float) -> list[Case]:
     width = error if kind == "loop width" else 0.0
     slope = error if kind == "slope" else 0.0
     true = corner(wrist, 1.0 + width, 1.0 + slope, 1.0)
-    low, high = COMMAND_RANGE[0] + HEADROOM, COMMAND_RANGE[1] - HEADROOM
+    least, most = wrist.rig.command_range
+    low, high = least + HEADROOM, most - HEADROOM
     found = []
     for sign in (1.0, -1.0):
         for start in STARTS:

@@ -30,13 +30,13 @@ from design.controllers.feedforward_course import no_inverse
 from design.controllers.pi import PI
 from design.controllers.registry import REGISTERED
 from design.evaluation.tasks import Task, comparison_tasks
+from design.evaluation.tasks import steps as step_tasks
 from design.input_loop import command_margins
 from design.limit import Limit, ratios
 from design.loop import Trajectory
 from design.metrics import Metrics
 from design.requirements import ROUNDING, Limits, default_problem
 from design.rules import baselines, paper_range
-from design.tasks import STEP
 from plants.wrist import Wrist
 
 __all__ = [
@@ -123,7 +123,7 @@ def compare(
             steps[motion, name] = found.trajectory
             own = [
                 _row(motion, t, name, found.metrics[t.id], found.bounds[t.id] if found.bounds else None)
-                for t in comparison_tasks()
+                for t in comparison_tasks(wrist.rig)
             ]
             made = design_record(others[name]) if name in others else {}
             standings.append(_standing(motion, name, wrist, alike[0], own, limits, made))
@@ -132,7 +132,7 @@ def compare(
         one, other = wrists
         for name in (n for m, n in done if m == one and (other, n) in done):
             a, b = done[one, name], done[other, name]
-            for t in (t for t in comparison_tasks() if t.family == "steps" and t.start == "virgin"):
+            for t in (t for t in step_tasks(wrists[one].rig) if t.start == "virgin"):
                 both = [together(x, y) for x, y in zip(a.metrics[t.id], b.metrics[t.id], strict=True)]
                 slowest = later(a.bounds[t.id], b.bounds[t.id]) if a.bounds and b.bounds else None
                 rows.append(_row("both at once", t, name, both, slowest))
@@ -157,7 +157,7 @@ def _standing(
         "overshoot_percent": worst["overshoot_percent"],
         "Ms": Ms,
         "total_variation_V": worst["total_variation_V"],
-        "steady_error_percent": 100.0 * worst["steady_state_error_deg"] / STEP,
+        "steady_error_percent": 100.0 * worst["steady_state_error_deg"] / wrist.rig.task.step,
     }
     breaks = [n for n, v in held.items() if n in limits.named and v > limits.named[n] * ROUNDING]
     if "delay_margin_s" in limits.named and delay < limits.named["delay_margin_s"] / ROUNDING:

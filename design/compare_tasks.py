@@ -37,17 +37,17 @@ class OnTasks:
 
 def task_scenarios(wrist: Wrist) -> list[Scenario]:
     """The 15 degree steps of one motion: both signs, from every starting memory."""
-    return [Scenario(t.start, t.angle, t.references[-1], wrist) for t in steps()]
+    return [Scenario(t.start, t.angle, t.references[-1], wrist) for t in steps(wrist.rig)]
 
 
 def on_tasks(wrist: Wrist, alike: Sequence[Controller | Periodic]) -> dict[str, list[Metrics]]:
     """Metrics by the task's id, one for each of some controllers of one kind."""
-    return {t.id: _each(play_task(wrist, alike, t)[0], len(alike)) for t in comparison_tasks()}
+    return {t.id: _each(play_task(wrist, alike, t)[0], len(alike)) for t in comparison_tasks(wrist.rig)}
 
 
 def played_on_tasks(wrist: Wrist, alike: Sequence[Controller | Periodic]) -> OnTasks:
     """What some controllers of one kind do on every task, and what no controller could do better."""
-    played = {t.id: play_task(wrist, alike, t, t.id == DRAWN) for t in comparison_tasks()}
+    played = {t.id: play_task(wrist, alike, t, t.id == DRAWN) for t in comparison_tasks(wrist.rig)}
     drawn = played[DRAWN][0].trajectory
     assert drawn is not None
     first = Trajectory(drawn.time, *(x[:, :1] for n, x in vars(drawn).items() if n != "time"))
@@ -78,7 +78,7 @@ def _bounds(wrist: Wrist, begun: dict[str, State]) -> dict[str, Limit] | None:
     """Bounds by the task's id, of tasks of several stages from the states at which the last begins."""
     try:
         found = limits_of(wrist)
-        for task in comparison_tasks():
+        for task in comparison_tasks(wrist.rig):
             if len(task.stages) > 1:
                 here = [float(np.ravel(x)[0]) for x in pytrees.leaves(begun[task.id])]
                 (*_, (angle, _, _), (reference, moment, _)) = task.stages

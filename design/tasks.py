@@ -13,10 +13,14 @@ import numpy as np
 
 from plants import tree
 from plants.rest import obstacle
+from plants.rig import Rig, built_in_rig
 from plants.wrist import STARTS, Start, State, Wrist
 
-STEP = 15.0
-"""Size of the paper's step [deg] (section 7)."""
+STEP = built_in_rig().task.step
+"""Size of the step of the built-in rig [deg]."""
+
+
+_PAPER = built_in_rig().uncertainty
 
 
 @dataclass(frozen=True)
@@ -42,13 +46,18 @@ class Scenario:
 class Spread:
     """How far the corners of the plant lie from its nominal values, as shares of them.
 
-    The defaults are assumed: what the practice of refitting a pneumatic rig
-    shows from day to day, not a measured uncertainty of this one.
+    The defaults are those of the built-in rig, and assumed: what the practice of refitting a
+    pneumatic rig shows from day to day, not a measured uncertainty of this one.
     """
 
-    width: float = 0.2  # of both offsets w1, w2: the loop's width
-    slope: float = 0.1  # of all slopes together
-    lag: float = 0.2  # of Tw
+    width: float = _PAPER.width  # of both offsets w1, w2: the loop's width
+    slope: float = _PAPER.slope  # of all slopes together
+    lag: float = _PAPER.lag  # of Tw
+
+    @classmethod
+    def of(cls, rig: Rig) -> "Spread":
+        """What a rig declares."""
+        return cls(rig.uncertainty.width, rig.uncertainty.slope, rig.uncertainty.lag)
 
 
 def corner(wrist: Wrist, width: float, slope: float, lag: float) -> Wrist:
@@ -71,14 +80,14 @@ def corners(wrist: Wrist, spread: Spread) -> list[tuple[str, Wrist]]:
     return found
 
 
-def tuning_scenarios(wrist: Wrist, spread: Spread | None = None, step: float = STEP) -> list[Scenario]:
+def tuning_scenarios(wrist: Wrist, spread: Spread | None = None) -> list[Scenario]:
     """The declared set that gains are tuned on: 90 scenarios.
 
     Both signs of the step from each of the four starting memories, and the
     return from each held step, on the nominal plant and the eight corners.
     """
-    found = []
-    for name, plant in corners(wrist, spread or Spread()):
+    found, step = [], wrist.rig.task.step
+    for name, plant in corners(wrist, spread or Spread.of(wrist.rig)):
         for start, reference in product(STARTS, (step, -step)):
             found.append(Scenario(start, 0.0, reference, plant, name))
         found.append(Scenario("line1", step, 0.0, plant, name))

@@ -17,7 +17,6 @@ from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.draws import generator
 from plants.simulation.periodic import Periodic
 from plants.simulation.sensor import HOLD, sensor
-from plants.wrist import SAMPLE_TIME
 
 Array = NDArray[np.float64]
 
@@ -66,7 +65,7 @@ def lanes_for(
         "load-step.shift": np.array([t.load for t in asked]),
         "load-step.moment": np.array([t.judged_from for t in asked]),
     }
-    rows = round(asked[0].duration / SAMPLE_TIME) // HOLD
+    rows = round(asked[0].duration / wrist.rig.sample_time) // HOLD
     noise = generator(seed, chunk, NOISE).standard_normal((rows, len(which)))
     lanes = batch(wrist.with_values(**loads), state, asked)
     return replace(lanes, sensor=sensor(conditions.noise, conditions.quantum), noise=noise)

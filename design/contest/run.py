@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from design.controllers.controller import Controller
 from design.evaluation.runner import Lanes, play
-from design.metrics import SETTLING_BAND, Metrics
-from design.tasks import STEP
+from design.metrics import Metrics
 from plants.kernel import pytrees as tree
 from plants.rest import at_rest
 from plants.simulation.closed_loop import ClosedLoop
@@ -22,9 +21,6 @@ from plants.wrist import State, Wrist
 
 Number = Any
 Array = NDArray[np.float64]
-
-BAND = SETTLING_BAND * STEP
-"""Half-width of the settling band [deg], the same for all tasks."""
 
 
 @dataclass(frozen=True)

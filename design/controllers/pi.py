@@ -28,7 +28,8 @@ class PI:
     """Gains of the controller: Kp [kPa/deg], Ki [kPa/(deg s)]; floats or arrays of lanes.
 
     gain [kPa/V] and rest_pressure [kPa] are what the controller knows of the
-    regulator, those of the built-in wrist where not given; low and high [V] bound the command.  Raises ValueError for gains
+    regulator, those of the built-in wrist where not given; low and high [V] bound the
+    command.  Raises ValueError for gains
     that are negative or not finite.
     """
 

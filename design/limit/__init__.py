@@ -118,7 +118,7 @@ def limits_of(wrist: Wrist, trajectory: bool = False) -> dict[str, Limit]:
 
 @cache
 def _limits_of(wrist: Wrist, trajectory: bool) -> dict[str, Limit]:
-    return {t.id: limit(_scenario(t, wrist), trajectory) for t in comparison_tasks()}
+    return {t.id: limit(_scenario(t, wrist), trajectory) for t in comparison_tasks(wrist.rig)}
 
 
 def _scenario(task: Task, wrist: Wrist) -> Scenario:

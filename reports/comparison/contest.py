@@ -5,11 +5,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from design.compare import TUNED
-from design.contest.run import BAND
 from design.contest.scores import BESIDE, BOTH, Contest, Score
 from design.contest.statistics import FEWEST, LEVEL, Interval
-from design.evaluation.tasks import FAMILIES
-from design.evaluation.tasks import SIDE_BY_SIDE as DURATION
+from design.evaluation.tasks import families, lasts
 from reports.shared.names import name_of, title_of
 from reports.shared.style import BLACK, GREY, controller_line, new_figure, styled
 from reports.shared.tables import Cell, Column, Group, Table, fixed, row
@@ -56,7 +54,8 @@ def _table(found: Contest, keys: list[tuple[str, str, str]], overshoot: float | 
         heading = (
             f"{'Both motions at once' if motion == BOTH else title_of(motion)}: {field}, {family} ({plants})"
         )
-        rows = tuple(_row(s, overshoot) for s in scores)
+        lasting = lasts("side by side", found.rig)
+        rows = tuple(_row(s, overshoot, lasting) for s in scores)
         groups.append(
             Group(heading, rows, tuple(i for i, s in enumerate(scores) if s.controller == found.reference))
         )
@@ -70,14 +69,14 @@ def _table(found: Contest, keys: list[tuple[str, str, str]], overshoot: float | 
     return Table(columns, tuple(groups))
 
 
-def _row(s: Score, overshoot: float | None) -> tuple[Cell, ...]:
+def _row(s: Score, overshoot: float | None, lasting: float) -> tuple[Cell, ...]:
     m = s.mean
     beyond = overshoot is not None and m["overshoot_percent"] > overshoot
     return row(
         name_of(s.controller), fixed(m["iae_deg_s"], 2), _difference(s.against["iae_deg_s"]),
         _rank(s, "iae_deg_s"), fixed(m["settling_time_s"], 2), _difference(s.against["settling_time_s"]),
         _rank(s, "settling_time_s"),
-        fixed(s.settling_q95, 2) if s.settling_q95 < DURATION else f"> {DURATION:g}",
+        fixed(s.settling_q95, 2) if s.settling_q95 < lasting else f"> {lasting:g}",
         fixed(100.0 * m["unsettled"], 0),
         Cell(fixed(m["overshoot_percent"], 1), "", beyond),
         fixed(m["total_variation_V"], 1), fixed(m["pressure_travel_kPa"], 0),
@@ -141,23 +140,25 @@ def _panel(axes: "Axes", scores: list[Score]) -> None:
 
 def how(found: Contest) -> list[str]:
     """How the contest was played, in sentences."""
-    c = found.conditions
+    c, rig = found.conditions, found.rig
+    band = f"{rig.task.band * rig.task.step:g} {rig.units.angle}"
+    lasting = f"{lasts('side by side', rig):g} s"
     return [
         f"{found.plants} plants of each motion are drawn independently, within the spread from day to day "
         "that gains are tuned for, or two standard errors where these are wider; drawn inside, where the "
         f"tuning scenarios are corners{_less(found)}; the same plants for every controller. Every run of "
-        f"{DURATION:g} s has the same range and sampling, and the same "
+        f"{lasting} has the same range and sampling, and the same "
         f"sensor: white noise of {c.noise:g} deg, held for 10 ms, shown in steps of {c.quantum:g} deg; "
         "the pressure is seen as it is. None of these plants, rigs, courses and noises was tuned on.",
         "On each plant the error is the mean over the tasks of a family, settling and overshoot are the "
-        f"worst; what does not settle within ±{BAND:g} deg counts as {DURATION:g} s. The tables give means "
-        f"over the plants; beneath a difference stands its paired {100 * LEVEL:g} % interval (bootstrap over "
-        "the plants, BCa). Ranks are given as far as the pairs of a table support them together: “2 to 4” "
+        f"worst; what does not settle within ±{band} counts as {lasting}. The tables give "
+        f"means over the plants; beneath a difference stands its paired {100 * LEVEL:g} % interval (bootstrap "
+        "over the plants, BCa). Ranks are given as far as the pairs of a table support them together: “2 to 4” "
         f"is a tie that these plants do not break; fewer than {FEWEST} plants give neither interval nor "
         "rank. An overshoot beyond the limit is marked.",
         "The MPCs, slow to simulate, do every task on the plant as it is. Where a field says "
         f"“{BESIDE.strip(', ')}”, all do the steps once more with them, on the first of the perturbed "
         "plants, on the plant as it is with the effect of a rig, or on one coupled pair. The weights of "
         "the MPCs are not tuned on scenarios.",
-        "The families: " + "; ".join(f"{n}: {words}" for n, words in FAMILIES.items()) + ".",
+        "The families: " + "; ".join(f"{n}: {words}" for n, words in families(rig).items()) + ".",
     ]

@@ -13,8 +13,7 @@ from design.contest.run import METRICS, run
 from design.contest.scores import lanes_for
 from design.controllers.pi import PI
 from design.controllers.pi import step as pi_step
-from design.evaluation.tasks import SIDE_BY_SIDE as DURATION
-from design.evaluation.tasks import STAIRS, TREAD, side_by_side
+from design.evaluation.tasks import lasts, side_by_side, stairs
 from design.loop import run as plain_run
 from design.robustness.samples.conditions import Conditions
 from plants import InputError, Wrist
@@ -25,6 +24,8 @@ from plants.effects.effect import Around
 from plants.effects.load_step import LoadStep
 
 WRIST = Wrist.flexion()
+RIG = WRIST.rig
+DURATION = lasts("side by side", RIG)
 GAINS = PI(3.0, 10.0)
 QUIET = Conditions(0.0, 0.0, 0.0, 0.0)
 NOISY = Conditions(0.0, 0.0, 0.07, 0.01)
@@ -53,7 +54,7 @@ def plainly(wrist, state, reference_at):
 
 
 def test_a_step_is_judged_as_the_loop_of_the_comparison_judges_it():
-    steps = [t for t in side_by_side() if t.family == "steps"]
+    steps = [t for t in side_by_side(RIG) if t.family == "steps"]
     found, _ = run(lanes(steps, QUIET), GAINS)
     for lane, t in enumerate(steps):
         judged, _, _ = plain_run(WRIST, GAINS, t.references[0], WRIST.rest(t.start), duration=DURATION)
@@ -65,10 +66,10 @@ def test_a_step_is_judged_as_the_loop_of_the_comparison_judges_it():
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_staircase_is_judged_stair_by_stair(sign):
-    asked = [t for t in side_by_side() if t.family == "staircase" and t.references[0] * sign > 0.0]
+    asked = [t for t in side_by_side(RIG) if t.family == "staircase" and t.references[0] * sign > 0.0]
     found, _ = run(lanes(asked, QUIET), GAINS)
-    stairs = sign * np.array(STAIRS)
-    held = round(1000 * TREAD)
+    stairs = sign * np.array(stairs(RIG))
+    held = round(1000 * lasts("tread", RIG))
     angle, command, pressure = plainly(WRIST, WRIST.rest(), lambda k: stairs[k // held])
     error = np.abs(angle - np.repeat(stairs, held))
     assert found.iae_deg_s[0] == pytest.approx(error.sum() * 1e-3, rel=1e-6)
@@ -83,14 +84,14 @@ def test_a_staircase_is_judged_stair_by_stair(sign):
 
 
 def test_a_stair_that_is_not_settled_counts_as_the_whole_window():
-    asked = [t for t in side_by_side() if t.family == "staircase"]
+    asked = [t for t in side_by_side(RIG) if t.family == "staircase"]
     found, _ = run(lanes(asked, QUIET), PI(1.2, 2.2))
     assert found.unsettled.tolist() == [1.0, 1.0]
     assert found.settling_time_s.tolist() == [DURATION, DURATION]
 
 
 def test_a_load_counts_from_when_it_comes():
-    asked = [t for t in side_by_side() if t.family == "load step"]
+    asked = [t for t in side_by_side(RIG) if t.family == "load step"]
     found, _ = run(lanes(asked, QUIET), GAINS)
     for lane, t in enumerate(asked):
         loaded = WRIST + LoadStep(t.load, 1.0)
@@ -118,7 +119,7 @@ class EverySample:
 
 
 def test_a_controller_that_is_played_by_periods_meets_the_same_cases():
-    asked = [next(t for t in side_by_side() if t.family == f) for f in ("steps", "staircase", "load step")]
+    asked = [next(t for t in side_by_side(RIG) if t.family == f) for f in ("steps", "staircase", "load step")]
     case = lanes(short(asked), NOISY, **{"dead-time.delay": 0.0503, "creep.gain": 0.1})
     one, _ = run(case, GAINS)
     other, _ = run(case, EverySample())
@@ -130,12 +131,12 @@ def test_a_period_that_does_not_divide_the_window_is_refused():
     seventh = EverySample()
     seventh.problem = SimpleNamespace(substeps=7)
     with pytest.raises(InputError, match="no whole number of periods"):
-        run(lanes(side_by_side()[:1], QUIET), seventh)
+        run(lanes(side_by_side(RIG)[:1], QUIET), seventh)
 
 
 def test_coupled_motions_do_what_two_wrists_in_one_loop_do():
     others, gain = (WRIST, Wrist.deviation()), 0.02
-    asked = side_by_side()[:1]
+    asked = side_by_side(RIG)[:1]
     case = tuple(lanes(asked, QUIET, w, **{"cross-coupling.gain": gain}) for w in others)
     found, turns = run_coupled((GAINS, GAINS), case)
     assert turns > 2
@@ -154,7 +155,7 @@ def test_coupled_motions_do_what_two_wrists_in_one_loop_do():
 
 
 def test_coupled_motions_that_are_played_by_periods_do_the_same():
-    others, asked = (WRIST, Wrist.deviation()), side_by_side()[:2]
+    others, asked = (WRIST, Wrist.deviation()), side_by_side(RIG)[:2]
     case = tuple(lanes(short(asked), NOISY, w, **{"cross-coupling.gain": 0.02}) for w in others)
     together, _ = run_coupled((GAINS, GAINS), case)
     by_periods = play_coupled((EverySample(), EverySample()), case)

@@ -21,6 +21,7 @@ from design.robustness.samples.conditions import Conditions
 from plants import InputError, Wrist, built_in
 from plants.effects.effect import Effect
 from plants.files import json_text
+from plants.rig import built_in_rig
 from reports.comparison.contest_words import against, rig_sentences, sentences
 
 SETS = {m: built_in(m) for m in ("flexion", "deviation")}
@@ -64,7 +65,10 @@ def test_a_single_plant_ranks_nobody():
 
 
 def test_a_score_is_the_mean_over_plants_of_means_and_worst_values_over_tasks():
-    drawn, asked = perturbed(SETS["flexion"], 12), [t for t in side_by_side() if t.family == "steps"]
+    drawn, asked = (
+        perturbed(SETS["flexion"], 12),
+        [t for t in side_by_side(built_in_rig()) if t.family == "steps"],
+    )
     played = play(drawn, {"x": PIS["timid"]}, asked, Conditions(0.0, 0.0, 0.07, 0.01), seed=1)["x"]
     assert played.iae_deg_s.shape == (drawn.count, 8)
     values = by_plant(played, [0, 3])

@@ -12,6 +12,7 @@ from design.mpc.problem import nominal, robust
 from design.mpc.real_time import real_time_mpc
 from plants import Wrist
 from plants.effects.dead_time import DeadTime
+from plants.rig import built_in_rig
 from plants.simulation.periodic import prompt
 from plants.wrist import STARTS
 
@@ -59,5 +60,5 @@ def test_returns_settle_near_their_bound_too(motion):
     """Squared errors alone had the angle leave the band on the other side: the swing's weight keeps it in."""
     wrist = WRISTS[motion]
     found = played_on_tasks(wrist, [real_time_mpc(nominal(wrist))])
-    for task in returns():
+    for task in returns(built_in_rig()):
         assert float(ratios(found.metrics[task.id][0], found.bounds[task.id]).settling) <= 1.25
