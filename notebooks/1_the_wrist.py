@@ -19,8 +19,8 @@ import numpy as np
 
 import design
 import plants
-from design.evaluation.paper import series
 from design.rules import PAPER_GAINS
+from design.studies.paper import series
 from design.tasks import STEP, Scenario, stack
 from plants.hysteresis import Memory
 from plants.linear import RATES, branch_slopes, wrist_x0

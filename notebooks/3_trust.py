@@ -16,7 +16,6 @@ import numpy as np
 
 import design
 import plants
-from design.evaluation.robustness_study import worst_run
 from design.requirements import default_problem, evaluate
 from design.robustness.assess import assess
 from design.robustness.box import box_of
@@ -28,6 +27,7 @@ from design.robustness.predictions.limit_cycles import limit_cycles
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.monte_carlo import envelopes, monte_carlo
 from design.rules import PAPER_GAINS
+from design.studies.robustness_study import worst_run
 from design.tasks import STEP
 from plants.quantities import built_in
 from reports.notebooks.figures import word_growth

@@ -61,7 +61,7 @@ def command(
 ) -> None:
     from design.cli.compare_tables import contest_table, table
     from design.contest.statistics import FEWEST
-    from design.evaluation.study import Question, study
+    from design.studies.study import Question, study
     from plants.errors import InputError
     from plants.wrist import Wrist
     from reports.comparison.contest_words import sentences

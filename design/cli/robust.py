@@ -188,7 +188,7 @@ def _cells(s: "Statement") -> tuple[str, ...]:
 
 
 def _write_page(out: Path, found: "Assessment", points: int, seed: int, jobs: int | None) -> Path:
-    from design.evaluation.robustness_study import robustness_study
+    from design.studies.robustness_study import robustness_study
     from reports.robustness.page import write_robust
     from reports.shared.html import Made
 

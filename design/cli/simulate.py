@@ -179,7 +179,7 @@ def _closed(
 
 
 def _figure(number: int, axis: Axis, plant: Path | None, json: Path | None, out: Path | None) -> None:
-    from design.evaluation.paper import series
+    from design.studies.paper import series
     from plants.errors import InputError
     from plants.wrist import Wrist
     from reports.paper import figures as paper

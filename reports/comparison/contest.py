@@ -152,9 +152,9 @@ def how(found: Contest) -> list[str]:
         "the pressure is seen as it is. None of these plants, rigs, courses and noises was tuned on.",
         "On each plant the error is the mean over the tasks of a family, settling and overshoot are the "
         f"worst; what does not settle within ±{band} counts as {lasting}. The tables give "
-        f"means over the plants; beneath a difference stands its paired {100 * LEVEL:g} % interval (bootstrap "
-        "over the plants, BCa). Ranks are given as far as the pairs of a table support them together: “2 to 4” "
-        f"is a tie that these plants do not break; fewer than {FEWEST} plants give neither interval nor "
+        f"means over the plants; beneath a difference stands its paired {100 * LEVEL:g} % interval "
+        "(bootstrap over the plants, BCa). Ranks are given as far as the pairs of a table support them "
+        "together: “2 to 4” is a tie that these plants do not break; fewer than {FEWEST} plants give neither interval nor "
         "rank. An overshoot beyond the limit is marked.",
         "The MPCs, slow to simulate, do every task on the plant as it is. Where a field says "
         f"“{BESIDE.strip(', ')}”, all do the steps once more with them, on the first of the perturbed "

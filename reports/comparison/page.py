@@ -9,9 +9,9 @@ from design.answer import Answer
 from design.break_even import BreakEven
 from design.compare import Comparison
 from design.contest import Contest
-from design.evaluation.study import Study
 from design.metrics import SETTLING_BAND
 from design.mpc.timing import Ledger
+from design.studies.study import Study
 from design.tasks import STEP
 from plants.measured.fit import Fit
 from plants.quantities import Fitted, ParameterSet

@@ -8,7 +8,7 @@ from typing import Any
 
 from design.compare import Comparison, row_record
 from design.contest import Contest, contest_record
-from design.evaluation.study import Study
+from design.studies.study import Study
 from reports.comparison.contest_words import sentences
 from reports.comparison.costs import break_even_record, ledger_record
 from reports.comparison.verdict_words import verdict_sentences

@@ -2,8 +2,8 @@
 
 from math import isfinite
 
-from design.evaluation.study import Study
-from design.evaluation.verdict import Rank, Settling, Verdict
+from design.studies.study import Study
+from design.studies.verdict import Rank, Settling, Verdict
 from reports.shared.tuning import refused
 
 AGAINST = {

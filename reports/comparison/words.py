@@ -10,8 +10,8 @@ from design.compare import PAPER, TUNED, Comparison, Row
 from design.contest.plants import RIGS
 from design.contest.scores import BESIDE, Contest, Score
 from design.contest.statistics import FEWEST, LEVEL
-from design.evaluation.study import Study
 from design.rules import PAPER_FACTOR, PAPER_GAINS
+from design.studies.study import Study
 from design.tasks import HEADROOM, STEP
 from design.tuning import ACTIVE
 from plants.measured.fit import EXPLAINED, Fit

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from design.evaluation.panels import Panel
 from design.rules import PAPER_FACTOR, PAPER_GAINS
+from design.studies.panels import Panel
 from plants.quantities import REGULATOR_NAMES, Fitted, ParameterSet, built_in
 from reports.paper import plots
 from reports.paper.plots import Plot
@@ -26,7 +26,7 @@ LOOP_NAMES = ("a1", "w1", "a2", "w2", "s")
 
 @dataclass(frozen=True)
 class PaperFigure:
-    """A figure of the paper: its title there, how its series (`design.evaluation.paper`) are drawn, what is
+    """A figure of the paper: its title there, how its series (`design.studies.paper`) are drawn, what is
     to be seen, and the parameters that it rests on; `stand_in` if the PI's gains are too."""
 
     title: str

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from design.evaluation.panels import Panel, Series
-from design.evaluation.paper import HOLD, STAIRCASE
 from design.metrics import SETTLING_BAND
+from design.studies.panels import Panel, Series
+from design.studies.paper import HOLD, STAIRCASE
 from design.tasks import STEP
 from plants.wrist import COMMAND_RANGE
 from reports.shared.style import BLACK, BLUE, DASHED, DOTTED, GREY, LINES, PALE, VERMILLION, new_figure, seen

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from design.evaluation.robustness_study import RobustnessStudy
 from design.robustness.samples.scenario_file import save as save_scenario
+from design.studies.robustness_study import RobustnessStudy
 from design.tasks import STEP
 from reports.robustness import branch_figures, tables, words
 from reports.robustness import figures as robust_figures

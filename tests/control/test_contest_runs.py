@@ -68,16 +68,16 @@ def test_a_step_is_judged_as_the_loop_of_the_comparison_judges_it():
 def test_a_staircase_is_judged_stair_by_stair(sign):
     asked = [t for t in side_by_side(RIG) if t.family == "staircase" and t.references[0] * sign > 0.0]
     found, _ = run(lanes(asked, QUIET), GAINS)
-    stairs = sign * np.array(stairs(RIG))
+    treads = sign * np.array(stairs(RIG))
     held = round(1000 * lasts("tread", RIG))
-    angle, command, pressure = plainly(WRIST, WRIST.rest(), lambda k: stairs[k // held])
-    error = np.abs(angle - np.repeat(stairs, held))
+    angle, command, pressure = plainly(WRIST, WRIST.rest(), lambda k: treads[k // held])
+    error = np.abs(angle - np.repeat(treads, held))
     assert found.iae_deg_s[0] == pytest.approx(error.sum() * 1e-3, rel=1e-6)
     assert found.total_variation_V[0] == pytest.approx(
         np.abs(np.diff(command, prepend=100.0 / 49.4)).sum(), rel=1e-5
     )
     assert found.pressure_travel_kPa[0] == pytest.approx(np.abs(np.diff(pressure)).sum(), rel=1e-3)
-    outside = [np.flatnonzero(part >= 0.3) for part in error.reshape(len(stairs), held)]
+    outside = [np.flatnonzero(part >= 0.3) for part in error.reshape(len(treads), held)]
     assert all(part[-1] + 1 < held for part in outside)
     assert found.unsettled[0] == 0.0
     assert found.settling_time_s[0] == pytest.approx(max(p[-1] + 1 for p in outside) * 1e-3, abs=1.5e-3)

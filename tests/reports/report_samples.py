@@ -14,9 +14,6 @@ from design.compare import compare
 from design.contest import Contest, contest
 from design.controllers.feedforward import Feedforward
 from design.controllers.pi import PI
-from design.evaluation.paper import redrawn
-from design.evaluation.robustness_study import RobustnessStudy, study_of
-from design.evaluation.study import Question, Study
 from design.mpc.fallback import HELD, SOLVED, Info
 from design.mpc.timing import Ledger, ledger
 from design.requirements import Problem
@@ -24,6 +21,9 @@ from design.robustness.assess import Assessment, assess
 from design.robustness.box import box_of
 from design.robustness.certificates.continuous.search import RUNGS
 from design.robustness.gain_plane import gain_plane
+from design.studies.paper import redrawn
+from design.studies.robustness_study import RobustnessStudy, study_of
+from design.studies.study import Question, Study
 from design.tasks import Spread, tuning_scenarios
 from design.tuning import Region, tune
 from plants import Wrist, built_in

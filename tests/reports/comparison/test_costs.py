@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from design.answer import LimitBroken
-from design.evaluation.study import Question
+from design.studies.study import Question
 from reports.comparison.contest import main_table
 from reports.comparison.costs import break_even_table, break_even_words, ledger_table, ledger_words
 from reports.comparison.words import LATE, summary

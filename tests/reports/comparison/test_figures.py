@@ -6,7 +6,7 @@ import matplotlib
 import numpy as np
 import pytest
 
-from design.evaluation.study import Study
+from design.studies.study import Study
 from reports.comparison import figures
 from reports.shared import signals
 from reports.shared.fit import draw_fit, shown_run

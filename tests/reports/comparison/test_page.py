@@ -9,7 +9,7 @@ import pytest
 
 from design.alternatives.lqi_design import RobustLQI
 from design.compare import row_record
-from design.evaluation.study import Question, Study
+from design.studies.study import Question, Study
 from plants import InputError
 from plants.effects import DeadTime
 from plants.files import json_text

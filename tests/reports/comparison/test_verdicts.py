@@ -7,8 +7,8 @@ import pytest
 
 from design.answer import LimitBroken
 from design.compare import PAPER, TUNED, Comparison, Row, Standing
-from design.evaluation.verdict import verdicts
 from design.requirements import Limits
+from design.studies.verdict import verdicts
 from reports.comparison.verdict_words import verdict_sentence, verdict_sentences
 from tests.reports.report_samples import small_study
 

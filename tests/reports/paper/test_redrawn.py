@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from design.evaluation.paper import SERIES, series
+from design.studies.paper import SERIES, series
 from plants import Wrist, built_in
 from reports.paper import figures as paper
 from reports.shared.style import svg

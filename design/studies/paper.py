@@ -10,9 +10,9 @@ from functools import partial
 import numpy as np
 
 from design.controllers.pi import PI
-from design.evaluation.panels import Array, Panel, Series
 from design.loop import run
 from design.rules import paper_range
+from design.studies.panels import Array, Panel, Series
 from design.tasks import STEP
 from plants.quantities import REGULATOR_NAMES
 from plants.regulator import Regulator

@@ -15,11 +15,11 @@ from design.compare import FORWARD, TUNED, Comparison, compare, controllers
 from design.contest import Contest, contest
 from design.controllers.controller import Controller
 from design.deadlines import deadlines
-from design.evaluation.panels import Panel
-from design.evaluation.paper import redrawn
-from design.evaluation.verdict import Verdict, verdicts
 from design.mpc.timing import Ledger
 from design.requirements import controller, default_problem
+from design.studies.panels import Panel
+from design.studies.paper import redrawn
+from design.studies.verdict import Verdict, verdicts
 from design.tuning import Region, Tuning, tune
 from plants.errors import InputError
 from plants.measured.fit import Fit
