@@ -9,10 +9,10 @@ compare: $(ENV)
 	$(BIN)/wrist compare --example --samples 0 --mpc-plants 0 --out build/compare
 
 test: $(ENV)
-	$(BIN)/python -m pytest -n 2 --dist loadgroup
+	$(BIN)/python -m pytest -n 2
 
 suite: $(ENV)
-	$(BIN)/python -m pytest -n 2 --dist loadgroup -m suite
+	$(BIN)/python -m pytest -n 2 -m suite
 
 bench: $(ENV) .venv/.bench
 	$(BIN)/python -m benchmarks

@@ -2,6 +2,7 @@
 
     python -m reports.regenerate            makes them again, into reports/examples (some minutes)
     python -m reports.regenerate --check    makes them into build/examples and compares the numbers
+    python -m reports.regenerate --check --made NAME    compares what lies in build/examples/NAME
 
 Run from the project's root.  The check leaves out the perturbed plants of the comparison, which take minutes.
 """
@@ -202,11 +203,14 @@ def main(arguments: list[str] | None = None) -> int:
     )
     parser.add_argument("names", nargs="*", type=_known, metavar="NAME", help=f"of {', '.join(ALL)}; or all")
     parser.add_argument("--check", action="store_true", help="compare with the committed ones, write nothing")
+    parser.add_argument("--made", action="store_true", help=f"they are made already and lie in {BUILT}")
     given = parser.parse_args(arguments)
+    if given.made and not given.check:
+        parser.error("--made: only with --check; what is committed is made here")
     if not EXAMPLES.is_dir():
         parser.exit(2, f"no folder {EXAMPLES} here: run it from the root of a checkout\n")
     names, wrong = given.names or list(ALL), 0
-    for name in names:
+    for name in names if not given.made else ():
         try:
             make(ALL[name], BUILT / name, quick=given.check)
         except subprocess.CalledProcessError as error:

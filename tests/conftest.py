@@ -2,7 +2,7 @@
 tests that share what is costly run in one process."""
 
 import os
-from pathlib import Path
+from typing import Any
 
 # Before NumPy is loaded, here and in what tests start: its threads wait for each other on small matrices.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -13,12 +13,17 @@ from hypothesis import settings
 settings.register_profile("laws", derandomize=True, deadline=None, database=None, max_examples=60)
 settings.load_profile("laws")
 
-ONE_PROCESS = Path(__file__).parent / "reports"
+TOGETHER = "tests/reports/"
 """A folder whose files share one comparison, `tests.reports.report_samples`."""
 
 
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Tests of a file have fixtures in common and are made one group of ``--dist loadgroup``."""
-    for item in items if config.pluginmanager.hasplugin("xdist") else ():
-        group = ONE_PROCESS if ONE_PROCESS in item.path.parents else item.path
-        item.add_marker(pytest.mark.xdist_group(str(group)))
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Tests of a file have fixtures in common, which would be made anew in every process."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class ByFile(LoadScopeScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            return TOGETHER if nodeid.startswith(TOGETHER) else nodeid.partition("::")[0]
+
+    return ByFile(config, log)

@@ -146,6 +146,7 @@ def test_an_interval_that_is_given_twice_is_refused():
         intervals(["a1=0.3:0.4", "a1=0.3:0.5"])
 
 
+@pytest.mark.suite
 def test_what_is_proved_of_a_revised_plant_says_what_it_leaves_out(wrist, tmp_path):
     from plants.effects import Creep
     from plants.quantities import built_in, dump

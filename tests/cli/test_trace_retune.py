@@ -39,6 +39,7 @@ def late(tmp_path_factory):
     return rig, trace_campaign(load_campaign(folder), built_in("flexion"))
 
 
+@pytest.mark.suite
 def test_on_a_rig_with_dead_time_the_retuned_pi_settles_where_the_declared_one_does_not_hold(late):
     rig, trace = late
     control = retune(

@@ -56,6 +56,7 @@ def test_a_desired_pressure_adds_up_actions_and_stays_within_its_range():
     np.testing.assert_allclose(found[:, 0], [0.63, 1.0, 0.935, 0.0])
 
 
+@pytest.mark.suite
 def test_the_trace_of_a_rig_ends_with_a_verdict(smallest: Outcome):
     assert smallest.stopped is None
     assert smallest.trace is not None
@@ -63,6 +64,7 @@ def test_the_trace_of_a_rig_ends_with_a_verdict(smallest: Outcome):
     assert (smallest.trace.verdict == "unexplained") == bool(smallest.trace.unexplained)
 
 
+@pytest.mark.suite
 def test_the_revised_wrist_is_no_worse_on_recordings_held_out(smallest: Outcome):
     t = smallest.trace
     assert t is not None
@@ -76,6 +78,7 @@ def test_the_revised_wrist_is_no_worse_on_recordings_held_out(smallest: Outcome)
         assert low <= error <= high
 
 
+@pytest.mark.suite
 def test_the_numbers_are_json_without_a_place_of_this_machine(smallest: Outcome):
     text = json_text(shortened(record(smallest, FOLDER)))
     said = json.loads(text)

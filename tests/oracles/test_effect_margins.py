@@ -38,6 +38,7 @@ BRANCHES = tuple(branch_slopes(Wrist.flexion()))
 
 DT = 0.001
 WRIST = Wrist.flexion()
+RESPONSES = {(b.branch, b.rate): b for b in branch_responses(WRIST)}
 OMEGA = np.geomspace(0.5, 300.0, 25)
 GAINS = [(1.2, 2.2), (3.13, 10.4), (9.0, 27.0), (20.0, 40.0)]
 Z = np.exp(1j * OMEGA * DT)
@@ -176,7 +177,7 @@ def test_behind_a_dead_time_of_100_ms_it_is_python_controls_loop_with_a_shift_re
             plant = control.frequency_response(branch_ss(WRIST, *place), fine).complex.ravel()
             L = (gains[0] + gains[1] * DT / (z - 1.0)) / WRIST.regulator.gain * plant * z**-100
             assert float(one.Ms) == pytest.approx(1.0 / np.abs(1.0 + L).min(), rel=1e-3)
-            without = margins([b for b in branch_responses(WRIST) if (b.branch, b.rate) == place], PI(*gains))
+            without = margins([RESPONSES[place]], PI(*gains))
             assert float(one.delay_margin_s) == pytest.approx(float(without.delay_margin_s) - 0.1, abs=1e-4)
             assert row["delay_margin_s"] == pytest.approx(float(one.delay_margin_s), rel=1e-3)
     assert all(stable) == (gains in GAINS[:2])

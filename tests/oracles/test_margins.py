@@ -1,5 +1,6 @@
 """Margins over maps of gains are those of python-control, and those of a formula written out by hand."""
 
+from functools import cache
 from itertools import product
 
 import control
@@ -22,6 +23,13 @@ much too low at the most (at Ms = 8; far less at the limits that tuning holds)."
 PLACES = list(product(BRANCHES, RATES))
 WRISTS = {axis: getattr(Wrist, axis)() for axis in ("flexion", "deviation")}
 RESPONSES = {axis: branch_responses(w) for axis, w in WRISTS.items()}
+
+
+@cache
+def rows_of(axis: str, gains: tuple[float, float]) -> list[dict]:
+    """What python-control says of every branch."""
+    return by_python_control(WRISTS[axis], PI(*gains))
+
 
 each_axis = pytest.mark.parametrize("axis", WRISTS)
 each_gains = pytest.mark.parametrize("gains", GAINS)
@@ -76,7 +84,7 @@ def test_the_open_loop_of_python_control_is_the_one_by_hand(axis, gains):
 @each_axis
 @each_gains
 def test_each_branch_agrees_with_python_control(axis, gains):
-    rows = by_python_control(WRISTS[axis], PI(*gains))
+    rows = rows_of(axis, gains)
     assert [(r["branch"], r["rate"]) for r in rows] == PLACES
     for response, row in zip(RESPONSES[axis], rows, strict=True):
         ours = margins([response], PI(*gains))
@@ -88,7 +96,7 @@ def test_each_branch_agrees_with_python_control(axis, gains):
 @each_gains
 def test_the_worst_branch_is_the_one_that_is_named(axis, gains):
     found = margins(RESPONSES[axis], PI(*gains))
-    rows = by_python_control(WRISTS[axis], PI(*gains))
+    rows = rows_of(axis, gains)
     assert float(found.Ms) == pytest.approx(max(r["Ms"] for r in rows), rel=GRID)
     assert float(found.delay_margin_s) == pytest.approx(min(r["delay_margin_s"] for r in rows), rel=1e-3)
     assert rows[int(found.Ms_at)]["Ms"] == pytest.approx(float(found.Ms), rel=GRID)
@@ -139,7 +147,7 @@ def test_an_unstable_loop_has_no_margin_at_all(axis, gains):
     assert max(radius(WRISTS[axis], gains, *place) for place in PLACES) > 1.0
     found = margins(RESPONSES[axis], PI(*gains))
     assert (float(found.Ms), float(found.delay_margin_s)) == (np.inf, 0.0)
-    rows = by_python_control(WRISTS[axis], PI(*gains))
+    rows = rows_of(axis, gains)
     assert max(r["Ms"] for r in rows) == np.inf
     assert min(r["delay_margin_s"] for r in rows) == 0.0
 
@@ -159,7 +167,7 @@ def test_gains_in_an_array_have_the_margins_that_they_have_alone(axis):
 def test_phase_and_gain_margin_are_where_the_loop_by_hand_crosses(axis):
     w, gains = WRISTS[axis], (9.0, 27.0)
     omega = np.geomspace(1e-2, np.pi / DT * 0.999, 200_000)
-    for row, place in zip(by_python_control(w, PI(*gains)), PLACES, strict=True):
+    for row, place in zip(rows_of(axis, gains), PLACES, strict=True):
         loop = by_hand(w, gains, *place, omega)
         crossing = np.flatnonzero(np.diff(np.sign(np.abs(loop) - 1.0)))
         lead = np.degrees(np.angle(-loop[crossing]))

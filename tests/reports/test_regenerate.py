@@ -4,11 +4,13 @@ from them is found."""
 import html
 import json
 import re
+import shutil
 from fnmatch import fnmatchcase
 from pathlib import Path
 
 import pytest
 
+from reports import regenerate
 from reports.regenerate import ALL, TOLERANCES, differences, flat
 
 EXAMPLES = Path(__file__).parents[2] / "reports" / "examples"
@@ -94,3 +96,19 @@ def test_the_readme_of_the_examples_says_the_commands():
     for name, example in ALL.items():
         assert f"`wrist {' '.join(example.command)} --out build/examples/{name}`" in said
         assert f"({example.page})" in said
+
+
+def test_what_is_made_already_is_compared_as_it_lies(tmp_path, monkeypatch, capsys):
+    (tmp_path / "trace").mkdir()
+    example, place = ALL["trace"], tmp_path / "trace"
+    monkeypatch.setattr(regenerate, "BUILT", tmp_path)
+    monkeypatch.setattr(regenerate, "make", lambda *_, **__: pytest.fail("it was made again"))
+    for name in (example.page, example.record):
+        shutil.copy(EXAMPLES / name, place)
+    assert regenerate.main(["--check", "--made", "trace"]) == 0
+    record = json.loads((place / example.record).read_text(encoding="utf-8"))
+    (place / example.record).write_text(json.dumps({**record, "verdict": "nothing-missing"}))
+    assert regenerate.main(["--check", "--made", "trace"]) == 1
+    assert "trace: 1 differences" in capsys.readouterr().out
+    with pytest.raises(SystemExit):
+        regenerate.main(["--made", "trace"])

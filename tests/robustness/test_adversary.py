@@ -101,6 +101,7 @@ def test_places_are_within_the_task():
     assert ends.tolist() == [-10.0, 15.0, 10.0]
 
 
+@pytest.mark.suite
 def test_what_is_out_of_reach_is_never_the_worst():
     """A stop at 8 deg: no reference beyond it, where the error would stay for ever."""
     plant = built_in("flexion").revised(

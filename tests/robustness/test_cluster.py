@@ -91,6 +91,7 @@ def test_monte_carlo_on_two_workers_is_monte_carlo_here(address):
     assert told[-1] == ("samples", 1.0)
 
 
+@pytest.mark.suite
 def test_the_map_of_a_tuning_on_two_workers_is_the_map_here(address):
     wrist = Wrist.flexion()
     problem = Problem.of(wrist, [Scenario("virgin", 0.0, 15.0, wrist)], Limits(), duration=1.0)
@@ -111,6 +112,7 @@ def test_which_worker_does_which_piece_is_chance_and_the_order_of_results_is_not
     assert {pid for _, pid in done} == set(workers(address).values())
 
 
+@pytest.mark.suite
 def test_a_worker_killed_half_way_loses_nothing_and_counts_nothing_twice(address, tmp_path):
     victim, ran = min(workers(address).values()), str(tmp_path)
 
@@ -141,6 +143,7 @@ def test_a_worker_killed_half_way_loses_nothing_and_counts_nothing_twice(address
     assert victim not in workers(address).values()
 
 
+@pytest.mark.suite
 def test_monte_carlo_with_a_worker_killed_half_way_is_monte_carlo_here(address):
     victim = max(workers(address).values())
     killed = []

@@ -89,6 +89,7 @@ def test_words_and_record(tuned):
     assert told["price"]["after"]["worst_cost"] == tuned.after.worst_cost
 
 
+@pytest.mark.suite
 def test_a_set_that_no_gains_hold_ends_with_the_nearest():
     hard = Limits(overshoot_percent=1.0, total_variation_V=3.0)
     found = tune_robustly(

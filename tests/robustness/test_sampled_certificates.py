@@ -122,7 +122,7 @@ def test_gains_beyond_quadratic_functions_are_certified_by_forms() -> None:
     }
 
 
-@pytest.mark.parametrize("mode", [2, 3])
+@pytest.mark.parametrize("mode", [pytest.param(2, marks=pytest.mark.suite), 3])
 def test_one_mode_is_certified_up_to_its_exact_delay_margin(mode: int) -> None:
     """The margin by the eigenvalues of the matrix with all N samples under way."""
     m = model(3.13, 10.4)

@@ -8,7 +8,10 @@ import tomllib
 
 import pytest
 
-pytestmark = pytest.mark.skipif(shutil.which("chromium") is None, reason="no chromium: apt install chromium")
+pytestmark = [
+    pytest.mark.suite,
+    pytest.mark.skipif(shutil.which("chromium") is None, reason="no chromium: apt install chromium"),
+]
 
 RESPONSE = ".wrist-tuner .steps path.response.line1"
 RED = "rgb(198, 40, 40)"
