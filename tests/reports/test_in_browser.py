@@ -6,16 +6,16 @@ import zlib
 from pathlib import Path
 
 import pytest
-from report_samples import (
-    small_robustness,
-    small_trace,
-    whole_study,
-)
 
 from reports.comparison.page import write_comparison
 from reports.robustness.page import write_robust
 from reports.shared.html import Made
 from reports.trace.page import write_trace
+from tests.reports.report_samples import (
+    small_robustness,
+    small_trace,
+    whole_study,
+)
 
 sync_api = pytest.importorskip("playwright.sync_api")
 

@@ -72,10 +72,9 @@ def test_it_names_the_pythons_that_the_package_does():
 
 
 def test_the_committed_example_has_the_keys_of_today():
-    from report_samples import small_study
-
     from reports.comparison.record import comparison_record
     from reports.shared.html import Made
+    from tests.reports.report_samples import small_study
 
     c = small_study()
     made = Made.now("wrist compare", sets=c.plants)

@@ -2,14 +2,13 @@
 
 from dataclasses import replace
 
-from report_samples import small_break_even, small_contest, small_ledgers, small_study
-
 from design.answer import LimitBroken
 from design.evaluation.study import Question
 from reports.comparison.contest import main_table
 from reports.comparison.costs import break_even_table, break_even_words, ledger_table, ledger_words
 from reports.comparison.words import LATE, summary
 from reports.shared.tables import number
+from tests.reports.report_samples import small_break_even, small_contest, small_ledgers, small_study
 
 
 def test_too_few_plants_give_neither_interval_nor_rank():

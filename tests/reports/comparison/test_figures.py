@@ -5,7 +5,6 @@ import re
 import matplotlib
 import numpy as np
 import pytest
-from report_samples import small_study
 
 from design.evaluation.study import Study
 from reports.comparison import figures
@@ -14,6 +13,7 @@ from reports.shared.fit import draw_fit, shown_run
 from reports.shared.gain_map import gain_map
 from reports.shared.style import save, svg
 from reports.shared.tables import number
+from tests.reports.report_samples import small_study
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from html_page import Page, summary_of
-from report_samples import small_break_even, small_contest, small_ledgers, small_study, whole_study
 
 from design.alternatives.lqi_design import RobustLQI
 from design.compare import row_record
@@ -23,6 +21,14 @@ from reports.comparison.record import comparison_record
 from reports.comparison.verdict_words import verdict_sentences
 from reports.shared.html import Made, commit, render
 from reports.shared.tables import number
+from tests.reports.html_page import Page, summary_of
+from tests.reports.report_samples import (
+    small_break_even,
+    small_contest,
+    small_ledgers,
+    small_study,
+    whole_study,
+)
 
 
 @pytest.fixture(scope="module")

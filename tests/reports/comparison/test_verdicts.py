@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from report_samples import small_study
 
 from design.answer import LimitBroken
 from design.compare import PAPER, TUNED, Comparison, Row, Standing
 from design.evaluation.verdict import verdicts
 from design.requirements import Limits
 from reports.comparison.verdict_words import verdict_sentence, verdict_sentences
+from tests.reports.report_samples import small_study
 
 
 def made_up(ours: float, low: float, high: float) -> str:

@@ -3,14 +3,14 @@
 from dataclasses import replace
 
 import pytest
-from html_page import Page, summary_of
-from report_samples import small_assessment, small_robustness
 
 from reports.robustness.page import SECTIONS, robust_page
 from reports.robustness.tables import verdict_table
 from reports.robustness.words import summary
 from reports.shared.html import Made
 from reports.shared.tables import number
+from tests.reports.html_page import Page, summary_of
+from tests.reports.report_samples import small_assessment, small_robustness
 
 
 @pytest.fixture(scope="module")

@@ -5,8 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from html_page import Page, summary_of
-from report_samples import small_trace
 
 from plants.measured.trace.choose import Round
 from plants.measured.trace.learnt import Curve, Learnt
@@ -17,6 +15,8 @@ from reports.trace.record import trace_record
 from reports.trace.residual_figures import means, telling, thinned
 from reports.trace.tables import decision_table
 from reports.trace.words import depends, summary, verdict_sentence
+from tests.reports.html_page import Page, summary_of
+from tests.reports.report_samples import small_trace
 
 BENT = "branch-curvature"
 
