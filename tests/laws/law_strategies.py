@@ -1,12 +1,12 @@
 """Loops, regulators, wrists and commands that hypothesis draws from."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
 
-from plants import FourSegment, Regulator, Wrist
-from plants.hysteresis import Memory
+from plants import FourSegment, HysteresisLaw, Regulator, Wrist
 
 REST = 100.0
 LOW, HIGH = 0.0, 200.0
@@ -59,11 +59,9 @@ def commands(draw: st.DrawFn) -> list[float]:
     return [level for level, samples in levels for _ in range(samples)]
 
 
-def walk(
-    loop: FourSegment, path: Sequence[float], start: float = REST, memory: Memory | None = None
-) -> Memory:
+def walk(loop: HysteresisLaw, path: Sequence[float], start: float = REST, memory: Any = None) -> Any:
     """The loop's memory after monotone moves from one turning point of a path to the next."""
-    memory = memory or Memory(0.0, 1.0)
+    memory = loop.initial() if memory is None else memory
     for after in path:
         memory = loop.step(memory, start, after)
         start = after
@@ -71,8 +69,8 @@ def walk(
 
 
 def trace(
-    loop: FourSegment, path: Sequence[float], start: float, memory: Memory, cuts: int = 40
-) -> tuple[np.ndarray, np.ndarray, Memory]:
+    loop: HysteresisLaw, path: Sequence[float], start: float, memory: Any, cuts: int = 40
+) -> tuple[np.ndarray, np.ndarray, Any]:
     """Pressures and angles along a path, each of its moves cut into pieces, and the last memory."""
     x, h = [start], [float(memory.h)]
     for after in path:
