@@ -154,7 +154,8 @@ def how(found: Contest) -> list[str]:
         f"worst; what does not settle within ±{band} counts as {lasting}. The tables give "
         f"means over the plants; beneath a difference stands its paired {100 * LEVEL:g} % interval "
         "(bootstrap over the plants, BCa). Ranks are given as far as the pairs of a table support them "
-        "together: “2 to 4” is a tie that these plants do not break; fewer than {FEWEST} plants give neither interval nor "
+        "together: “2 to 4” is a tie that these plants do not break; fewer than "
+        f"{FEWEST} plants give neither interval nor "
         "rank. An overshoot beyond the limit is marked.",
         "The MPCs, slow to simulate, do every task on the plant as it is. Where a field says "
         f"“{BESIDE.strip(', ')}”, all do the steps once more with them, on the first of the perturbed "

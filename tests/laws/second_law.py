@@ -4,10 +4,10 @@ from pathlib import Path
 
 from hypothesis import assume
 from hypothesis import strategies as st
-from law_strategies import REST, between
 
 from plants import PrandtlIshlinskii
 from plants.quantities import Assumed, Parameter, ParameterSet, built_in, declared_kinds, dump
+from tests.laws.law_strategies import REST, between
 
 LOOP = PrandtlIshlinskii(
     v0=0.08, v=(0.12, 0.09, 0.07), reach=34.0, span=9.0, b2=0.85, b1=0.9, c1=1.1, c2=1.05

@@ -5,8 +5,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from law_strategies import HIGH, LOW, REST, between, paths, pressures, symmetric_loops, trace, walk
-from second_law import LOOP, second_law_set, sums_of_plays
 
 from plants import FourSegment, PrandtlIshlinskii, Wrist
 from plants.errors import InputError
@@ -15,6 +13,8 @@ from plants.kernel import pytrees
 from plants.linear import nlsys, wrist_x0
 from plants.quantities import dump, load
 from plants.wrist import step
+from tests.laws.law_strategies import HIGH, LOW, REST, between, paths, pressures, symmetric_loops, trace, walk
+from tests.laws.second_law import LOOP, second_law_set, sums_of_plays
 
 ROUNDING = 1e-10
 starts = st.sampled_from(["line1", "line2", "inside"])
