@@ -10,7 +10,7 @@ from plants.measured.campaign import Campaign
 from plants.measured.fit import Fit
 from plants.measured.recording import Recording
 from plants.measured.residual.examine import Examination
-from plants.measured.trace.choose import Search
+from plants.measured.trace.choose import EffectSearch
 from plants.measured.trace.learnt import Learnt
 from plants.measured.trace.model import Model
 from plants.measured.trace.stage import Stage
@@ -46,7 +46,7 @@ class StageTrace:
     """
 
     stage: Stage
-    search: Search
+    search: EffectSearch
     before: Examination
     after: Examination
     explained: bool
