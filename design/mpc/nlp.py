@@ -41,8 +41,8 @@ class NLPSolution(NamedTuple):
 
 
 Converge = Callable[[Believed, Array, float, float], NLPSolution]
-"""``(believed, plan, before, reference) -> Answer``: from a plan [V] on, `before` [V] being the command of
-the period before."""
+"""``(believed, plan, before, reference) -> NLPSolution``: from a plan [V] on, `before` [V] being the command
+of the period before."""
 
 
 def converger(problem: Problem) -> Converge:

@@ -3,10 +3,11 @@
 from collections.abc import Mapping
 
 from design.retune import Control, Judged, Side
+from plants.measured.free_run import FreeRun
 from plants.measured.problem import measured
 from plants.measured.residual.examine import Examination, Finding
 from plants.measured.trace.choose import Candidate, SearchRound
-from plants.measured.trace.trace import Played, Trace
+from plants.measured.trace.trace import Trace
 from plants.quantities import Assumed, Fitted, Provenance
 from reports.shared.names import CHANNELS
 from reports.shared.plant_tables import provenance
@@ -71,7 +72,7 @@ def recording_table(trace: Trace) -> Table:
     return Table(tuple(columns), tuple(groups))
 
 
-def _rms(run: Played, channel: str, side: str) -> float | None:
+def _rms(run: FreeRun, channel: str, side: str) -> float | None:
     truth = measured(run.recording, channel)
     simulated = getattr(run, ("pressure" if channel == "pressure_kPa" else "angle") + side)
     if truth is None or simulated is None:
