@@ -22,8 +22,9 @@ from plants.errors import InputError
 from plants.files import json_text, write_atomically
 from plants.measured.campaign import Campaign, load_campaign
 from plants.measured.fit import CHANNELS, Fit, fit_campaign
+from plants.measured.free_run import FreeRun
 from plants.measured.problem import measured
-from plants.measured.trace.result import Played, Trace
+from plants.measured.trace.result import Trace
 from plants.measured.trace.trace import trace_campaign
 from plants.quantities import Fitted, load
 from reports.shared.style import save
@@ -122,7 +123,7 @@ def _channel(found: Outcome, channel: str) -> dict[str, Any]:
     return said
 
 
-def _episode(run: Played, channel: str) -> dict[str, Any]:
+def _episode(run: FreeRun, channel: str) -> dict[str, Any]:
     truth = measured(run.recording, channel)
     sides = (
         (run.pressure_before, run.pressure) if channel == "pressure_kPa" else (run.angle_before, run.angle)

@@ -26,8 +26,8 @@ from design.compare_tasks import (
 )
 from design.controllers.controller import Controller
 from design.controllers.feedforward import Feedforward
-from design.controllers.feedforward_course import no_inverse
 from design.controllers.pi import PI
+from design.controllers.reference_model import no_inverse
 from design.controllers.registry import REGISTERED
 from design.evaluation.tasks import Task, comparison_tasks
 from design.evaluation.tasks import steps as step_tasks

@@ -178,7 +178,7 @@ def loop_tf(wrist: Wrist, controller: PI, branch: str, rate: str) -> Any:
 
 
 @dataclass(frozen=True)
-class OpenLoop:
+class OpenLoopTransfer:
     """Open loop of PI and wrist on one branch at one rate: `at` gives its frequency response, shape of
     omega [rad/s]; stable: whether it is so when closed, None where it has no poles to tell."""
 
@@ -190,7 +190,7 @@ class OpenLoop:
 
 def open_loops(
     wrist: Wrist, controller: PI, dead_time: float = 0.0, rates: tuple[str, ...] = RATES
-) -> list[OpenLoop]:
+) -> list[OpenLoopTransfer]:
     """Open loops on every branch at some rates, behind a further dead time [s], for one pair of gains.
 
     The plant's responses are python-control's, or, for a wrist with effects, those of
@@ -208,7 +208,7 @@ def open_loops(
     if wrist.effects:
         names = [(r.branch, r.rate) for r in responses(wrist, np.array([1.0]))]
         return [
-            OpenLoop(*n, lambda omega, i=i: known(omega) * responses(wrist, omega)[i].response)  # type: ignore[misc]
+            OpenLoopTransfer(*n, lambda omega, i=i: known(omega) * responses(wrist, omega)[i].response)  # type: ignore[misc]
             for i, n in enumerate(names)
             if n[1].startswith(rates)
         ]
@@ -223,7 +223,7 @@ def open_loops(
                 plain = np.ravel(np.array(control.frequency_response(loop, omega).complex))
                 return np.asarray(plain * np.exp(-1j * omega * dead_time), complex)
 
-            found.append(OpenLoop(branch, rate, at, stable))
+            found.append(OpenLoopTransfer(branch, rate, at, stable))
     return found
 
 
@@ -246,7 +246,7 @@ def by_python_control(
     ]
 
 
-def _row(loop: OpenLoop, omega: Array, integrates: bool) -> dict[str, Any]:
+def _row(loop: OpenLoopTransfer, omega: Array, integrates: bool) -> dict[str, Any]:
     """Margins of one open loop from its frequency response, by python-control."""
     import control
 

@@ -129,7 +129,7 @@ def branch_ss(wrist: Wrist, branch: str, rate: str = "fast") -> Any:
 
 
 @dataclass(frozen=True)
-class Response:
+class FrequencyResponse:
     """Frequency response [deg/V] of one branch at one regulator rate, shape of omega, with their
     names; a branch that bends has its least and its largest slope, a rate its factors."""
 
@@ -138,7 +138,7 @@ class Response:
     response: NDArray[np.complex128]
 
 
-def responses(wrist: Wrist, omega: Any) -> list[Response]:
+def responses(wrist: Wrist, omega: Any) -> list[FrequencyResponse]:
     """Frequency responses of a wrist with effects at omega [rad/s], on every branch at every rate.
 
     To the command [V], of small motions about an equilibrium: what comes from
@@ -169,7 +169,7 @@ def responses(wrist: Wrist, omega: Any) -> list[Response]:
             air = share / (z - 1.0 + share)
             bent = "" if len(set(slopes)) == 1 else f", slope x {slope:.3g}"
             quick = rate if speed == 1.0 else f"{rate} x {speed:.3g}"
-            found.append(Response(branch + bent, quick, common * air * (slope * straight)))
+            found.append(FrequencyResponse(branch + bent, quick, common * air * (slope * straight)))
     return found
 
 

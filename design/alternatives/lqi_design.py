@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.alternatives.convex_concave import NOISE_GAIN
-from design.alternatives.lqi_synthesis import Feedback, Weights, synthesise
+from design.alternatives.lqi_synthesis import Feedback, LQIWeights, synthesise
 from design.controllers.controller import stacked
 from design.controllers.lqi import LQI
 from design.convex import Unsolved
@@ -49,14 +49,14 @@ PENALTY = 20.0
 class Choice:
     """A place in the family: weights and bandwidth [rad/s], and the controller that they make."""
 
-    weights: Weights
+    weights: LQIWeights
     bandwidth: float
     feedback: Feedback
     controller: LQI
 
 
 @dataclass(frozen=True)
-class Judged:
+class JudgedLQI:
     """What controllers do on the scenarios of a problem: worst cost (n,), worst value of each limited
     quantity and of the noise gain [V/deg], and by what share of its limit each is exceeded."""
 
@@ -85,7 +85,7 @@ class RobustLQI:
 
     problem: Problem
     choice: Choice
-    at: Judged
+    at: JudgedLQI
     pole: tuple[float, str] | None
     tried: int
 
@@ -100,7 +100,7 @@ class RobustLQI:
         return tuple(n for n, e in self.at.excess.items() if e[0] > 0.0)
 
 
-def complete(wrist: Wrist, weights: Weights, bandwidth: float, feedback: Feedback) -> LQI:
+def complete(wrist: Wrist, weights: LQIWeights, bandwidth: float, feedback: Feedback) -> LQI:
     """A feedback as a controller: with an observer that takes every branch for the mean of the lines."""
     p, k = wrist.hysteresis, feedback.gains
     return LQI(
@@ -109,7 +109,7 @@ def complete(wrist: Wrist, weights: Weights, bandwidth: float, feedback: Feedbac
     )  # fmt: skip
 
 
-def judge(problem: Problem, controllers: Sequence[LQI], noise_limit: float | None = NOISE_GAIN) -> Judged:
+def judge(problem: Problem, controllers: Sequence[LQI], noise_limit: float | None = NOISE_GAIN) -> JudgedLQI:
     """Cost and limits of controllers on every scenario and branch of a problem, and their noise gain."""
     wrist, state, reference = problem.stacked
     n, m = len(controllers), len(problem.scenarios)
@@ -136,7 +136,7 @@ def judge(problem: Problem, controllers: Sequence[LQI], noise_limit: float | Non
     for name, limit in limits.items():
         beyond = limit - values[name] if name == "delay_margin_s" else values[name] - limit
         excess[name] = beyond / (limit or 1.0)
-    return Judged(getattr(judged, COSTS[problem.cost]).max(axis=1), values, excess)
+    return JudgedLQI(getattr(judged, COSTS[problem.cost]).max(axis=1), values, excess)
 
 
 def design_lqi(problem: Problem, seed: int = 0) -> RobustLQI:
@@ -146,7 +146,7 @@ def design_lqi(problem: Problem, seed: int = 0) -> RobustLQI:
     design.convex.Unsolved where no member of the family has a feedback.
     """
     grid = [
-        (Weights(*w), FAMILY["bandwidth"])
+        (LQIWeights(*w), FAMILY["bandwidth"])
         for w in product(FAMILY["damping"], FAMILY["lack"], FAMILY["effort"])
     ]
     chosen, at, tried = _best(problem, grid, None)
@@ -158,7 +158,7 @@ def design_lqi(problem: Problem, seed: int = 0) -> RobustLQI:
             w = chosen.weights
             factors, wider = np.exp(spread * draw.standard_normal((2, 3))).tolist()
             near = (x * f for x, f in zip((w.damping, w.lack, w.effort), factors, strict=True))
-            around.append((Weights(*near), tuple(chosen.bandwidth * f for f in wider)))
+            around.append((LQIWeights(*near), tuple(chosen.bandwidth * f for f in wider)))
         chosen, at, more = _best(problem, around, (chosen, at))
         tried += more
     pole = None if problem.wrist.effects else worst_pole(problem.wrist, chosen.controller)
@@ -167,9 +167,9 @@ def design_lqi(problem: Problem, seed: int = 0) -> RobustLQI:
 
 def _best(
     problem: Problem,
-    places: Sequence[tuple[Weights, tuple[float, ...]]],
-    known: tuple[Choice, Judged] | None,
-) -> tuple[Choice, Judged, int]:
+    places: Sequence[tuple[LQIWeights, tuple[float, ...]]],
+    known: tuple[Choice, JudgedLQI] | None,
+) -> tuple[Choice, JudgedLQI, int]:
     """The best of places in the family, and of one that is known; how many were judged."""
     choices, why = [], ""
     for weights, bandwidths in places:
@@ -188,7 +188,7 @@ def _best(
     at = judge(problem, [c.controller for c in choices])
     best = int(np.argmin(at.merit))
     one = slice(best, best + 1)
-    only = Judged(
+    only = JudgedLQI(
         at.cost[one], {n: v[one] for n, v in at.values.items()}, {n: v[one] for n, v in at.excess.items()}
     )
     if known is not None and known[1].merit[0] <= only.merit[0]:

@@ -43,7 +43,7 @@ SLACK = 1e-6
 
 
 @dataclass(frozen=True)
-class Weights:
+class LQIWeights:
     """Prices [1 / (deg^2 s)] beside that of the squared error: damping of (h - y)^2, lack [deg^2/kPa^2] of
     q^2, effort [deg^2 s^2/kPa^2] of w^2; all positive."""
 
@@ -95,11 +95,11 @@ def plant(slope: float, rate: float, Tw: float) -> Array:
     return np.array([[0.0, -1.0 / Tw, 0.0], [0.0, -1.0 / Tw, slope * rate], [0.0, 0.0, -rate]])
 
 
-def synthesise(wrist: Wrist, weights: Weights) -> Feedback:
+def synthesise(wrist: Wrist, weights: LQIWeights) -> Feedback:
     """The feedback of least guaranteed cost.  Raises design.convex.Unsolved where there is none, or no
     solver finds it.
 
-    >>> found = synthesise(Wrist.flexion(), Weights(damping=1.0, lack=0.01, effort=0.01))
+    >>> found = synthesise(Wrist.flexion(), LQIWeights(damping=1.0, lack=0.01, effort=0.01))
     >>> found.holds, found.gains.round(0)
     (True, array([ 51., -51., -15.]))
     """
@@ -119,7 +119,7 @@ def synthesise(wrist: Wrist, weights: Weights) -> Feedback:
     return checked(corners, Tw, weights, gains, bound, solver)
 
 
-def _scale(corners: Sequence[tuple[float, float]], Tw: float, weights: Weights) -> Array:
+def _scale(corners: Sequence[tuple[float, float]], Tw: float, weights: LQIWeights) -> Array:
     """L of P = L L', the linear-quadratic regulator's at the middle of the vertices, (3, 3): in L' x the
     sought P is of the size of 1, without which the solver would leave two digits."""
     from scipy.linalg import solve_continuous_are
@@ -130,7 +130,7 @@ def _scale(corners: Sequence[tuple[float, float]], Tw: float, weights: Weights) 
     return root
 
 
-class Given(NamedTuple):
+class ProgramData(NamedTuple):
     """What the program leaves open: A of each vertex, B, the root of W, and the starts' squares."""
 
     moves: list[Any]
@@ -140,14 +140,14 @@ class Given(NamedTuple):
 
 
 @cache
-def _program(corners: int) -> tuple[Any, Given, tuple[Any, Any]]:
+def _program(corners: int) -> tuple[Any, ProgramData, tuple[Any, Any]]:
     """The program for a number of vertices, set up once for many plants and weights."""
     import cvxpy
 
     cp: Any = cvxpy
     Q, Z = cp.Variable((3, 3), symmetric=True), cp.Variable((3, 3), symmetric=True)
     Y = cp.Variable((1, 3))
-    given = Given(
+    given = ProgramData(
         [cp.Parameter((3, 3)) for _ in range(corners)], cp.Parameter((3, 1)), cp.Parameter((3, 3)),
         cp.Parameter((3, 3)),
     )  # fmt: skip
@@ -167,7 +167,7 @@ def _program(corners: int) -> tuple[Any, Given, tuple[Any, Any]]:
 def checked(
     corners: tuple[tuple[float, float], ...],
     Tw: float,
-    weights: Weights,
+    weights: LQIWeights,
     gains: Array,
     bound: Array,
     solver: str,

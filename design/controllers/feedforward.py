@@ -1,6 +1,6 @@
 """Inverse-hysteresis feedforward, alone and with a PI: the reference is met by a model that is inverted.
 
-`controllers.feedforward_course` takes the model to the reference as fast as the range of the command and the
+`controllers.reference_model` takes the model to the reference as fast as the range of the command and the
 reference filter allow.  `Feedforward` plays the command of the model; `FeedforwardPI` adds a PI on the angle
 of the model less the one that is measured (two degrees of freedom: Astrom & Hagglund, Advanced PID Control,
 2006).  Both start from the memory that angle and pressure tell (`controllers.memory_estimator`).
@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from design.controllers.controller import Measured, remembers
-from design.controllers.feedforward_course import Course, SampledCourse, no_inverse, proceed
 from design.controllers.memory_estimator import memory_at_rest, pressure_at_rest
 from design.controllers.pi import PI
+from design.controllers.reference_model import ReferenceModel, SampledReferenceModel, no_inverse, proceed
 from plants import delay
 from plants.delay import DelayLine, SampledDelay
 from plants.effects.effect import dead_time_of
@@ -82,10 +82,10 @@ class Feedforward:
         own = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "model"}
         return {**self.model.values, **own}
 
-    def _sampled_course(self, dt: float) -> SampledCourse:
+    def _sampled_course(self, dt: float) -> SampledReferenceModel:
         lead = self.model.Tw * self.speed - 1.0
         air = self.model.regulator
-        return SampledCourse(
+        return SampledReferenceModel(
             self.model.sampled(dt), air.k_fast, air.k_slow, self.model.Tw, lead, self.low, self.high
         )
 
@@ -93,14 +93,14 @@ class Feedforward:
         """Coefficients for a sample time `dt` [s]."""
         return SampledFeedforward(self._sampled_course(dt))
 
-    def _begin(self, pressure: Number, seen: Measured | None) -> tuple[Course, Number]:
+    def _begin(self, pressure: Number, seen: Measured | None) -> tuple[ReferenceModel, Number]:
         """The model at rest at what is seen, and by how much [kPa] the pressure lies beside the model's."""
         seen = Measured(0.0, 0.0, pressure) if seen is None else seen
         loop = self.model.hysteresis
         there = pressure_at_rest(seen.angle, pressure, loop)
         memory = memory_at_rest(seen.angle, there, loop)
         # At rest: a model whose angle were not its static angle would begin to move.
-        return Course(State(there, memory, memory.h), 0.0), pressure - there
+        return ReferenceModel(State(there, memory, memory.h), 0.0), pressure - there
 
     def holding(self, pressure: Number, seen: Measured | None = None) -> Any:
         """The state in which the controller holds a pressure [kPa] at the angle that is seen; its model's
@@ -125,14 +125,14 @@ class FeedforwardState(NamedTuple):
     """What the controller remembers: its model, and the pressure [kPa] that was needed beside the model's
     to hold still at the start."""
 
-    course: Course
+    course: ReferenceModel
     trim: Number
 
 
 class SampledFeedforward(NamedTuple):
     """Coefficients of the controller for one sample time."""
 
-    course: SampledCourse
+    course: SampledReferenceModel
 
     def act(self, state: FeedforwardState, seen: Measured) -> tuple[FeedforwardState, Number]:
         """State after, and command [V] of, one sample; of what is seen the reference alone counts."""
@@ -191,7 +191,7 @@ class FeedforwardPIState(NamedTuple):
     """What the controller remembers: its model, the integral part of its PI [kPa], called `trim` as in a
     feedforward, and the angles of the model that a known dead time holds back."""
 
-    course: Course
+    course: ReferenceModel
     trim: Number
     late: DelayLine
 
@@ -199,7 +199,7 @@ class FeedforwardPIState(NamedTuple):
 class SampledFeedforwardPI(NamedTuple):
     """Coefficients of the controller for one sample time."""
 
-    course: SampledCourse
+    course: SampledReferenceModel
     Kp: Number
     Ki_dt: Number
     delay: SampledDelay

@@ -15,7 +15,7 @@ from plants.kernel import pytrees
 from plants.wrist import State
 
 
-class Field(NamedTuple):
+class Quantity(NamedTuple):
     """A member of a struct: name in C without its unit, unit ("" where it has none), meaning; how many
     numbers it holds, and whether it counts."""
 
@@ -29,7 +29,7 @@ class Field(NamedTuple):
     def member(self) -> str:
         """The member's name, its unit included.
 
-        >>> Field("angle", "deg", "").member, Field("late", "deg", "", 3).member
+        >>> Quantity("angle", "deg", "").member, Quantity("late", "deg", "", 3).member
         ('angle_deg', 'late_deg')
         """
         return f"{self.name}_{self.unit.replace('/', '_per_')}" if self.unit else self.name
@@ -41,10 +41,10 @@ class Field(NamedTuple):
         return f"{kind} {self.member}[{self.size}];" if self.size > 1 else f"{kind} {self.member};"
 
 
-REFERENCE = Field("reference", "deg", "angle that is asked for")
-ANGLE = Field("angle", "deg", "angle that the sensor shows")
-PRESSURE = Field("pressure", "kPa", "pressure that the sensor shows")
-COMMAND = Field("command", "V", "command to the regulator, within its range")
+REFERENCE = Quantity("reference", "deg", "angle that is asked for")
+ANGLE = Quantity("angle", "deg", "angle that the sensor shows")
+PRESSURE = Quantity("pressure", "kPa", "pressure that the sensor shows")
+COMMAND = Quantity("command", "V", "command to the regulator, within its range")
 
 OF_THE_PLANT = {
     (State, "pressure"): ("kPa", "pressure of the model"),
@@ -58,7 +58,7 @@ OF_THE_PLANT = {
 """Unit and meaning of what a controller's model of the wrist remembers."""
 
 
-def described(state: Any) -> tuple[Field, ...]:
+def described(state: Any) -> tuple[Quantity, ...]:
     """The leaves of a state as members of a struct, in order.
 
     Raises InputError for a field without unit and meaning.
@@ -68,7 +68,7 @@ def described(state: Any) -> tuple[Field, ...]:
     ['double integral_kPa;']
     """
     paths = [name.replace(".", "_") for name in pytrees.names(state)]
-    return tuple(Field(path, *known) for path, known in zip(paths, _known(state), strict=True))
+    return tuple(Quantity(path, *known) for path, known in zip(paths, _known(state), strict=True))
 
 
 def _known(state: Any) -> list[tuple[str, str]]:

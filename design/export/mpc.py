@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.controller import Measured
-from design.export.fields import COMMAND, Field, described
+from design.export.fields import COMMAND, Quantity, described
 from design.export.part import SEEN, Part, Seen
 from design.mpc import linear, observer
 from design.mpc.prediction import coefficients
@@ -41,7 +41,7 @@ LOST = (
 )
 
 
-class Memory(NamedTuple):
+class MPCMemory(NamedTuple):
     """What the C remembers beside its last command: belief, u of the period before [deg], and whether there
     was one (1) or not (0)."""
 
@@ -50,7 +50,7 @@ class Memory(NamedTuple):
     planned: Number
 
 
-class Given(NamedTuple):
+class LossyMeasurement(NamedTuple):
     """What is measured, and whether it is (1) or was lost (0)."""
 
     angle: Number
@@ -63,16 +63,19 @@ def of_linear_mpc(name: str, title: str, problem: Problem) -> Part:
     """The linear MPC of a problem.  Raises InputError where daqp, which the test vector needs, is missing."""
     c, g = problem.wrist.sampled(), observer.gains(problem)
     planner = linear.planner(problem, coefficients(problem.wrist))
-    example, given = Memory(observer.begin(0.0, 100.0, problem.wrist), 0.0, 0.0), Given(0.0, 0.0, 1.0, 1.0)
+    example, given = (
+        MPCMemory(observer.begin(0.0, 100.0, problem.wrist), 0.0, 0.0),
+        LossyMeasurement(0.0, 0.0, 1.0, 1.0),
+    )
 
     def start(at: Any) -> Any:
         believed = observer.begin(at[1], at[0], problem.wrist)
-        return Memory(believed, 0.0, 0.0), at[0] / problem.wrist.regulator.gain
+        return MPCMemory(believed, 0.0, 0.0), at[0] / problem.wrist.regulator.gain
 
-    def believe(b: Believed, command: Any, seen: Given, k: SampledWrist) -> Believed:
+    def believe(b: Believed, command: Any, seen: LossyMeasurement, k: SampledWrist) -> Believed:
         return believed_after(b, command[0], seen, k, g)
 
-    def target(m: Memory, at: Any, k: SampledWrist) -> Any:
+    def target(m: MPCMemory, at: Any, k: SampledWrist) -> Any:
         return parameters(m, at[0], at[1], k, problem)
 
     def wanted(b: Believed, u: Any, k: SampledWrist) -> Any:
@@ -91,8 +94,8 @@ def of_linear_mpc(name: str, title: str, problem: Problem) -> Part:
     )
     state = (
         *described(example.believed),
-        Field("wish", "deg", "static angle that the command of the period before points to"),
-        Field("planned", "", "1 once there was a plan, 0 before"),
+        Quantity("wish", "deg", "static angle that the command of the period before points to"),
+        Quantity("planned", "", "1 once there was a plan, 0 before"),
     )
     T, G = condensed(planner)
     settings = {
@@ -130,7 +133,9 @@ def after_period(pressure: Number, command: Number, c: SampledWrist, substeps: i
     return path
 
 
-def believed_after(b: Believed, command: Number, seen: Given, c: SampledWrist, g: observer.Gains) -> Believed:
+def believed_after(
+    b: Believed, command: Number, seen: LossyMeasurement, c: SampledWrist, g: observer.Gains
+) -> Believed:
     """`design.mpc.observer.update`, made of NumPy ufuncs; command [V]."""
     gain = c.regulator.gain
     pushed = command + b.lack / gain
@@ -153,7 +158,7 @@ def believed_after(b: Believed, command: Number, seen: Given, c: SampledWrist, g
     return Believed(State(state.pressure, state.memory, angle), lack, shift)
 
 
-def parameters(m: Memory, command: Number, reference: Number, c: SampledWrist, problem: Problem) -> Any:
+def parameters(m: MPCMemory, command: Number, reference: Number, c: SampledWrist, problem: Problem) -> Any:
     """theta, and the bounds [deg] on u: what `design.mpc.linear.plan` hands to its solver."""
     b, loop, gain = m.believed, c.hysteresis, c.regulator.gain
     assert isinstance(loop, FourSegment)

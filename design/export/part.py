@@ -14,7 +14,7 @@ import numpy as np
 from design.controllers.controller import Controller, Measured, settings_of
 from design.controllers.memory_estimator import MemoryObserver, init
 from design.controllers.memory_estimator import step as observe
-from design.export.fields import ANGLE, COMMAND, PRESSURE, REFERENCE, Field, described, lines_of
+from design.export.fields import ANGLE, COMMAND, PRESSURE, REFERENCE, Quantity, described, lines_of
 from plants.delay import SampledDelay
 from plants.kernel import pytrees
 from plants.kernel.graphs import baked, c_source, graph, used
@@ -35,13 +35,13 @@ class Seen(NamedTuple):
 SEEN = (REFERENCE, ANGLE, PRESSURE)
 
 
-class Line(NamedTuple):
+class DelayRing(NamedTuple):
     """A delay line on the target: a ring.  Place of its first leaf in the state, numbers that it holds, and
     what it holds."""
 
     near: int
     size: int
-    holds: Field
+    holds: Quantity
 
     @property
     def far(self) -> int:
@@ -54,12 +54,12 @@ class Line(NamedTuple):
         return self.near + 2
 
     @property
-    def fields(self) -> tuple[Field, Field]:
+    def fields(self) -> tuple[Quantity, Quantity]:
         """Members that keep it: the ring, and the place of the oldest in it."""
         name = self.holds.name.removesuffix("_near")
         return (
-            Field(f"{name}_line", self.holds.unit, "what the delay holds, a ring", self.size),
-            Field(f"{name}_oldest", "", "place of the oldest in the ring", counts=True),
+            Quantity(f"{name}_line", self.holds.unit, "what the delay holds, a ring", self.size),
+            Quantity(f"{name}_oldest", "", "place of the oldest in the ring", counts=True),
         )
 
     @property
@@ -91,9 +91,9 @@ class Part:
     name: str
     title: str
     period: float
-    inputs: tuple[Field, ...]
-    state: tuple[Field, ...]
-    output: Field
+    inputs: tuple[Quantity, ...]
+    state: tuple[Quantity, ...]
+    output: Quantity
     low: float | None
     high: float | None
     settings: Mapping[str, float]
@@ -109,24 +109,24 @@ class Part:
     takes_lost: bool = False
 
     @property
-    def kept(self) -> list[tuple[int, Field]]:
+    def kept(self) -> list[tuple[int, Quantity]]:
         """Leaves of the state that the struct keeps, with their places: of a delay line not what is read
         from it anew in every sample."""
         read = {row + i for row, _ in self.delays for i in (0, 1)}
         return [(i, f) for i, f in enumerate(self.state) if i not in read]
 
     @property
-    def read(self) -> list[tuple[int, Field]]:
+    def read(self) -> list[tuple[int, Quantity]]:
         """The inputs, with their places in `SEEN`."""
         return [(SEEN.index(f), f) for f in self.inputs]
 
     @property
-    def lines(self) -> list["Line"]:
+    def lines(self) -> list["DelayRing"]:
         """The delay lines."""
-        return [Line(row, samples + 1, self.state[row]) for row, samples in self.delays]
+        return [DelayRing(row, samples + 1, self.state[row]) for row, samples in self.delays]
 
     @property
-    def members(self) -> list[Field]:
+    def members(self) -> list[Quantity]:
         """Members of the struct of the state: what is kept, the rings of the delay lines, the last output."""
         last = self.output._replace(name=f"last_{self.output.name}", meaning="output of the last good sample")
         return [*(f for _, f in self.kept), *(f for line in self.lines for f in line.fields), last]
@@ -171,7 +171,7 @@ def of_observer(name: str, title: str, observer: MemoryObserver, period: float =
         after = observe(state, seen.angle, seen.pressure, coefficients)
         return after, after.memory.h
 
-    output = Field("static_angle", "deg", "static angle as observed")
+    output = Quantity("static_angle", "deg", "static angle as observed")
     settings = settings_of(observer)
     return _part(name, title, period, begin, law, c, output, None, None, settings)
 
@@ -183,7 +183,7 @@ def _part(
     begin: Callable[[Number, Number], tuple[Any, Number]],
     law: Callable[[Any, Seen, Any], tuple[Any, Number]],
     c: Any,
-    output: Field,
+    output: Quantity,
     low: float | None,
     high: float | None,
     settings: Mapping[str, float],

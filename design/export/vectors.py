@@ -51,7 +51,7 @@ def references(steps: int, period: float, draw: np.random.Generator) -> Array:
     return np.where(part == 0, jumps, np.where(part == 1, chirp, np.where(part == 2, ramps, jumps)))
 
 
-class Replay:
+class TargetReplay:
     """The law in Python as a target runs it: its state, its delay lines, and its output held where a
     measurement is lost.  One state at a time, as on the target."""
 
@@ -100,7 +100,7 @@ def vector(part: Part, wrist: Wrist, steps: int = STEPS, seed: int = 0) -> Vecto
         start_of(begin(0.0, wrist.hysteresis.rest_pressure, wrist)),
     )
     at = float(state[0]), float(state[3])
-    law = Replay(part)
+    law = TargetReplay(part)
     law.begin(*at)
     rows = np.empty((steps, 4))
     for k, (noise, hiss) in enumerate(draw.standard_normal((steps, 2))):

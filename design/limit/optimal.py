@@ -75,7 +75,7 @@ class Shot(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Problem:
+class TimeOptimalProblem:
     """A step of a wrist without effects, in the direction `sign`, from a state to a reference [deg];
     bound: in samples."""
 
@@ -146,7 +146,7 @@ def optimal(wrist: Wrist, reference: float, state: State, found: Bound, goal: Go
     delay = int(float(dead_time_of(wrist.effects)) / wrist.rig.sample_time + 1e-9)
     bare, start = prompt(wrist, state)
     reached = max(round(found.settling_s / wrist.rig.sample_time) - delay, 1)
-    problem = Problem(bare, start, reference, float(np.sign(reference - state.angle)), reached)
+    problem = TimeOptimalProblem(bare, start, reference, float(np.sign(reference - state.angle)), reached)
     _check_hold(problem)
 
     @cache
@@ -159,7 +159,7 @@ def optimal(wrist: Wrist, reference: float, state: State, found: Bound, goal: Go
     return _best(lambda turn: tried(turn)[0], problem, lambda turn: tried(turn)[1])
 
 
-def _best(score: Callable[[int], Any], problem: Problem, of: Callable[[int], Replay]) -> Replay:
+def _best(score: Callable[[int], Any], problem: TimeOptimalProblem, of: Callable[[int], Replay]) -> Replay:
     """The replay with the least score over turns: a coarse search, then the neighbours of the best."""
     last = problem.nodes - 2
     at = {min(max(round(share * problem.bound / HOLD), 1), last) for share in (0.84, 0.88, 0.92, 0.96, 1.0)}
@@ -172,7 +172,7 @@ def _best(score: Callable[[int], Any], problem: Problem, of: Callable[[int], Rep
         best = better
 
 
-def _check_hold(problem: Problem) -> None:
+def _check_hold(problem: TimeOptimalProblem) -> None:
     """InputError where no command in the range holds the reference after a turn."""
     p, gain = problem.wrist.hysteresis, problem.wrist.regulator.gain
     pressures = (p.descending_pressure, p.ascending_pressure)
@@ -184,7 +184,7 @@ def _check_hold(problem: Problem) -> None:
         )
 
 
-def _commands(problem: Problem, turn: int, goal: Goal) -> Any:
+def _commands(problem: TimeOptimalProblem, turn: int, goal: Goal) -> Any:
     """Commands [V], one per sample, the last of which holds the pressure that was come to."""
     levels, _, _ = _solve(problem, turn, goal)
     c = problem.wrist.sampled()
@@ -195,7 +195,7 @@ def _commands(problem: Problem, turn: int, goal: Goal) -> Any:
     return np.append(v, np.clip(pressure / c.regulator.gain, *problem.range))
 
 
-def _laws(problem: Problem) -> tuple[Any, Any]:
+def _laws(problem: TimeOptimalProblem) -> tuple[Any, Any]:
     """CasADi functions of one hold: before the turn (node, command), and after it (node, command, turn)."""
     c: SampledWrist = problem.wrist.sampled()
 
@@ -218,7 +218,7 @@ def _laws(problem: Problem) -> tuple[Any, Any]:
     return graph(ahead, node, "command"), graph(braking, node, "command", "turn")
 
 
-def _solve(problem: Problem, turn: int, goal: Goal) -> tuple[Any, Any, Any]:
+def _solve(problem: TimeOptimalProblem, turn: int, goal: Goal) -> tuple[Any, Any, Any]:
     """Commands [V] of the holds, and pressures and angles at their ends, as the optimiser sees them."""
     import casadi as ca
 
@@ -265,7 +265,7 @@ def _solve(problem: Problem, turn: int, goal: Goal) -> tuple[Any, Any, Any]:
     return found[:n], nodes[:, 0], nodes[:, 1]
 
 
-def _guess(problem: Problem, turn: int) -> Any:
+def _guess(problem: TimeOptimalProblem, turn: int) -> Any:
     """Full throttle until the turn, full throttle back until the loop is at the reference, then hold."""
     c, sign = problem.wrist.sampled(), problem.sign
     low, high = problem.range if sign > 0 else problem.range[::-1]

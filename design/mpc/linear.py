@@ -173,7 +173,7 @@ def plan(
     reference: float,
     active: qp.Active,
     before: float | None = None,
-) -> tuple[Array, qp.Solution]:
+) -> tuple[Array, qp.QPSolution]:
     """Static angles [deg] at the ends of the periods, shape (N,), and the QP's solution; `command` [V] is
     that of the period before, and `before` [deg] what u was then (that of the command where not given)."""
     N, gain = of.problem.horizon, of.problem.wrist.regulator.gain

@@ -32,7 +32,7 @@ _OPTIONS: dict[str, Any] = {
 }
 
 
-class Answer(NamedTuple):
+class NLPSolution(NamedTuple):
     """Commands [V], shape (N,), within range and rate; what IPOPT says of them, and its iterations."""
 
     commands: Array
@@ -40,9 +40,9 @@ class Answer(NamedTuple):
     iterations: int
 
 
-Converge = Callable[[Believed, Array, float, float], Answer]
-"""``(believed, plan, before, reference) -> Answer``: from a plan [V] on, `before` [V] being the command of
-the period before."""
+Converge = Callable[[Believed, Array, float, float], NLPSolution]
+"""``(believed, plan, before, reference) -> NLPSolution``: from a plan [V] on, `before` [V] being the command
+of the period before."""
 
 
 def converger(problem: Problem) -> Converge:
@@ -68,14 +68,14 @@ def converger(problem: Problem) -> Converge:
         "mpc", "ipopt", {"x": v, "f": cost, "g": moves, "p": ca.vertcat(start, around)}, _OPTIONS
     )
 
-    def converge(believed: Believed, plan: Array, before: float, reference: float) -> Answer:
+    def converge(believed: Believed, plan: Array, before: float, reference: float) -> NLPSolution:
         given = [*start_of(believed), before, reference - believed.shift, believed.lack / gain]
         found = solver(
             x0=plan, p=given, lbx=problem.low, ubx=problem.high, lbg=-problem.rate, ubg=problem.rate
         )
         stats = solver.stats()
         commands = within(problem, np.array(found["x"]).ravel(), before)
-        return Answer(commands, stats["return_status"], int(stats["iter_count"]))
+        return NLPSolution(commands, stats["return_status"], int(stats["iter_count"]))
 
     return converge
 

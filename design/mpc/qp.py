@@ -19,7 +19,7 @@ AT_UPPER, AT_LOWER = 1, 3
 """How daqp marks a constraint that is active at its upper, its lower bound."""
 
 
-class Solution(NamedTuple):
+class QPSolution(NamedTuple):
     """Minimiser, which constraints are active there (as daqp marks them), and whether it was found; how
     many iterations it took, and why it was not found."""
 
@@ -30,8 +30,8 @@ class Solution(NamedTuple):
     reason: str
 
 
-Solve = Callable[[Array, Array, Array, Array, Active], Solution]
-"""``(H, f, low, high, active) -> Solution``, minimising x'Hx/2 + f'x, low <= (x, A x) <= high."""
+Solve = Callable[[Array, Array, Array, Array, Active], QPSolution]
+"""``(H, f, low, high, active) -> QPSolution``, minimising x'Hx/2 + f'x, low <= (x, A x) <= high."""
 
 _REASONS = {-1: "infeasible", -2: "cycling", -3: "unbounded", -4: "iteration limit", -5: "not convex",
             -6: "start not feasible", -7: "time limit"}  # fmt: skip
@@ -57,7 +57,7 @@ def solver(A: Array) -> Solve:
     last: list[Any] = [None]
     matrix = np.ascontiguousarray(A, float)
 
-    def solve(H: Array, f: Array, low: Array, high: Array, active: Active) -> Solution:
+    def solve(H: Array, f: Array, low: Array, high: Array, active: Active) -> QPSolution:
         if last[0] is None:
             flag = model.setup(H, f, matrix, high, low, active.copy())[0]
         elif last[0] is H:
@@ -67,14 +67,16 @@ def solver(A: Array) -> Solve:
         last[0] = H
         if flag < 0:
             last[0] = None
-            return Solution(f, active * 0, False, 0, _REASONS.get(flag, f"daqp says {flag}"))
+            return QPSolution(f, active * 0, False, 0, _REASONS.get(flag, f"daqp says {flag}"))
         x, _, flag, info = model.solve()
         if flag < 1 or not np.isfinite(x).all():
             last[0] = None  # whatever state that left behind goes with it
-            return Solution(x, active * 0, False, info["iterations"], _REASONS.get(flag, f"daqp says {flag}"))
+            return QPSolution(
+                x, active * 0, False, info["iterations"], _REASONS.get(flag, f"daqp says {flag}")
+            )
         lam = info["lam"]
         marks = np.where(lam > 0.0, AT_UPPER, np.where(lam < 0.0, AT_LOWER, 0)).astype(np.int32)
-        return Solution(np.array(x), marks, True, info["iterations"], "")
+        return QPSolution(np.array(x), marks, True, info["iterations"], "")
 
     return solve
 

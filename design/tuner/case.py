@@ -17,7 +17,7 @@ as many."""
 
 
 @dataclass(frozen=True)
-class Case:
+class TunedPlant:
     """The plant of a setting as a problem of tuning: steps of 15 degrees of this plant alone, both ways from
     every starting memory, and back; coarse: the same with fewer frequencies, for the map.
 
@@ -31,7 +31,7 @@ class Case:
     note: str | None = None
 
 
-def case(wrist: Wrist, setting: Setting, limits: Limits | None = None, jobs: int | None = None) -> Case:
+def case(wrist: Wrist, setting: Setting, limits: Limits | None = None, jobs: int | None = None) -> TunedPlant:
     """The case of the user's wrist under a setting, whose gains take no part.
 
     >>> case(Wrist.flexion(), Setting(transit=3.0, lines=0.5)).trouble
@@ -42,7 +42,7 @@ def case(wrist: Wrist, setting: Setting, limits: Limits | None = None, jobs: int
     here = plant(wrist, setting)
     wrong = trouble(here)
     if wrong is not None:
-        return Case(None, None, wrong)
+        return TunedPlant(None, None, wrong)
     scenarios = tuple(s for s in tuning_scenarios(here) if s.plant == "nominal")
     lanes = len(scenarios)
     angles, references = (np.array([getattr(s, n) for s in scenarios], float) for n in ("angle", "reference"))
@@ -60,7 +60,7 @@ def case(wrist: Wrist, setting: Setting, limits: Limits | None = None, jobs: int
         (stacked, rest.state, references), 10.0, jobs,
     )  # fmt: skip
     coarse = replace(problem, branches=tuple(branch_responses(here, COARSE)))
-    return Case(problem, coarse, note=out_of_reach(problem))
+    return TunedPlant(problem, coarse, note=out_of_reach(problem))
 
 
 def out_of_reach(problem: Problem) -> str | None:

@@ -10,7 +10,7 @@ from design.metrics import Metrics
 from design.requirements import LIMIT_UNITS, ROUNDING, Evaluation, Problem, controller, evaluate
 from design.tasks import Scenario
 from design.tuner.branch_margins import BranchMargins, branch_margins
-from design.tuner.case import Case
+from design.tuner.case import TunedPlant
 from design.tuner.setting import Setting
 
 Array = NDArray[np.float64]
@@ -22,7 +22,7 @@ SAMPLES = np.unique(
 
 
 @dataclass(frozen=True)
-class Series:
+class ShownStep:
     """A step of 15 deg: its scenario, the way gone towards the reference [deg] and the command [V], each
     (rows,), settling time [s] (infinite where it does not) and overshoot [%]."""
 
@@ -34,7 +34,7 @@ class Series:
 
 
 @dataclass(frozen=True)
-class Held:
+class LimitReading:
     """A limit: its name, value and limit [unit] (None where there is no limit), where the value comes from,
     and whether the limit is broken."""
 
@@ -56,9 +56,9 @@ class Picture:
 
     setting: Setting
     time: Array
-    series: tuple[Series, ...] = ()
+    series: tuple[ShownStep, ...] = ()
     margins: tuple[BranchMargins, ...] = ()
-    limits: tuple[Held, ...] = ()
+    limits: tuple[LimitReading, ...] = ()
     cost: float = float("nan")
     settling_time_s: float = float("nan")
     trouble: str | None = None
@@ -70,7 +70,7 @@ class Picture:
         return [row.name for row in self.limits if row.broken]
 
 
-def picture(given: Case, setting: Setting) -> Picture:
+def picture(given: TunedPlant, setting: Setting) -> Picture:
     """The picture of a setting; `given` is the case of its plant.
 
     >>> from design.tuner.case import case
@@ -97,10 +97,10 @@ def picture(given: Case, setting: Setting) -> Picture:
     )  # fmt: skip
 
 
-def _series(problem: Problem, judged: Metrics, angle: Array, command: Array) -> tuple[Series, ...]:
+def _series(problem: Problem, judged: Metrics, angle: Array, command: Array) -> tuple[ShownStep, ...]:
     """Responses of the scenarios; angle [deg], command [V], (rows, scenarios)."""
     return tuple(
-        Series(
+        ShownStep(
             s, (angle[:, i] - s.angle) * np.sign(s.reference - s.angle), command[:, i],
             float(judged.settling_time_s[i]), float(judged.overshoot_percent[i]),
         )
@@ -108,10 +108,10 @@ def _series(problem: Problem, judged: Metrics, angle: Array, command: Array) -> 
     )  # fmt: skip
 
 
-def _limits(problem: Problem, at: Evaluation) -> tuple[Held, ...]:
+def _limits(problem: Problem, at: Evaluation) -> tuple[LimitReading, ...]:
     """Each limited quantity of one pair of gains, whether it is limited or not."""
     return tuple(
-        Held(
+        LimitReading(
             name, float(at.values[name][0]), problem.limits.named.get(name), LIMIT_UNITS[name],
             problem.place(name, int(at.values_at[name][0])),
             bool(name in at.excess and at.excess[name][0] > ROUNDING - 1.0),

@@ -9,7 +9,7 @@ import numpy as np
 from design.requirements import Limits
 from design.tasks import STEP
 from design.tuner.branch_margins import BranchMargins
-from design.tuner.picture import SAMPLES, Held, Picture, Series
+from design.tuner.picture import SAMPLES, LimitReading, Picture, ShownStep
 from design.tuner.regions import Regions, outline
 from design.tuner.setting import Slider
 from design.tuning import Region
@@ -95,7 +95,7 @@ def plant_words(values: Mapping[str, float]) -> dict[str, str]:
     }
 
 
-def _series(s: Series) -> dict[str, Any]:
+def _series(s: ShownStep) -> dict[str, Any]:
     back = s.scenario.angle != 0.0
     return {
         "memory": "return" if back else s.scenario.start,
@@ -105,7 +105,7 @@ def _series(s: Series) -> dict[str, Any]:
     }
 
 
-def _held(row: Held) -> dict[str, Any]:
+def _held(row: LimitReading) -> dict[str, Any]:
     words = LIMITS[row.name]
     lost = row.name in ("Ms", "delay_margin_s") and row.value in (float("inf"), 0.0)
     return {

@@ -12,7 +12,7 @@ import traitlets
 
 from design.requirements import Limits
 from design.tuner import gains_file, record
-from design.tuner.case import Case, case
+from design.tuner.case import TunedPlant, case
 from design.tuner.picture import Picture, picture
 from design.tuner.regions import Regions, first, sharper
 from design.tuner.setting import REGION, Setting, initial, plant, sliders
@@ -85,7 +85,7 @@ class Tuner(anywidget.AnyWidget):
         self.limits, self.region, self.jobs = limits or Limits(), region, jobs
         self.files: set[Path] = set()
         self._alone = RLock()  # Jupyter answers the browser beside a cell that runs
-        self._case: Case | None = None
+        self._case: TunedPlant | None = None
         self._regions: Regions | None = None
         self._shown: Picture | None = None
         start = initial(self.wrist)

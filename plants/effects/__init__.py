@@ -9,7 +9,7 @@ rigs has need not stand here: `register` makes it known for as long as Python ru
 
 from inspect import isabstract
 
-from plants.effects.branch_curvature import Bow, Curve, Polynomial, Saturation
+from plants.effects.branch_curvature import Bow, Polynomial, Saturation, SmoothCurve
 from plants.effects.creep import Creep, LogCreep, TwoTimeCreep
 from plants.effects.cross_coupling import Coupling, PressureCoupling, QuadraticCoupling
 from plants.effects.dead_time import DeadTime, TubeDeadTime
@@ -21,7 +21,7 @@ from plants.effects.inertia import DraggedInertia, Inertia, StiffeningInertia
 from plants.effects.load_step import GradualLoad, LoadStep
 from plants.effects.periodic import HarmonicHum, Hum
 from plants.effects.rate_dependence import PowerWidening, RememberedRate, SaturatingWidening, Viscous
-from plants.effects.regulator_deadband import Latch, Play, ValveOverlap
+from plants.effects.regulator_deadband import Latch, PlayDeadBand, ValveOverlap
 from plants.effects.softening import Mullins, SofteningByWork, Warming
 from plants.effects.supply_droop import CappedPressure, CappedTarget, LimitedFlow, SaturatingSag
 from plants.errors import InputError
@@ -30,10 +30,10 @@ EFFECTS: dict[str, tuple[type[Effect], ...]] = {
     forms[0].NAME: forms
     for forms in (
         (DeadTime, TubeDeadTime),
-        (Latch, Play, ValveOverlap),
+        (Latch, PlayDeadBand, ValveOverlap),
         (TwoRates, PressureDependentRates, OrificeExhaust),
         (CappedPressure, CappedTarget, SaturatingSag, LimitedFlow),
-        (Polynomial, Saturation, Bow, Curve),
+        (Polynomial, Saturation, Bow, SmoothCurve),
         (Coupling, QuadraticCoupling, PressureCoupling),
         (Viscous, PowerWidening, SaturatingWidening, RememberedRate),
         (SofteningByWork, Warming, Mullins),

@@ -165,7 +165,7 @@ class SampledCurve(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Curve(_Curved):
+class SmoothCurve(_Curved):
     """Both lines follow one smooth curve, the transit stays straight.
 
     Chebyshev polynomials T2 to T7 of (P - rest) / 100 kPa, as shares of the line's

@@ -60,7 +60,7 @@ class Nothing(NamedTuple):
     """The state of an effect that remembers nothing."""
 
 
-class Evidence(Protocol):
+class TrialHints(Protocol):
     """What a log, and what a model without the effect leaves of it, tell of where to try an effect.
 
     channel: ``pressure_kPa`` or ``angle_deg``; noise: its floor, in its unit.
@@ -145,7 +145,7 @@ class Effect(ABC):
             yield dict(zip(names, values, strict=True))
 
     @classmethod
-    def trials_on(cls, log: Evidence) -> Iterable[dict[str, float]]:
+    def trials_on(cls, log: TrialHints) -> Iterable[dict[str, float]]:
         """Values to try the effect at on a log: the trials, unless the data alone can tell where."""
         return cls.trials()
 

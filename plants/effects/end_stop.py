@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, Evidence, Nothing, Number, parameter
+from plants.effects.effect import Around, Effect, Nothing, Number, TrialHints, parameter
 
 
 class _Stops(NamedTuple):
@@ -97,7 +97,7 @@ class _Stop(Effect):
     high: Number = _HIGH
 
     @classmethod
-    def trials_on(cls, log: Evidence) -> Iterator[dict[str, float]]:
+    def trials_on(cls, log: TrialHints) -> Iterator[dict[str, float]]:
         """Stops at shares of the angles that were reached, on either side or both."""
         low, high = log.quantiles(0.002, 0.998)
         shares = (1.0, 0.9, 0.75, 0.6)

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, Evidence, Nothing, Number, parameter
+from plants.effects.effect import Around, Effect, Nothing, Number, TrialHints, parameter
 
 
 class SampledLoad(NamedTuple):
@@ -43,7 +43,7 @@ class _Loaded(Effect):
     BOUND = "kept"
 
     @classmethod
-    def trials_on(cls, log: Evidence) -> list[dict[str, float]]:
+    def trials_on(cls, log: TrialHints) -> list[dict[str, float]]:
         """Shifts of three times the noise at the moments at which the remainder steps."""
         first, size = next(cls.trials()), 3.0 * log.noise
         return [{**first, "moment": moment, "shift": size * sign} for moment, sign in log.steps()]

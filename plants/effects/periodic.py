@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, Evidence, Nothing, Number, parameter
+from plants.effects.effect import Around, Effect, Nothing, Number, TrialHints, parameter
 
 
 class SampledHum(NamedTuple):
@@ -43,7 +43,7 @@ class _Humming(Effect):
     BOUND = "kept"
 
     @classmethod
-    def trials_on(cls, log: Evidence) -> list[dict[str, float]]:
+    def trials_on(cls, log: TrialHints) -> list[dict[str, float]]:
         """The lines of the remainder's spectrum."""
         first, noise = next(cls.trials()), log.noise
         return [

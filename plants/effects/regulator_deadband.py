@@ -8,7 +8,7 @@ import numpy as np
 from plants.effects.effect import Around, Effect, Nothing, Number, parameter
 
 
-class Held(NamedTuple):
+class HeldTarget(NamedTuple):
     """The commanded pressure [kPa] that the regulator has taken up."""
 
     target: Number
@@ -19,9 +19,9 @@ class SampledLatch(NamedTuple):
 
     width: Number
 
-    def target(self, s: Held, target: Number, around: Around) -> tuple[Held, Number]:
+    def target(self, s: HeldTarget, target: Number, around: Around) -> tuple[HeldTarget, Number]:
         held = np.where(np.abs(target - s.target) > self.width, target, s.target)
-        return Held(held), held
+        return HeldTarget(held), held
 
 
 class SampledPlay(NamedTuple):
@@ -29,9 +29,9 @@ class SampledPlay(NamedTuple):
 
     width: Number
 
-    def target(self, s: Held, target: Number, around: Around) -> tuple[Held, Number]:
+    def target(self, s: HeldTarget, target: Number, around: Around) -> tuple[HeldTarget, Number]:
         held = np.minimum(np.maximum(s.target, target - self.width), target + self.width)
-        return Held(held), held
+        return HeldTarget(held), held
 
 
 class SampledOverlap(NamedTuple):
@@ -59,8 +59,8 @@ class _DeadBand(Effect):
 class _Holding(_DeadBand):
     """Forms that hold a commanded pressure [kPa]."""
 
-    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Held:
-        return Held(pressure)
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> HeldTarget:
+        return HeldTarget(pressure)
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class Latch(_Holding):
 
 
 @dataclass(frozen=True)
-class Play(_Holding):
+class PlayDeadBand(_Holding):
     """The regulator follows the commanded pressure at a distance of `width` [kPa], as with backlash."""
 
     FORM = "play"

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, Evidence, Number, parameter
+from plants.effects.effect import Around, Effect, Number, TrialHints, parameter
 
 
 class Supply(NamedTuple):
@@ -83,7 +83,7 @@ class _Droop(Effect):
         return Supply(0.0)
 
     @classmethod
-    def trials_on(cls, log: Evidence) -> Iterator[dict[str, float]]:
+    def trials_on(cls, log: TrialHints) -> Iterator[dict[str, float]]:
         """The trials, and supplies at shares of the pressure that was reached, for rigs of any size."""
         yield from cls.trials()
         if log.channel != "pressure_kPa":

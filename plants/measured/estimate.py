@@ -17,7 +17,7 @@ LINEAR = 1e9
 """A corner that no residual reaches."""
 
 
-class Problem(Protocol):
+class LeastSquares(Protocol):
     """What is estimated: residuals (rows, lanes) of vectors (lanes, n), and the block of each row."""
 
     @property
@@ -41,7 +41,7 @@ class Estimate:
     agreeing: int
 
 
-def estimate(problem: Problem, bounds: Array, starts: int, seed: int) -> Estimate:
+def estimate(problem: LeastSquares, bounds: Array, starts: int, seed: int) -> Estimate:
     """Minimise a Huber loss of the residuals within `bounds`, rows start, lower, upper, shape (3, n).
 
     The loss's corner is set by the spread of the residuals themselves: first
@@ -75,7 +75,7 @@ def _scale(x: Array, bounds: Array) -> Array:
     return scale
 
 
-def jacobian(problem: Problem, x: Array, bounds: Array) -> tuple[Array, Array]:
+def jacobian(problem: LeastSquares, x: Array, bounds: Array) -> tuple[Array, Array]:
     """Residuals (rows,) and their derivatives (rows, n): perturbed copies run side by side in lanes."""
     scale = _scale(x, bounds)
     step = 1e-5 * scale
@@ -95,7 +95,7 @@ def jacobian(problem: Problem, x: Array, bounds: Array) -> tuple[Array, Array]:
 
 
 def minimise(
-    problem: Problem,
+    problem: LeastSquares,
     x: Array,
     bounds: Array,
     corner: float = LINEAR,
@@ -133,7 +133,7 @@ def minimise(
     return found.x, float(found.cost / found.fun.size)
 
 
-def standard_errors(problem: Problem, x: Array, bounds: Array, corner: float) -> list[float | None]:
+def standard_errors(problem: LeastSquares, x: Array, bounds: Array, corner: float) -> list[float | None]:
     """Standard errors by the sandwich formula over blocks of time, None for undetermined entries.
 
     Residuals within a block may be correlated in any way, so the errors hold

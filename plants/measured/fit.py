@@ -18,6 +18,7 @@ from plants.hysteresis import with_values
 from plants.measured.campaign import Campaign
 from plants.measured.determined import estimate_determined
 from plants.measured.estimate import Estimate
+from plants.measured.free_run import FreeRun, rmse
 from plants.measured.noise import noise_of_campaign
 from plants.measured.playback import Playback
 from plants.measured.problem import Begin, FitProblem, at_rest, first_begin, measured
@@ -31,19 +32,6 @@ Role = Literal["fit", "validate"]
 CHANNELS = ("pressure_kPa", "angle_deg")
 EXPLAINED = 1.2
 """A model whose error is below this many times the noise explains a channel (chi-square 1.5 a row)."""
-
-
-@dataclass(frozen=True)
-class Run:
-    """A recording beside its simulations with the fitted and the starting set, shape (n,)
-    each; angles are None for a campaign of the regulator alone."""
-
-    recording: Recording
-    role: Role
-    pressure: Array
-    angle: Array | None
-    pressure_before: Array
-    angle_before: Array | None
 
 
 @dataclass(frozen=True)
@@ -66,7 +54,7 @@ class Fit:
     fit_rmse: Errors
     validate_rmse: Errors
     validate_rmse_before: Errors
-    runs: tuple[Run, ...]
+    runs: tuple[FreeRun, ...]
     stages: dict[str, Estimate]
     at_bounds: tuple[str, ...] = ()
     undetermined: tuple[str, ...] = ()
@@ -167,7 +155,7 @@ def fit_campaign(
     runs = tuple(_runs(campaign, start, fitted, begins))
     return Fit(
         campaign, start, fitted, noise,
-        rmse(runs, "fit"), rmse(runs, "validate"), rmse(runs, "validate", before=True), runs, stages,
+        _errors(runs, "fit"), _errors(runs, "validate"), _errors(runs, "validate", before=True), runs, stages,
         edges, tuple(undetermined), None if begins is None else tuple(begins),
     )  # fmt: skip
 
@@ -218,7 +206,7 @@ def _free(channel: str, pressure_known: bool) -> tuple[str, ...]:
 
 def _runs(
     campaign: Campaign, start: ParameterSet, fitted: ParameterSet, begins: Sequence[Begin] | None
-) -> list[Run]:
+) -> list[FreeRun]:
     """Every recording beside its simulations; where the start is unknown, from the estimated
     start for recordings that were fitted, from the first rows for those that took no part."""
     apart = (
@@ -238,17 +226,9 @@ def _runs(
                 for w, s in zip(wrists, states, strict=True)
             ]
             angles = [None, None] if campaign.stage == "regulator" else [angle for _, angle in sides]
-            found.append(Run(recording, role, sides[0][0], angles[0], sides[1][0], angles[1]))
+            found.append(FreeRun(recording, role, sides[0][0], angles[0], sides[1][0], angles[1]))
     return found
 
 
-def rmse(runs: Sequence[Run], role: str, before: bool = False) -> Errors:
-    """Root mean square error of the runs of a role, by channel; None where it was not logged."""
-    found: Errors = {}
-    for channel in CHANNELS:
-        name = ("pressure" if channel == "pressure_kPa" else "angle") + ("_before" if before else "")
-        used = [r for r in runs if r.role == role]
-        pairs = [(getattr(r, name), measured(r.recording, channel), r.recording.judged) for r in used]
-        squares = [(a - b)[rows] ** 2 for a, b, rows in pairs if a is not None and b is not None]
-        found[channel] = float(np.sqrt(np.mean(np.concatenate(squares)))) if squares else None
-    return found
+def _errors(runs: Sequence[FreeRun], role: str, before: bool = False) -> Errors:
+    return {c: rmse(runs, c, before, role) for c in CHANNELS}

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from design.controllers.pi import PI
-from design.margins import OpenLoop, open_loops, winds_not
+from design.margins import OpenLoopTransfer, open_loops, winds_not
 from design.requirements import Limits
 from design.robustness.predictions.describing_function import (
     centre_of,
@@ -40,10 +40,10 @@ OMEGA = np.geomspace(3e-2, 0.9 * np.pi / SAMPLE_TIME, 3000)
 """Frequencies [rad/s] of the curves."""
 
 
-def overlaid(wrist: Wrist, controller: PI) -> dict[str, OpenLoop]:
+def overlaid(wrist: Wrist, controller: PI) -> dict[str, OpenLoopTransfer]:
     """The open loops that differ, by the branch and rate they belong to in words, those that are alike
     under one name; the largest slopes first."""
-    seen: dict[bytes, list[OpenLoop]] = {}
+    seen: dict[bytes, list[OpenLoopTransfer]] = {}
     for loop in open_loops(wrist, controller):
         seen.setdefault(loop.at(OMEGA[::300]).round(12).tobytes(), []).append(loop)
     alike = sorted(seen.values(), key=lambda same: -abs(same[0].at(OMEGA[:1])[0]))
@@ -138,7 +138,7 @@ def sensitivities(wrist: Wrist, controller: PI, limits: Limits) -> "Figure":
     return figure
 
 
-def _verdict(loop: OpenLoop, L: Any) -> str:
+def _verdict(loop: OpenLoopTransfer, L: Any) -> str:
     """What stands behind the name of a loop that is unstable when closed, whose S and T mean nothing."""
     stable = bool(winds_not(L[None])[0]) if loop.stable is None else loop.stable
     return "" if stable else " (unstable)"

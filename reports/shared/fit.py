@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from plants.measured.fit import Fit, Run
+from plants.measured.fit import Fit
+from plants.measured.free_run import FreeRun
 from plants.quantities import Fitted
 from reports.shared.style import BLACK, BLUE, DASHED, DOTTED, GREY, POINTS, VERMILLION, WIDTH, seen, styled
 
@@ -16,15 +17,15 @@ LOOP_SECONDS = 20.0
 """How much of a recording is drawn in the plane of pressure and angle [s]."""
 
 
-def shown_run(fit: Fit) -> Run:
+def shown_run(fit: Fit) -> FreeRun:
     """The recording to be drawn: of those that took no part in the fit, the one of the widest
     range; of all, where every recording took part."""
     runs = [r for r in fit.runs if r.role == "validate"] or list(fit.runs)
-    best: Run = max(runs, key=lambda r: float(np.ptp(_channel(r)[0])))
+    best: FreeRun = max(runs, key=lambda r: float(np.ptp(_channel(r)[0])))
     return best
 
 
-def _channel(run: Run) -> tuple[Any, Any, Any, str]:
+def _channel(run: FreeRun) -> tuple[Any, Any, Any, str]:
     """Measured, simulated after and before, and the label, of the angle, or else of the pressure."""
     if run.angle is not None and run.recording.angle is not None:
         return run.recording.angle, run.angle, run.angle_before, "Angle [deg]"
@@ -70,7 +71,7 @@ _BEFORE: dict[str, Any] = {"color": VERMILLION, "linestyle": DASHED, "linewidth"
 _AFTER: dict[str, Any] = {"color": BLUE, "linestyle": (0, DOTTED[1]), "linewidth": 2.0}
 
 
-def _loop(axes: "Axes", run: Run, pressure: Any, angle: Any, look: dict[str, Any], words: str) -> None:
+def _loop(axes: "Axes", run: FreeRun, pressure: Any, angle: Any, look: dict[str, Any], words: str) -> None:
     """Angle against pressure for the first seconds only: more loops than a few hide each other."""
     time, measured = run.recording.time, run.recording
     assert measured.pressure is not None

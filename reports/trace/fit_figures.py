@@ -7,8 +7,9 @@ import numpy as np
 from design.metrics import SETTLING_BAND
 from design.retune import Control
 from design.tasks import STEP
+from plants.measured.free_run import FreeRun
 from plants.measured.problem import measured
-from plants.measured.trace.trace import Played, Trace
+from plants.measured.trace.trace import Trace
 from reports.shared.fit import LOOP_SECONDS
 from reports.shared.names import CHANNELS
 from reports.shared.style import (
@@ -75,18 +76,18 @@ def _errors(axes: "Axes", trace: Trace, channel: str) -> None:
     axes.grid(axis="y", visible=False)
 
 
-def shown_run(trace: Trace, channel: str) -> Played:
+def shown_run(trace: Trace, channel: str) -> FreeRun:
     """The recording to be drawn: of those that took no part, the one whose channel moves furthest."""
     runs = [r for r in trace.runs if measured(r.recording, channel) is not None]
     apart = [r for r in runs if r.role == "validate"] or runs
     return max(apart, key=lambda r: float(np.ptp(_truth(r, channel))))
 
 
-def _truth(run: Played, channel: str) -> Any:
+def _truth(run: FreeRun, channel: str) -> Any:
     return measured(run.recording, channel)
 
 
-def _sides(run: Played, channel: str) -> tuple[Any, Any]:
+def _sides(run: FreeRun, channel: str) -> tuple[Any, Any]:
     if channel == "pressure_kPa":
         return run.pressure_before, run.pressure
     return run.angle_before, run.angle

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.residual.curves import Curve
+from plants.measured.residual.curves import BinnedCurve
 from plants.measured.residual.remainder import Remainder
 from plants.measured.trace.trace import StageTrace, remainders
 from reports.shared.names import CHANNELS
@@ -95,7 +95,7 @@ def _means(axes: "Axes", stage: StageTrace, variable: str, unit: str, after_name
     axes.margins(y=0.15)
 
 
-def _band(axes: "Axes", curve: Curve, label: str) -> None:
+def _band(axes: "Axes", curve: BinnedCurve, label: str) -> None:
     axes.fill_between(curve.centre, curve.low, curve.high, color=PALE, linewidth=0.0, label=label, zorder=0)
 
 
@@ -117,7 +117,7 @@ def _spectrum(axes: "Axes", stage: StageTrace, unit: str, revised: bool) -> None
     axes.set(xlabel="Frequency [Hz]", ylabel=f"Power [{unit}²/Hz]")
 
 
-def thinned(curve: Curve) -> tuple[Array, Array]:
+def thinned(curve: BinnedCurve) -> tuple[Array, Array]:
     """A spectrum averaged within bins of equal width on a logarithmic axis: frequency, power."""
     used = curve.centre > 0.0
     f, power = curve.centre[used], curve.mean[used]

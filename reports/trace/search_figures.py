@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from plants.measured.trace.choose import WORTH, Round
+from plants.measured.trace.choose import WORTH, SearchRound
 from plants.measured.trace.screening import Ranked
 from plants.measured.trace.trace import StageTrace
 from reports.shared.style import BLACK, BLUE, DASHED, GREEN, PALE, VERMILLION, new_figure, styled
@@ -45,7 +45,7 @@ def best_forms(ranking: tuple[Ranked, ...]) -> list[Ranked]:
     return list(found.values())
 
 
-def _round(axes: "Axes", round_: Round, best: list[Ranked]) -> None:
+def _round(axes: "Axes", round_: SearchRound, best: list[Ranked]) -> None:
     had = set(round_.before.model.effects)
     refitted = {n: c.model.chi2 for c in round_.candidates for n in set(c.model.effects) - had}
     taken = set() if round_.taken is None else set(round_.taken.model.effects) - had

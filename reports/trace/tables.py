@@ -3,10 +3,11 @@
 from collections.abc import Mapping
 
 from design.retune import Control, Judged, Side
+from plants.measured.free_run import FreeRun
 from plants.measured.problem import measured
 from plants.measured.residual.examine import Examination, Finding
-from plants.measured.trace.choose import Candidate, Round
-from plants.measured.trace.trace import Played, Trace
+from plants.measured.trace.choose import Candidate, SearchRound
+from plants.measured.trace.trace import Trace
 from plants.quantities import Assumed, Fitted, Provenance
 from reports.shared.names import CHANNELS
 from reports.shared.plant_tables import provenance
@@ -71,7 +72,7 @@ def recording_table(trace: Trace) -> Table:
     return Table(tuple(columns), tuple(groups))
 
 
-def _rms(run: Played, channel: str, side: str) -> float | None:
+def _rms(run: FreeRun, channel: str, side: str) -> float | None:
     truth = measured(run.recording, channel)
     simulated = getattr(run, ("pressure" if channel == "pressure_kPa" else "angle") + side)
     if truth is None or simulated is None:
@@ -151,7 +152,7 @@ def seen_words(variable: str) -> str:
     return SEEN.get(variable, VARIABLES.get(variable, variable))
 
 
-def decision_table(rounds: tuple[Round, ...]) -> Table:
+def decision_table(rounds: tuple[SearchRound, ...]) -> Table:
     """Each round's models that were refitted fully: chi-square on all data, and what the decision rested
     on, chi-square on blocks that did not fit them or, where what was left looked like noise, the
     log-likelihood that they gain."""
@@ -180,7 +181,7 @@ def _same(one: Candidate, other: Candidate) -> bool:
     return one.model.forms == other.model.forms
 
 
-def _decided(c: Candidate, r: Round, noisy: bool) -> tuple[Cell, ...]:
+def _decided(c: Candidate, r: SearchRound, noisy: bool) -> tuple[Cell, ...]:
     """A model of a round, with the figure that the decision rested on."""
     name = " + ".join(f"{f.NAME} ({f.FORM})" for f in c.model.forms) or "the declared wrist alone"
     gained = fixed(c.log_likelihood - r.before.log_likelihood, 1) if noisy and c is not r.before else "–"

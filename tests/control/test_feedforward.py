@@ -5,8 +5,8 @@ import pytest
 
 from design.controllers.controller import Measured, stacked
 from design.controllers.feedforward import Feedforward, FeedforwardPI
-from design.controllers.feedforward_course import no_inverse, reachable, within_reach
 from design.controllers.pi import PI
+from design.controllers.reference_model import no_inverse, reachable, within_reach
 from design.evaluation.runner import step_from
 from design.loop import run
 from plants import one_page, tree

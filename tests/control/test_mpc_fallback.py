@@ -24,8 +24,8 @@ def resting(start):
 
 
 FAILURES = {
-    "infeasible": lambda x, active: qp.Solution(x, active, False, 3, "infeasible"),
-    "no number": lambda x, active: qp.Solution(x * np.nan, active, True, 3, ""),
+    "infeasible": lambda x, active: qp.QPSolution(x, active, False, 3, "infeasible"),
+    "no number": lambda x, active: qp.QPSolution(x * np.nan, active, True, 3, ""),
 }
 
 

@@ -5,13 +5,13 @@ import pytest
 
 from plants.effects import (
     Bow,
-    Curve,
     Mullins,
     Polynomial,
     PowerWidening,
     RememberedRate,
     SaturatingWidening,
     Saturation,
+    SmoothCurve,
     SofteningByWork,
     Viscous,
     Warming,
@@ -58,7 +58,7 @@ def test_a_rising_pressure_follows_line_1_as_it_is_bent(effect, angle):
 def test_one_curve_for_both_lines_is_a_sum_of_chebyshev_polynomials():
     shares = (0.05, -0.04, 0.03, 0.02, -0.01, 0.01)
     path = ramp(100.0, 190.0, 20.0, rate=200.0)
-    h, _ = moved(WRIST + Curve(*shares), path)
+    h, _ = moved(WRIST + SmoothCurve(*shares), path)
     x = (path - P.rest_pressure) / 100.0
     bend = np.polynomial.chebyshev.chebval(x, (0, 0, *shares)) - np.polynomial.chebyshev.chebval(
         0.0, (0, 0, *shares)

@@ -10,7 +10,7 @@ from plants.effects import (
     DeadTime,
     Latch,
     OrificeExhaust,
-    Play,
+    PlayDeadBand,
     PressureDependentRates,
     SaturatingSag,
     TubeDeadTime,
@@ -65,7 +65,14 @@ def test_a_latch_takes_up_changes_beyond_its_width_in_full():
 
 
 def test_a_play_follows_at_its_distance():
-    assert targets(Play(3.0), [102.0, 104.0, 110.0, 105.0, 103.0, 90.0]) == [100, 101, 107, 107, 106, 93]
+    assert targets(PlayDeadBand(3.0), [102.0, 104.0, 110.0, 105.0, 103.0, 90.0]) == [
+        100,
+        101,
+        107,
+        107,
+        106,
+        93,
+    ]
 
 
 def test_shut_valves_leave_the_pressure_where_the_error_is_their_overlap():

@@ -17,6 +17,7 @@ from plants.measured.trace.model import Model
 from plants.measured.trace.screening import screen
 from plants.measured.trace.stage import Stage
 from plants.parameter_files import write
+from plants.quantities import loop_names
 
 
 class SampledRunOut(NamedTuple):
@@ -98,9 +99,10 @@ def test_a_trace_tries_it_and_finds_it(registered):
     response = (wrist + RunOut(0.5, 12.0)).simulate(np.repeat(volts, 10), every=10)
     angle = response.angle[:-1] + rng.normal(0.0, 0.05, time.size)
     playback = Playback(Recording("log", time, volts, angle))
-    stage = Stage("whole", "angle_deg", 0.05, (playback,))
+    declared = built_in("flexion")
+    stage = Stage("whole", "angle_deg", 0.05, (playback,), loop_names(declared.parameters))
     assert "run-out" in stage.effects
-    model = Model(stage, built_in("flexion"), wrist.values)
+    model = Model(stage, declared, wrist.values)
     best, *others = screen(model, ["creep", "gyro-drift", "run-out"])
     assert best.form is RunOut
     assert best.drop > 10.0 * max(best.chance, *(r.drop for r in others))

@@ -12,7 +12,6 @@ from plants import Wrist
 from plants.effects import (
     Bow,
     Creep,
-    Curve,
     DeadTime,
     DraggedInertia,
     Drift,
@@ -25,6 +24,7 @@ from plants.effects import (
     Polynomial,
     PressureDependentRates,
     Saturation,
+    SmoothCurve,
     SofteningByWork,
     TubeDeadTime,
     TwoRates,
@@ -90,7 +90,7 @@ def sloped(w, pressure, line):
 
 @pytest.mark.parametrize(
     "effect",
-    [Polynomial(0.1, 0.1), Saturation(150.0), Bow(-2.0, 3.0, 1.0), Curve(0.05, -0.04, 0.02)],
+    [Polynomial(0.1, 0.1), Saturation(150.0), Bow(-2.0, 3.0, 1.0), SmoothCurve(0.05, -0.04, 0.02)],
     ids=lambda e: e.FORM,
 )
 def test_a_curved_branch_has_the_least_and_the_largest_of_its_slopes(effect):

@@ -28,7 +28,8 @@ from design.tasks import Spread, tuning_scenarios
 from design.tuning import Region, tune
 from plants import Wrist, built_in
 from plants.measured.campaign import Campaign, load_campaign
-from plants.measured.fit import Fit, Run
+from plants.measured.fit import Fit
+from plants.measured.free_run import FreeRun
 from plants.measured.recording import Recording
 from plants.measured.trace.trace import Trace, trace_campaign
 from tests.rig.campaign import make_campaign
@@ -46,7 +47,8 @@ def small_fit(motion: str) -> Fit:
     noise = 0.05 * np.sin(np.arange(r.time.size) * 7.0)
     recording = Recording("sine.csv", r.time, np.append(v[::10], v[-1]), r.angle + noise, r.pressure + noise)
     runs = tuple(
-        Run(recording, role, r.pressure, r.angle, r.pressure, r.angle * 1.1) for role in ("fit", "validate")
+        FreeRun(recording, role, r.pressure, r.angle, r.pressure, r.angle * 1.1)
+        for role in ("fit", "validate")
     )
     errors = {"angle_deg": 0.3, "pressure_kPa": 0.06}
     one = (recording,)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.margins import OpenLoop, _row, loop_tf
+from design.margins import OpenLoopTransfer, _row, loop_tf
 from design.requirements import Limits
 from design.robustness.predictions.margins import branch_margins, statements, steepest_rate
 from design.status import Status
@@ -32,7 +32,7 @@ def rows_of(gains):
 def test_an_integrator_behind_a_dead_time_has_the_margins_of_the_formula(k, dead_time):
     # L = k exp(-j w d) / (j w): crosses one at w = k with a phase of -90 degrees - k d, and -180 degrees at
     # w = pi / (2 d) with a gain of 2 k d / pi.
-    row = _row(OpenLoop("a", "b", lambda w: k * np.exp(-1j * w * dead_time) / (1j * w)), OMEGA, True)
+    row = _row(OpenLoopTransfer("a", "b", lambda w: k * np.exp(-1j * w * dead_time) / (1j * w)), OMEGA, True)
     assert row["stable"]
     assert row["phase_margin_deg"] == pytest.approx(90.0 - np.degrees(k * dead_time), abs=0.01)
     assert row["delay_margin_s"] == pytest.approx(np.pi / 2.0 / k - dead_time, rel=1e-4)
@@ -48,7 +48,7 @@ def test_an_integrator_behind_a_dead_time_has_the_margins_of_the_formula(k, dead
 def test_a_loop_of_second_order_has_the_peaks_of_the_textbook(zeta):
     # L = 1 / (s (s + 2 zeta)): T = 1 / (s^2 + 2 zeta s + 1) peaks at 1 / (2 zeta sqrt(1 - zeta^2)); S - T has
     # |.|^2 = ((1 + x)^2 + 4 zeta^2 x) / ((1 - x)^2 + 4 zeta^2 x), x = w^2, whose peak is at x = 1.
-    row = _row(OpenLoop("a", "b", lambda w: 1.0 / (1j * w * (1j * w + 2.0 * zeta))), OMEGA, True)
+    row = _row(OpenLoopTransfer("a", "b", lambda w: 1.0 / (1j * w * (1j * w + 2.0 * zeta))), OMEGA, True)
     assert row["Mt"] == pytest.approx(1.0 / (2.0 * zeta * np.sqrt(1.0 - zeta**2)), rel=1e-6)
     assert row["disk_margin"] == pytest.approx(2.0 * zeta / np.sqrt(1.0 + zeta**2), rel=1e-6)
 

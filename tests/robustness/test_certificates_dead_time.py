@@ -6,7 +6,7 @@ import pytest
 from design.controllers.pi import PI
 from design.robustness.certificates.continuous import popov, quadratic
 from design.robustness.certificates.continuous.search import search
-from design.robustness.certificates.continuous.signals import Signals
+from design.robustness.certificates.continuous.signals import LoopSignals
 from design.robustness.loop_model import LoopModel
 from plants import Wrist
 from plants.effects.dead_time import DeadTime
@@ -49,7 +49,7 @@ def test_dead_time_of_the_plant_and_beside_it_add_up() -> None:
 def test_moments_move_as_the_transport_says() -> None:
     """Z_k of z = exp(p t) in closed form of Legendre's polynomials, by quadrature."""
     model, tau, p = LoopModel(2.0, 3.0, {"only": 0.36}, 2.0, 2.0, TW), 0.2, -1.3
-    signals = Signals.of(model, tau, open_law=False, order=4)
+    signals = LoopSignals.of(model, tau, open_law=False, order=4)
     s, w = np.polynomial.legendre.leggauss(40)
     z = np.exp(-p * tau * (s + 1.0) / 2.0)
     Z = np.array([0.5 * np.sum(w * z * np.polynomial.legendre.Legendre.basis(k)(s)) for k in range(4)])

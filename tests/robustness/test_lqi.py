@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from design.alternatives.lqi_design import RobustLQI, design_lqi, judge
-from design.alternatives.lqi_synthesis import Weights, checked, plant, synthesise, vertices
+from design.alternatives.lqi_synthesis import LQIWeights, checked, plant, synthesise, vertices
 from design.controllers.controller import Measured
 from design.controllers.lqi import LQI, step
 from design.controllers.pi import PI
@@ -22,7 +22,7 @@ from tests.oracles.plain_loop import Plant
 WRIST = Wrist.flexion()
 TYPICAL = LQI(Ke=600.0, Kd=-640.0, Kq=-70.0, jump=8.0, slope=0.36, Tw=0.16, bandwidth=45.0)
 MILD = LQI(Ke=50.0, Kd=-50.0, Kq=-14.0, jump=3.5, slope=0.2, Tw=0.16, bandwidth=20.0)
-WEIGHTS = Weights(damping=2.0, lack=4e-3, effort=1e-4)
+WEIGHTS = LQIWeights(damping=2.0, lack=4e-3, effort=1e-4)
 
 
 def one_branch(rate: float = 9.0) -> Wrist:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from plants.measured.residual.battery import Battery, make_tests
-from plants.measured.residual.curves import Curve, curves_of
+from plants.measured.residual.curves import BinnedCurve, curves_of
 from plants.measured.residual.joined import join
 from plants.measured.residual.names import named
 from plants.measured.residual.remainder import Remainder, RemainderStage
@@ -56,7 +56,7 @@ class Examination:
     findings: tuple[Finding, ...]
     structured: bool
     depends_on: tuple[str, ...]
-    curves: Mapping[str, Curve]
+    curves: Mapping[str, BinnedCurve]
 
 
 def examine(remainders: Sequence[Remainder], seed: int = 0) -> Examination:

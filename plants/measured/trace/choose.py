@@ -71,7 +71,7 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class Round:
+class SearchRound:
     """One decision: the model before it, the ranking, candidates that were refitted fully (best
     first), and which was taken, None where the search ended."""
 
@@ -82,10 +82,10 @@ class Round:
 
 
 @dataclass(frozen=True)
-class Search:
+class EffectSearch:
     """All decisions for one stage, and where they led."""
 
-    rounds: tuple[Round, ...]
+    rounds: tuple[SearchRound, ...]
     chosen: Candidate
     declared: Candidate
 
@@ -105,7 +105,7 @@ def search(
     names: Sequence[str] | None = None,
     tell: Callable[[str], None] | None = None,
     seed: int = 0,
-) -> Search:
+) -> EffectSearch:
     """Add effects, of those named, to a fitted declared model while each is worth it.
 
     The best few models of a round are all carried to the next: the first effect
@@ -114,7 +114,7 @@ def search(
     """
     tell = tell or (lambda what: None)
     first = now = Candidate(declared)
-    beam, rounds = [first], list[Round]()
+    beam, rounds = [first], list[SearchRound]()
     while len(now.model.forms) < MOST and (not rounds or now.lacks_something):
         candidates: list[Candidate] = []
         ranking: list[Ranked] = []
@@ -130,12 +130,12 @@ def search(
         if best is not None and best.model.chi2 > 1.0 + WORTH:
             best = reformed(best)
         taken = best if best is not None and worth_it(now, best, first) else None
-        rounds.append(Round(now, tuple(ranking), tuple(candidates), taken))
+        rounds.append(SearchRound(now, tuple(ranking), tuple(candidates), taken))
         if taken is None:
             break
         now = pruned(taken, first)
         beam = [now, *(c for c in candidates[1:] if c.model.chi2 < BEAM_REACH * now.model.chi2)][:BEAM]
-    return Search(tuple(rounds), simplest(now) if now.model.forms else now, first)
+    return EffectSearch(tuple(rounds), simplest(now) if now.model.forms else now, first)
 
 
 def distinct(candidates: Sequence[Candidate]) -> list[Candidate]:

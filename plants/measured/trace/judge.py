@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.trace.choose import Candidate, Search
+from plants.measured.trace.choose import Candidate, EffectSearch
 from plants.measured.trace.model import Model
 from plants.measured.trace.screening import Ranked
 from plants.measured.trace.stage import BLOCK
@@ -34,7 +34,7 @@ SEEN = 0.02
 remainder in units of the noise is not excited by the data."""
 
 
-def explained(search: Search) -> bool:
+def explained(search: EffectSearch) -> bool:
     """Whether the model that was chosen reaches the noise."""
     model, declared = search.chosen.model, search.declared.model
     left = (model.chi2 - 1.0) / max(declared.chi2 - 1.0, 1e-9)
@@ -56,7 +56,7 @@ def _without_wander(model: Model) -> float:
     return total / model.residual.size
 
 
-def alternatives(search: Search) -> dict[str, tuple[Candidate, ...]]:
+def alternatives(search: EffectSearch) -> dict[str, tuple[Candidate, ...]]:
     """For each effect that was chosen, models with another in its place that this data does not tell
     from it: the errors on blocks of time do not differ by more than their scatter."""
     chosen = search.chosen

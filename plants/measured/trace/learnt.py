@@ -26,7 +26,7 @@ EARNED = 0.02
 
 
 @dataclass(frozen=True)
-class Curve:
+class LearntCurve:
     """What one variable adds: its values (k,) and the term [unit of the channel] at them (k,)."""
 
     variable: str
@@ -45,7 +45,7 @@ class Learnt:
 
     variables: tuple[str, ...]
     described: float
-    curves: tuple[Curve, ...]
+    curves: tuple[LearntCurve, ...]
 
     def __str__(self) -> str:
         made = ", ".join(self.variables) or "no variable tried"
@@ -111,7 +111,7 @@ def _described(made: Array, value: Array, groups: NDArray[np.intp], beyond: floa
     return float((np.mean(value**2) - np.mean((value - predicted) ** 2)) / beyond)
 
 
-def _curves(names: Sequence[str], made: Array, value: Array) -> tuple[Curve, ...]:
+def _curves(names: Sequence[str], made: Array, value: Array) -> tuple[LearntCurve, ...]:
     """The term of each variable over its range, the others at their medians."""
     model = _model()
     model.fit(made, value)  # type: ignore[attr-defined]
@@ -122,5 +122,5 @@ def _curves(names: Sequence[str], made: Array, value: Array) -> tuple[Curve, ...
         points = np.tile(np.median(made, axis=0), (at.size, 1))
         points[:, i] = at
         term = model.predict(points)  # type: ignore[attr-defined]
-        found.append(Curve(name, at, term - term.mean()))
+        found.append(LearntCurve(name, at, term - term.mean()))
     return tuple(found)

@@ -18,8 +18,8 @@ MOMENTS = 0.5
 
 
 @dataclass(frozen=True)
-class LogEvidence:
-    """The log of a stage, and what a model leaves of it; a `plants.effects.effect.Evidence`."""
+class StageHints:
+    """The log of a stage, and what a model leaves of it; a `plants.effects.effect.TrialHints`."""
 
     model: Model
 
@@ -49,7 +49,7 @@ class LogEvidence:
 
 def trials(form: Form, model: Model) -> list[dict[str, float]]:
     """Values to try a form at in a model that lacks it."""
-    return list(form.trials_on(LogEvidence(model)))
+    return list(form.trials_on(StageHints(model)))
 
 
 def spectral_lines(stage: Stage, residual: Array, count: int = 3) -> list[tuple[float, float, float]]:

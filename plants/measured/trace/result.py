@@ -3,20 +3,15 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from plants.measured.campaign import Campaign
 from plants.measured.fit import Fit
-from plants.measured.recording import Recording
+from plants.measured.free_run import FreeRun
 from plants.measured.residual.examine import Examination
-from plants.measured.trace.choose import Search
+from plants.measured.trace.choose import EffectSearch
 from plants.measured.trace.learnt import Learnt
 from plants.measured.trace.model import Model
 from plants.measured.trace.stage import Stage
 from plants.quantities import ParameterSet
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -46,7 +41,7 @@ class StageTrace:
     """
 
     stage: Stage
-    search: Search
+    search: EffectSearch
     before: Examination
     after: Examination
     explained: bool
@@ -65,19 +60,6 @@ class StageTrace:
 
 
 @dataclass(frozen=True)
-class Played:
-    """A recording beside free runs of the declared and of the revised wrist, (n,) each; an angle is
-    None for a campaign of the regulator alone."""
-
-    recording: Recording
-    role: str
-    pressure_before: Array
-    angle_before: Array | None
-    pressure: Array
-    angle: Array | None
-
-
-@dataclass(frozen=True)
 class Trace:
     """The trace of a campaign.
 
@@ -92,7 +74,7 @@ class Trace:
     stages: tuple[StageTrace, ...]
     effects: tuple[Named, ...]
     revised: ParameterSet
-    runs: tuple[Played, ...]
+    runs: tuple[FreeRun, ...]
     before: Mapping[str, float | None]
     after: Mapping[str, float | None]
     before_interval: Mapping[str, tuple[float, float] | None]

@@ -12,18 +12,19 @@ from numpy.typing import NDArray
 
 from plants.measured.campaign import Campaign
 from plants.measured.estimate import HUBER, standard_errors
-from plants.measured.fit import Fit, fit_campaign
+from plants.measured.fit import CHANNELS, Fit, fit_campaign
+from plants.measured.free_run import FreeRun, rmse, squares
 from plants.measured.playback import Playback
 from plants.measured.problem import first_begin, measured
 from plants.measured.trace.choose import search
 from plants.measured.trace.declared import LOWER, driven, refitted
-from plants.measured.trace.errors import free_run_errors, intervals, squares
+from plants.measured.trace.errors import intervals
 from plants.measured.trace.experiments import sentence, separate
 from plants.measured.trace.judge import alternatives, explained, not_logged, unexcited
 from plants.measured.trace.learnt import learn
 from plants.measured.trace.model import Model
 from plants.measured.trace.remainders import begun, remainders
-from plants.measured.trace.result import Named, Played, StageTrace, Trace
+from plants.measured.trace.result import Named, StageTrace, Trace
 from plants.measured.trace.stage import Stage
 from plants.measured.trace.suspect import check
 from plants.measured.trace.two_rigs import rigs_differ
@@ -152,11 +153,11 @@ def _result(campaign: Campaign, fit: Fit, stages: tuple[StageTrace, ...], remark
         revised, effects = fit.fitted, ()
         runs = tuple(_played(fit, Wrist.of(revised)))
     before = fit.validate_rmse
-    after = free_run_errors(runs) if effects else before
+    after = {c: rmse(runs, c) for c in CHANNELS} if effects else before
     verdict = ("explained" if effects else "nothing-missing") if whole else "unexplained"
     return Trace(
         campaign, fit, verdict, stages, effects, revised, runs, before, after,
-        intervals(runs, "_before"), intervals(runs, ""),
+        intervals(runs, before=True), intervals(runs),
         (*remarks, *rigs_differ(stages)),
     )  # fmt: skip
 
@@ -170,7 +171,7 @@ def _errors(model: Model) -> dict[str, float | None]:
     return {n: None if e else s for n, s, e in zip(model.names, found, at_edge, strict=True)}
 
 
-def _played(fit: Fit, wrist: Wrist) -> list[Played]:
+def _played(fit: Fit, wrist: Wrist) -> list[FreeRun]:
     """Every recording beside the free runs of both wrists."""
     found = []
     fitted_begins = iter(fit.begins or ())
@@ -179,24 +180,15 @@ def _played(fit: Fit, wrist: Wrist) -> list[Played]:
         if fit.begins is not None:
             rest = fit.before.values["rest_pressure"]
             begin = next(fitted_begins) if run.role == "fit" else first_begin(run.recording, rest)
+        after = run.pressure, run.angle
         if wrist.effects:
             pressure, angle = Playback(run.recording, wrist.rig.sample_time).play(wrist, begun(wrist, begin))
-        else:
-            pressure, angle = run.pressure, run.angle if run.angle is not None else run.pressure
-        found.append(
-            Played(
-                run.recording,
-                run.role,
-                run.pressure,
-                run.angle,
-                pressure,
-                None if run.angle is None else angle,
-            )
-        )
+            after = pressure, None if run.angle is None else angle
+        found.append(FreeRun(run.recording, run.role, *after, run.pressure, run.angle))
     return found
 
 
-def _helps(stages: Sequence[StageTrace], runs: Sequence[Played], stage: str) -> bool:
+def _helps(stages: Sequence[StageTrace], runs: Sequence[FreeRun], stage: str) -> bool:
     """Whether effects that do not explain all are worth having: they take away most of what chi-square
     has above 1, and no recording that they were fitted on is worse for them in a free run from the
     command, which is how the plant will be used."""
@@ -205,7 +197,7 @@ def _helps(stages: Sequence[StageTrace], runs: Sequence[Played], stage: str) -> 
         if s.model.forms and s.model.chi2 - 1.0 > REMAINS * excess:
             return False
     channel = "pressure_kPa" if stage == "regulator" else "angle_deg"
-    before, after = (squares(runs, channel, side, "fit") for side in ("_before", ""))
+    before, after = (squares(runs, channel, earlier, "fit") for earlier in (True, False))
     each = all(a.mean() <= 1.02 * b.mean() for a, b in zip(after, before, strict=True))
     return each and sum(a.sum() for a in after) < 0.9 * sum(b.sum() for b in before)
 
@@ -235,4 +227,4 @@ def _other(one: Model, other: Model) -> str:
     return next(iter(set(other.effects) - set(one.effects)))
 
 
-__all__ = ["Named", "Played", "StageTrace", "Trace", "remainders", "trace_campaign"]
+__all__ = ["Named", "StageTrace", "Trace", "remainders", "trace_campaign"]

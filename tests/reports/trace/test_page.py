@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plants.measured.trace.choose import Round
-from plants.measured.trace.learnt import Curve, Learnt
+from plants.measured.trace.choose import SearchRound
+from plants.measured.trace.learnt import Learnt, LearntCurve
 from reports.shared.html import Made
 from reports.shared.tables import fixed
 from reports.trace.page import draw_all, shown_channels, trace_page
@@ -37,7 +37,7 @@ def unexplained(bent):
     """The same with the effect tried and not adopted, and something left."""
     regulator, wrist = bent.stages
     at = np.linspace(-20.0, 20.0, 60)
-    learnt = Learnt(("angle_deg",), 0.4, (Curve("angle_deg", at, 0.1 * np.sin(at)),))
+    learnt = Learnt(("angle_deg",), 0.4, (LearntCurve("angle_deg", at, 0.1 * np.sin(at)),))
     after = replace(wrist.before, depends_on=("angle_deg", "events"))
     left = replace(wrist, explained=False, learnt=learnt, after=after)
     return stripped(bent, verdict="unexplained", stages=(regulator, left), remarks=("Tried & dropped.",))
@@ -121,14 +121,14 @@ def test_a_decision_in_what_looks_like_noise_is_told_by_its_likelihood(bent):
     search = bent.stages[1].search
     noise, other = search.chosen, search.declared
     assert not noise.examined.structured
-    (group,) = decision_table((Round(noise, (), (other,), None),)).groups
+    (group,) = decision_table((SearchRound(noise, (), (other,), None),)).groups
     assert group.heading == (
         "Round 1, by likelihood, since what is left looks like noise: nothing more taken"
     )
     blocks, gained = (group.rows[1][i].text for i in (2, 3))
     assert blocks == "–"
     assert gained == fixed(other.log_likelihood - noise.log_likelihood, 1)
-    (group,) = decision_table((Round(other, (), (noise,), noise),)).groups
+    (group,) = decision_table((SearchRound(other, (), (noise,), noise),)).groups
     assert group.heading == f"Round 1, by blocks left out: {BENT} taken"
     assert [cell.text for cell in group.rows[1][2:]] == [fixed(noise.held_out, 2), "–", "taken"]
 

@@ -59,7 +59,7 @@ class Form:
 
 
 @dataclass(frozen=True)
-class Found:
+class FormSearch:
     """What came of a search: a form that the check confirmed, and the check's margin, or the reason."""
 
     form: Form | None

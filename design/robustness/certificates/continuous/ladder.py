@@ -123,7 +123,7 @@ def _certificate(
 
 
 def _of_region(
-    covered: region.Region,
+    covered: region.InvariantRegion,
     model: LoopModel,
     wrist: Wrist,
     controller: PI,

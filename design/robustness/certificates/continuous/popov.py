@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from design.robustness.certificates.continuous.lmi import Inequality
 from design.robustness.certificates.continuous.quadratic import transport
-from design.robustness.certificates.continuous.signals import Signals, rates, slopes
+from design.robustness.certificates.continuous.signals import LoopSignals, rates, slopes
 from design.robustness.loop_model import LoopModel
 
 Array = NDArray[np.float64]
@@ -38,7 +38,7 @@ def monotone(model: LoopModel) -> bool:
     return model.k_fast >= model.k_slow
 
 
-def inequalities(signals: Signals, decay: float) -> list[Inequality]:
+def inequalities(signals: LoopSignals, decay: float) -> list[Inequality]:
     """dV/dt + 2 decay V < 0 within the sector, at the two extreme slopes; the law is open."""
     model = signals.model
     low, high = rates(model)

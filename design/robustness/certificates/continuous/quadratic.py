@@ -19,7 +19,7 @@ from design import convex
 from design.robustness.certificates.certificate import Certificate
 from design.robustness.certificates.continuous.check import CONFIRMED, negative, positive
 from design.robustness.certificates.continuous.lmi import Inequality, unknowns, widest
-from design.robustness.certificates.continuous.signals import Signals, rates, slopes
+from design.robustness.certificates.continuous.signals import LoopSignals, rates, slopes
 from design.robustness.certificates.reasons import NoneOfThisKind, NoSolver
 from design.robustness.loop_model import LoopModel
 
@@ -54,7 +54,7 @@ def common_quadratic(matrices: Sequence[Array], decay: float = 0.0) -> Certifica
     return Certificate(RUNG, None, 0.0, True, decay, worst, found.solver, shape=P)
 
 
-def inequalities(signals: Signals, decay: float) -> list[Inequality]:
+def inequalities(signals: LoopSignals, decay: float) -> list[Inequality]:
     """dV/dt + 2 decay V < 0 at the corners of {slopes} x {rates}; the law is not open."""
     model: LoopModel = signals.model
     shared = transport(signals, decay)
@@ -65,7 +65,7 @@ def inequalities(signals: Signals, decay: float) -> list[Inequality]:
     ]
 
 
-def transport(signals: Signals, decay: float) -> dict[str, Array]:
+def transport(signals: LoopSignals, decay: float) -> dict[str, Array]:
     """What S and R add to dV/dt + 2 decay V, by Bessel's inequality at most; none without dead time.
 
     d/dt int (S + (1 - s) R) z^2 = ((S + R) z_sent^2 - S z_arriving^2 - R int z^2) / tau; the decay
@@ -81,7 +81,7 @@ def transport(signals: Signals, decay: float) -> dict[str, Array]:
     }
 
 
-def paid(signals: Signals, decay: float) -> list[dict[str, float]]:
+def paid(signals: LoopSignals, decay: float) -> list[dict[str, float]]:
     """Sums of S and R that must not be negative for `transport` to be a bound."""
     if not signals.order:
         return []

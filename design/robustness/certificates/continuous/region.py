@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from design.controllers.pi import PI
 from design.robustness.certificates.continuous import lmi
-from design.robustness.certificates.continuous.form import Form, Found
+from design.robustness.certificates.continuous.form import Form, FormSearch
 from design.robustness.certificates.continuous.search import confirmed, program, signals_of
 from design.robustness.certificates.continuous.signals import rates, total_dead_time
 from design.robustness.certificates.continuous.virgin import VirginBounds
@@ -36,7 +36,7 @@ STEPS = 9
 
 
 @dataclass(frozen=True)
-class Region:
+class InvariantRegion:
     """A form, and the largest step [deg] for which V <= level at the start and the command is not
     clipped where V <= level; margin: of the form's check; tau [s]: dead time; form: None where no
     step was found that surely keeps the command in its range, or where none was looked for, since the
@@ -107,7 +107,7 @@ def start_matrix(form: Form, model: LoopModel) -> Array:
 
 
 def covers(
-    region: Region,
+    region: InvariantRegion,
     model: LoopModel,
     wrist: Wrist,
     controller: PI,
@@ -126,7 +126,9 @@ def covers(
     return max(ends) <= level(region.form, g, b)  # V at most is convex in q
 
 
-def largest(model: LoopModel, wrist: Wrist, controller: PI, rung: str, dead_time: float = 0.0) -> Region:
+def largest(
+    model: LoopModel, wrist: Wrist, controller: PI, rung: str, dead_time: float = 0.0
+) -> InvariantRegion:
     """The form of a rung that covers the largest step from rest on a line, with a dead time [s].
 
     By bisection over the step; every form is checked, and so is the region, in plain NumPy.
@@ -134,28 +136,32 @@ def largest(model: LoopModel, wrist: Wrist, controller: PI, rung: str, dead_time
     signals = signals_of(model, rung, dead_time)
     tau = total_dead_time(model, dead_time)
     if not wrist.hysteresis.straight():
-        return Region(None, 0.0, 0.0, None, tau, curved=True)
-    best = Region(None, 0.0, 0.0, None, tau)
+        return InvariantRegion(None, 0.0, 0.0, None, tau, curved=True)
+    best = InvariantRegion(None, 0.0, 0.0, None, tau)
 
     def bounds(r: float) -> tuple[Array, Array]:
         pairs = [planes(wrist, controller, sign * r, tau, signals.order) for sign in (1.0, -1.0)]
         return pairs[0][0], np.min([b for _, b in pairs], axis=0)
 
-    def attempt(r: float) -> Region | None:
+    def attempt(r: float) -> InvariantRegion | None:
         g, b = bounds(r)
         if not (b > 0.0).all():
             return None
         start, weights = _start(model, r, model.Kp * r, signals.order)
         u = program(signals, rung, 0.0, signals.scale * (r / signals.scale[0]))
         # A hair inside, so that what the solver leaves open does not decide.
-        found: Found = confirmed(
+        found: FormSearch = confirmed(
             lambda: lmi.widest_within(u, start * (1.0 + 1e-6), weights, g / b[:, None]),
             signals, rung, 0.0, dead_time,
         )  # fmt: skip
         if found.form is None:
             return None
         c = level(found.form, g, b)
-        return Region(found.form, c, r, found.margin, tau) if at_start(found.form, model, r) <= c else None
+        return (
+            InvariantRegion(found.form, c, r, found.margin, tau)
+            if at_start(found.form, model, r) <= c
+            else None
+        )
 
     g, b = bounds(0.0)
     # The step at which a plane passes through 0, or a start lies beyond one.

@@ -7,14 +7,14 @@ from numpy.typing import NDArray
 
 from design import convex
 from design.robustness.certificates.continuous import check, lmi, popov, quadratic
-from design.robustness.certificates.continuous.form import Form, Found
-from design.robustness.certificates.continuous.signals import Signals, rates, slopes
+from design.robustness.certificates.continuous.form import Form, FormSearch
+from design.robustness.certificates.continuous.signals import LoopSignals, rates, slopes
 from design.robustness.certificates.reasons import NoneOfThisKind, NoSolver, NotConfirmed
 from design.robustness.loop_model import LoopModel
 
 Array = NDArray[np.float64]
 
-RUNGS: Mapping[str, Callable[[Signals, float], list[lmi.Inequality]]] = {
+RUNGS: Mapping[str, Callable[[LoopSignals, float], list[lmi.Inequality]]] = {
     quadratic.RUNG: quadratic.inequalities,
     popov.RUNG: popov.inequalities,
 }
@@ -30,7 +30,7 @@ def search(
     decay: float = 0.0,
     dead_time: float = 0.0,
     solvers: tuple[str, ...] = convex.SOLVERS,
-) -> Found:
+) -> FormSearch:
     """A Lyapunov function of a rung that falls by exp(-2 decay t) at least, confirmed, or why not.
 
     decay [1/s]; dead_time [s]: beside the loop's own.  Raises KeyError for an unknown rung.
@@ -40,7 +40,7 @@ def search(
     return confirmed(lambda: lmi.widest(u, solvers), signals, rung, decay, dead_time)
 
 
-def fastest(model: LoopModel, rung: str, dead_time: float = 0.0) -> Found:
+def fastest(model: LoopModel, rung: str, dead_time: float = 0.0) -> FormSearch:
     """The Lyapunov function of a rung with the largest decay rate, by bisection; every step is checked.
 
     dead_time [s].
@@ -64,12 +64,12 @@ def fastest(model: LoopModel, rung: str, dead_time: float = 0.0) -> Found:
     return best
 
 
-def signals_of(model: LoopModel, rung: str, dead_time: float) -> Signals:
+def signals_of(model: LoopModel, rung: str, dead_time: float) -> LoopSignals:
     """The signals that a rung speaks of, of a loop with a dead time [s]."""
-    return Signals.of(model, dead_time, RUNGS[rung] is popov.inequalities)
+    return LoopSignals.of(model, dead_time, RUNGS[rung] is popov.inequalities)
 
 
-def program(signals: Signals, rung: str, decay: float, scale: Array) -> lmi.Unknowns:
+def program(signals: LoopSignals, rung: str, decay: float, scale: Array) -> lmi.Unknowns:
     """The inequalities of a rung as a convex program, in a vector of the sizes `scale`."""
     n = signals.states
     bound = {"S": signals.moments[:n, :n]} if signals.order else {}
@@ -77,13 +77,13 @@ def program(signals: Signals, rung: str, decay: float, scale: Array) -> lmi.Unkn
 
 
 def confirmed(
-    solve: Callable[[], lmi.Solution], signals: Signals, rung: str, decay: float, dead_time: float
-) -> Found:
+    solve: Callable[[], lmi.Solution], signals: LoopSignals, rung: str, decay: float, dead_time: float
+) -> FormSearch:
     """What a solver finds for a loop with a dead time [s], once the check has looked at it."""
     try:
         solution = solve()
     except convex.Unsolved as said:
-        return Found(None, None, "", NoSolver(str(said)))
+        return FormSearch(None, None, "", NoSolver(str(said)))
     open_law = signals.open_law
     # A number that a solver leaves a hair below 0 is 0; the check sees what is then claimed.
     form = Form(
@@ -94,10 +94,10 @@ def confirmed(
     )  # fmt: skip
     margin = check.margin(form, signals.model, dead_time)
     if margin > check.CONFIRMED:
-        return Found(form, margin, solution.solver)
+        return FormSearch(form, margin, solution.solver)
     if solution.margin <= check.CONFIRMED:
-        return Found(None, margin, solution.solver, NoneOfThisKind(solution.solver, margin))
-    return Found(None, margin, solution.solver, NotConfirmed(solution.solver, margin))
+        return FormSearch(None, margin, solution.solver, NoneOfThisKind(solution.solver, margin))
+    return FormSearch(None, margin, solution.solver, NotConfirmed(solution.solver, margin))
 
 
 def _abscissa(model: LoopModel, slope: float, rate: float) -> float:

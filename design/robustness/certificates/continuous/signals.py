@@ -43,7 +43,7 @@ def slopes(model: LoopModel) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
-class Signals:
+class LoopSignals:
     """Rows over the vector of one loop; `open_law`: psi is part of it."""
 
     model: LoopModel
@@ -52,7 +52,7 @@ class Signals:
     open_law: bool
 
     @classmethod
-    def of(cls, model: LoopModel, dead_time: float, open_law: bool, order: int = ORDER) -> "Signals":
+    def of(cls, model: LoopModel, dead_time: float, open_law: bool, order: int = ORDER) -> "LoopSignals":
         """The signals of a loop with `dead_time` [s] beside its own; without any there are no moments."""
         tau = total_dead_time(model, dead_time)
         return cls(model, tau, order if tau > 0.0 else 0, open_law)

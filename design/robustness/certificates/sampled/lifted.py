@@ -21,9 +21,9 @@ from design.convex import Unsolved, solve
 from design.robustness.certificates.reasons import NoneOfThisKind, NoSolver
 from design.robustness.certificates.sampled.switched import (
     CONFIRMED,
-    Found,
     Search,
     Switched,
+    SwitchedCertificate,
     best,
     common_quadratic,
     definite,
@@ -173,7 +173,7 @@ def window_quadratic(loop: Delayed, follows: bool = False, moments: int = MOMENT
     return lambda loss: _window(loop, back, loss, follows, min(moments, loop.samples))
 
 
-def _window(loop: Delayed, back: Array, loss: float, follows: bool, moments: int) -> Found:
+def _window(loop: Delayed, back: Array, loss: float, follows: bool, moments: int) -> SwitchedCertificate:
     import cvxpy
 
     rate = Switched((), loop.dt).rate(loss)
@@ -196,12 +196,12 @@ def _window(loop: Delayed, back: Array, loss: float, follows: bool, moments: int
     try:
         solver = solve(cvxpy.Problem(cvxpy.Maximize(t), constraints))
     except Unsolved as error:
-        return Found(loss, rate, -1.0, reason=NoSolver(str(error)))
+        return SwitchedCertificate(loss, rate, -1.0, reason=NoSolver(str(error)))
     shapes = tuple(np.asarray(q.value, float) for q in each)
     weights = max(number(s), 0.0), max(number(r), 0.0)
     margin = _window_margin(moves, reads, shapes, *weights, span, dt, moments)
     none = None if margin > CONFIRMED else NoneOfThisKind(solver, number(t), "function")
-    return Found(loss, rate, margin, solver, shapes, none, weights)
+    return SwitchedCertificate(loss, rate, margin, solver, shapes, none, weights)
 
 
 def _moves(loop: Delayed, back: Array, rate: float, moments: int) -> tuple[list[Array], list[Array]]:
@@ -266,7 +266,7 @@ class RadiusBounds:
     lower: float
     upper: float
     word: Word
-    form: Found
+    form: SwitchedCertificate
 
 
 def radius_bounds(matrices: list[Array], degree: int = 2, length: int = 8) -> RadiusBounds:

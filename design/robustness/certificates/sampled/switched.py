@@ -89,7 +89,7 @@ def scaled(system: Switched) -> tuple[Switched, Array]:
 
 
 @dataclass(frozen=True)
-class Found:
+class SwitchedCertificate:
     """A function that loses `loss` per unit of time, or what kept it from being found.
 
     margin: of the check outside the solver: the least eigenvalue of the worst inequality as a share of
@@ -112,7 +112,7 @@ class Found:
         return self.margin > CONFIRMED
 
 
-Search = Callable[[float], Found]
+Search = Callable[[float], SwitchedCertificate]
 """Looks for a function that loses at least so much per unit of time."""
 
 
@@ -157,16 +157,16 @@ def _searching(
     that were found and their margin at a loss; best: the variable that is positive where it has `what`."""
     size = _size(system)
 
-    def search(wanted: float) -> Found:
+    def search(wanted: float) -> SwitchedCertificate:
         loss.value = wanted / size
         rate = system.rate(wanted)
         try:
             solver = solve(problem)
         except Unsolved as error:
-            return Found(wanted, rate, -1.0, reason=NoSolver(str(error)))
+            return SwitchedCertificate(wanted, rate, -1.0, reason=NoSolver(str(error)))
         shapes, margin = confirm(wanted)
         none = None if margin > CONFIRMED else NoneOfThisKind(solver, number(best), what)
-        return Found(wanted, rate, margin, solver, shapes, none)
+        return SwitchedCertificate(wanted, rate, margin, solver, shapes, none)
 
     return search
 
@@ -252,7 +252,7 @@ def poly_margin(system: Switched, shapes: tuple[Array, ...], loss: float, seed: 
     return float(worst)
 
 
-def best(search: Search, low: float, high: float, steps: int = 14) -> Found:
+def best(search: Search, low: float, high: float, steps: int = 14) -> SwitchedCertificate:
     """The function that loses most, by bisection between two losses, in ratios where both are positive;
     what was found at `low` if not even that holds.  Only what the check confirmed counts."""
     held = search(low)

@@ -32,14 +32,14 @@ from plants.wrist import Number, SampledWrist, State, Wrist
 @remembers(
     outside=("", "samples in which the reference was out of reach and the nearest was taken"),
 )
-class Course(NamedTuple):
+class ReferenceModel(NamedTuple):
     """The model, which runs ahead of the wrist, and in how many samples the reference was out of reach."""
 
     model: State
     outside: Number
 
 
-class SampledCourse(NamedTuple):
+class SampledReferenceModel(NamedTuple):
     """Coefficients of the model and of the way to the reference for one sample time."""
 
     wrist: SampledWrist
@@ -51,7 +51,7 @@ class SampledCourse(NamedTuple):
     high: Number  # V
 
 
-def at_return(m: State, r: Number, c: SampledCourse) -> Number:
+def at_return(m: State, r: Number, c: SampledReferenceModel) -> Number:
     """Angle [deg] of the model when its static angle is back at `r` [deg], the brake being full from now on;
     its angle now if the static angle is not beyond."""
     loop, up = c.wrist.hysteresis, m.angle < r
@@ -64,7 +64,7 @@ def at_return(m: State, r: Number, c: SampledCourse) -> Number:
     return np.where(beyond, y, m.angle)
 
 
-def _time(before: Number, after: Number, target: Number, c: SampledCourse) -> Number:
+def _time(before: Number, after: Number, target: Number, c: SampledReferenceModel) -> Number:
     """Time [s] that the regulator takes between two pressures on its way to a third [kPa]."""
     far, near = np.abs(before - target), np.maximum(np.abs(after - target), 1.0)
     squared = 0.25 * (far + near) * (far + near)
@@ -72,7 +72,7 @@ def _time(before: Number, after: Number, target: Number, c: SampledCourse) -> Nu
     return np.log(np.maximum(far / near, 1.0)) / rate
 
 
-def _after(angle: Number, before: Number, after: Number, time: Number, c: SampledCourse) -> Number:
+def _after(angle: Number, before: Number, after: Number, time: Number, c: SampledReferenceModel) -> Number:
     """The lag's angle [deg] after a time [s] in which the static angle goes straight on."""
     ratio = np.maximum(time / c.Tw, 1e-6)
     keep = np.exp(-ratio)
@@ -80,7 +80,7 @@ def _after(angle: Number, before: Number, after: Number, time: Number, c: Sample
     return keep * angle + (mean - keep) * before + (1.0 - mean) * after
 
 
-def proceed(s: Course, reference: Number, c: SampledCourse) -> tuple[Course, Number]:
+def proceed(s: ReferenceModel, reference: Number, c: SampledReferenceModel) -> tuple[ReferenceModel, Number]:
     """The model one sample later on its way to a reference [deg], and the command [V] that takes it there.
 
     A reference out of reach of the command's range is taken for the nearest within, and counted.
@@ -97,7 +97,9 @@ def proceed(s: Course, reference: Number, c: SampledCourse) -> tuple[Course, Num
     pressure = loop.pressure_for(m.memory, m.pressure, wanted)
     command = inverse.command_for(m.pressure, pressure, regulator)
     command = np.minimum(np.maximum(command, c.low), c.high)
-    return Course(wrist.step(m, command, c.wrist), s.outside + np.where(r == reference, 0.0, 1.0)), command
+    return ReferenceModel(
+        wrist.step(m, command, c.wrist), s.outside + np.where(r == reference, 0.0, 1.0)
+    ), command
 
 
 def no_inverse(plant: Wrist) -> str | None:
