@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 from design.controllers.controller import Controller, Measured
 from design.loop import run
 from design.metrics import Metrics
-from design.tasks import HEADROOM, Scenario, corner, unreachable
-from plants import tree
+from design.tasks import HEADROOM, Scenario, corner, stack, unreachable
 from plants.effects.dead_time import DeadTime
 from plants.errors import InputError
 from plants.wrist import STARTS, Start, Wrist
@@ -235,10 +234,7 @@ def _judge(cases: Sequence[Case], controller: Controller, duration: float, jobs:
 def _run(
     cases: Sequence[Case], controller: Controller, dead: bool, duration: float, jobs: int | None
 ) -> Metrics:
-    values = [c.scenario.wrist.values for c in cases]
-    wrist = cases[0].scenario.wrist.made_of({n: np.array([v[n] for v in values], float) for n in values[0]})
-    states = np.array([tree.leaves(c.scenario.wrist.rest(c.scenario.start)) for c in cases], float)
-    state = tree.like(cases[0].scenario.wrist.rest(), list(states.T))
+    wrist, state, reference = stack([c.scenario for c in cases])
     if dead:
         delayed = replace(wrist, effects=(DeadTime(np.array([c.error for c in cases])),))
         state = state._replace(
@@ -248,7 +244,6 @@ def _run(
     believed = np.array([_believed(c) for c in cases])
     # A controller that is told a wrong angle at rest begins with a wrong memory.
     held = controller.holding(state.pressure, Measured(0.0, believed, state.pressure))
-    reference = np.array([c.scenario.reference for c in cases])
     return run(wrist, controller, reference, state, held, duration, jobs=jobs)[0]
 
 

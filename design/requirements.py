@@ -1,12 +1,13 @@
 """Hard limits on a PI and the cost that is minimised under them, for many gains at once."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from design.controllers.controller import Controller
 from design.controllers.pi import PI
 from design.loop import run
 from design.margins import BranchResponse, branch_responses, margins
@@ -15,7 +16,7 @@ from design.sequence import Sequence as Adverse
 from design.sequence import play, repeated
 from design.sequence import stack as stack_adverse
 from design.tasks import Scenario, Spread, stack, tuning_scenarios, unreachable, within_reach
-from plants import tree
+from plants.kernel import pytrees
 from plants.rig import Rig, built_in_rig
 from plants.wrist import State, Wrist
 
@@ -180,24 +181,52 @@ def default_problem(
 
 def rollouts(problem: Problem, Kp: Array, Ki: Array) -> Metrics:
     """Metrics of every scenario under every pair of gains, leaves of shape (gains, scenarios)."""
+    return simulated(problem, controller(problem, Kp, Ki), Kp.size)
+
+
+def simulated(problem: Problem, many: Controller, n: int) -> Metrics:
+    """Metrics of every scenario under n controllers of one kind, lanes of one, leaves (n, scenarios)."""
     wrist, state, reference = problem.stacked
-    n, m = Kp.size, len(problem.scenarios)
-    lanes = tree.like(state, [np.tile(x, n) for x in tree.leaves(state)])
+    m = len(problem.scenarios)
+    lanes = pytrees.like(state, [np.tile(x, n) for x in pytrees.leaves(state)])
     plants = wrist.made_of({k: np.tile(v, n) for k, v in wrist.values.items()})
-    gains = controller(problem, np.repeat(Kp, m), np.repeat(Ki, m))
     judged, _, _ = run(
-        plants, gains, np.tile(reference, n), lanes, duration=problem.duration, jobs=problem.jobs
+        plants, _each(many, n, m), np.tile(reference, n), lanes, duration=problem.duration, jobs=problem.jobs
     )
     return judged.reshape(n, m)
 
 
-def adverse_values(problem: Problem, Kp: Array, Ki: Array) -> dict[str, Array]:
-    """What limits and cost are held against on the adverse sequences, each (gains, sequences)."""
-    n, m = Kp.size, len(problem.adverse)
+def judged(problem: Problem, many: Controller, n: int) -> tuple[Array, dict[str, Array]]:
+    """Cost, and what the limits of a run are held against, of n controllers of one kind, lanes of one, on
+    every scenario and adverse sequence, each (n, scenarios + sequences)."""
+    found = simulated(problem, many, n)
+    sizes = np.array([abs(s.reference - s.angle) for s in problem.scenarios])
+    values: dict[str, Array] = {
+        "overshoot_percent": found.overshoot_percent,
+        "total_variation_V": found.total_variation_V,
+        "steady_error_percent": 100.0 * found.steady_state_error_deg / sizes,
+    }
+    cost = getattr(found, COSTS[problem.cost])
+    if problem.adverse:
+        more = adverse_values(problem, many, n)
+        values = {k: np.hstack([v, more[k]]) for k, v in values.items()}
+        cost = np.hstack([cost, more[COSTS[problem.cost]]])
+    return cost, values
+
+
+def adverse_values(problem: Problem, many: Controller, n: int) -> dict[str, Array]:
+    """What limits and cost are held against on the adverse sequences, each (n, sequences)."""
+    m = len(problem.adverse)
     # A batch of its own: dead time and load are effects that the scenarios' wrists do not have.
     lanes = repeated(stack_adverse(problem.adverse), n)
-    played = play(lanes, controller(problem, np.repeat(Kp, m), np.repeat(Ki, m)), jobs=problem.jobs)
+    played = play(lanes, _each(many, n, m), jobs=problem.jobs)
     return {name: v.reshape(n, m) for name, v in played.values.items()}
+
+
+def _each(many: Any, n: int, repeat: int) -> Any:
+    """n controllers, lanes of one, each `repeat` times in a row."""
+    settings = pytrees.leaves(many)
+    return pytrees.like(many, [np.repeat(np.broadcast_to(x, (n,)), repeat) for x in settings])
 
 
 def controller(problem: Problem, Kp: Any, Ki: Any) -> PI:
@@ -208,28 +237,28 @@ def controller(problem: Problem, Kp: Any, Ki: Any) -> PI:
 def evaluate(problem: Problem, Kp: Any, Ki: Any) -> Evaluation:
     """Cost and limits of gains, arrays of one shape (n,)."""
     Kp, Ki = np.atleast_1d(np.asarray(Kp, float)), np.atleast_1d(np.asarray(Ki, float))
-    judged = rollouts(problem, Kp, Ki)
+    return evaluate_with(problem, controller(problem, Kp, Ki), Kp, Ki)
+
+
+def evaluate_with(problem: Problem, many: Controller, Kp: Array, Ki: Array) -> Evaluation:
+    """Cost and limits of controllers, lanes of one, whose loop has the margins of a PI with gains (n,)."""
+    cost, of_run = judged(problem, many, Kp.size)
     linear = margins(list(problem.branches), controller(problem, Kp, Ki))
-    sizes = np.array([abs(s.reference - s.angle) for s in problem.scenarios])
-    of_scenario = {
-        "overshoot_percent": judged.overshoot_percent,
-        "total_variation_V": judged.total_variation_V,
-        "steady_error_percent": 100.0 * judged.steady_state_error_deg / sizes,
-    }
-    cost = getattr(judged, COSTS[problem.cost])
-    if problem.adverse:
-        more = adverse_values(problem, Kp, Ki)
-        of_scenario = {n: np.hstack([v, more[n]]) for n, v in of_scenario.items()}
-        cost = np.hstack([cost, more[COSTS[problem.cost]]])
-    values: dict[str, Array] = {n: v.max(axis=1) for n, v in of_scenario.items()}
-    at: dict[str, NDArray[np.intp]] = {n: v.argmax(axis=1) for n, v in of_scenario.items()}
+    values: dict[str, Array] = {n: v.max(axis=1) for n, v in of_run.items()}
+    at: dict[str, NDArray[np.intp]] = {n: v.argmax(axis=1) for n, v in of_run.items()}
     values |= {"Ms": linear.Ms, "delay_margin_s": linear.delay_margin_s}
     at |= {"Ms": linear.Ms_at, "delay_margin_s": linear.delay_at}
-    excess = {}
-    for name, limit in problem.limits.named.items():
-        beyond = limit - values[name] if name == "delay_margin_s" else values[name] - limit
-        excess[name] = beyond / (limit or 1.0)  # a limit of zero has no share of itself
+    excess = excesses(values, problem.limits.named)
     return Evaluation(Kp, Ki, cost.max(axis=1), cost.argmax(axis=1), values, at, excess)
+
+
+def excesses(values: Mapping[str, Array], limits: Mapping[str, float]) -> dict[str, Array]:
+    """How far each value lies beyond its limit, as a share of the limit; not above 0 where it is held."""
+    found = {}
+    for name, limit in limits.items():
+        beyond = limit - values[name] if name == "delay_margin_s" else values[name] - limit
+        found[name] = beyond / (limit or 1.0)  # a limit of zero has no share of itself
+    return found
 
 
 def out_of_range(problem: Problem) -> tuple[Scenario, float] | None:

@@ -190,7 +190,10 @@ def play(
     b = sequences if isinstance(sequences, Batch) else stack(sequences)
     judge = metrics.of_step_under_way(b.switches[-1], b.judged)
     profile = ReferenceProfile(tuple(b.references), tuple(b.switches[1:]))
-    duration = float(np.max(b.switches[-1] + b.judged)) * SAMPLE_TIME
+    samples = int(np.max(b.switches[-1] + b.judged))
+    if isinstance(controller, Periodic):  # to the end of the last period, which is judged no further
+        samples += -samples % int(controller.problem.substeps)
+    duration = samples * SAMPLE_TIME
     done = runner.play(
         runner.Lanes(b.wrist, b.state, profile, judge, duration), controller, record=record, jobs=jobs
     )

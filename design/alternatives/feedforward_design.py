@@ -12,11 +12,9 @@ from numpy.typing import NDArray
 
 from design.controllers.controller import stacked
 from design.controllers.feedforward import FeedforwardPI
-from design.loop import run
 from design.margins import margins
-from design.requirements import COSTS, Evaluation, Problem, controller
+from design.requirements import Evaluation, Problem, controller, evaluate_with
 from design.tuning import join, merit
-from plants import tree
 
 Array = NDArray[np.float64]
 
@@ -52,32 +50,8 @@ def judge(problem: Problem, places: Array) -> Evaluation:
 
     Raises InputError for a wrist that has no inverse.
     """
-    wrist, state, reference = problem.stacked
-    n, m = len(places), len(problem.scenarios)
-    lanes = tree.like(state, [np.tile(x, n) for x in tree.leaves(state)])
-    plants = wrist.made_of({k: np.tile(v, n) for k, v in wrist.values.items()})
-    many = stacked([_controller(problem, place) for place in places], m)
-    judged, _, _ = run(
-        plants, many, np.tile(reference, n), lanes, duration=problem.duration, jobs=problem.jobs
-    )
-    judged = judged.reshape(n, m)
-    linear = margins(list(problem.branches), controller(problem, places[:, 1], places[:, 2]))
-    sizes = np.array([abs(s.reference - s.angle) for s in problem.scenarios])
-    of_scenario = {
-        "overshoot_percent": judged.overshoot_percent,
-        "total_variation_V": judged.total_variation_V,
-        "steady_error_percent": 100.0 * judged.steady_state_error_deg / sizes,
-    }
-    values = {k: v.max(axis=1) for k, v in of_scenario.items()}
-    values |= {"Ms": linear.Ms, "delay_margin_s": linear.delay_margin_s}
-    at = {k: v.argmax(axis=1) for k, v in of_scenario.items()}
-    at |= {"Ms": linear.Ms_at, "delay_margin_s": linear.delay_at}
-    excess = {}
-    for name, limit in problem.limits.named.items():
-        beyond = limit - values[name] if name == "delay_margin_s" else values[name] - limit
-        excess[name] = beyond / (limit or 1.0)
-    cost = getattr(judged, COSTS[problem.cost])
-    return Evaluation(places[:, 1], places[:, 2], cost.max(axis=1), cost.argmax(axis=1), values, at, excess)
+    many = stacked([_controller(problem, place) for place in places])
+    return evaluate_with(problem, many, places[:, 1], places[:, 2])
 
 
 def _controller(problem: Problem, place: Array) -> FeedforwardPI:

@@ -19,10 +19,7 @@ from design.controllers.controller import stacked
 from design.controllers.lqi import LQI
 from design.convex import Unsolved
 from design.input_loop import InputLoop, worst_pole
-from design.loop import run
-from design.metrics import Metrics
-from design.requirements import COSTS, Problem
-from plants import tree
+from design.requirements import Problem, excesses, judged
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -111,32 +108,17 @@ def complete(wrist: Wrist, weights: LQIWeights, bandwidth: float, feedback: Feed
 
 def judge(problem: Problem, controllers: Sequence[LQI], noise_limit: float | None = NOISE_GAIN) -> JudgedLQI:
     """Cost and limits of controllers on every scenario and branch of a problem, and their noise gain."""
-    wrist, state, reference = problem.stacked
-    n, m = len(controllers), len(problem.scenarios)
-    lanes = tree.like(state, [np.tile(x, n) for x in tree.leaves(state)])
-    plants = wrist.made_of({k: np.tile(v, n) for k, v in wrist.values.items()})
-    found, _, _ = run(
-        plants, stacked(controllers, m), np.tile(reference, n), lanes, duration=problem.duration,
-        jobs=problem.jobs,
-    )  # fmt: skip
-    judged: Metrics = found.reshape(n, m)
+    cost, of_run = judged(problem, stacked(controllers), len(controllers))
     broken = [InputLoop.at_command(problem.wrist, c, problem.branches) for c in controllers]
     linear = [x.margins(problem.branches) for x in broken]
-    sizes = np.array([abs(s.reference - s.angle) for s in problem.scenarios])
-    values: dict[str, Array] = {
-        "overshoot_percent": judged.overshoot_percent.max(axis=1),
-        "total_variation_V": judged.total_variation_V.max(axis=1),
-        "steady_error_percent": (100.0 * judged.steady_state_error_deg / sizes).max(axis=1),
+    values = {name: v.max(axis=1) for name, v in of_run.items()}
+    values |= {
         "Ms": np.array([float(x.Ms) for x in linear]),
         "delay_margin_s": np.array([float(x.delay_margin_s) for x in linear]),
         "noise_gain": np.array([x.noise_gain for x in broken]),
     }
     limits = problem.limits.named | ({} if noise_limit is None else {"noise_gain": noise_limit})
-    excess = {}
-    for name, limit in limits.items():
-        beyond = limit - values[name] if name == "delay_margin_s" else values[name] - limit
-        excess[name] = beyond / (limit or 1.0)
-    return JudgedLQI(getattr(judged, COSTS[problem.cost]).max(axis=1), values, excess)
+    return JudgedLQI(cost.max(axis=1), values, excesses(values, limits))
 
 
 def design_lqi(problem: Problem, seed: int = 0) -> RobustLQI:

@@ -5,13 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from design.controllers.lqi import LQI
 from design.controllers.pi import PI
+from design.mpc.linear import linear_mpc
+from design.mpc.problem import Problem
 from design.requirements import Limits
 from design.robustness.box import Box, Interval, box_of
 from design.robustness.samples.adversary import worst_case
 from design.robustness.samples.search_space import CALM, HOLD, Space, reference
 from design.robustness.samples.worst import excesses, scores
 from design.sequence import play
+from plants import Wrist
 from plants.effects.end_stop import HardStop
 from plants.errors import InputError
 from plants.quantities import built_in
@@ -57,8 +61,21 @@ def test_never_milder_than_as_many_random_draws(seed, objective):
     assert (found.excess if objective == "excess" else found.cost_per_deg) >= drawn.max()
 
 
-def test_what_is_told_is_what_the_scenario_does():
-    found = worst_case(small_box(), PI(2.882, 8.798), dead_time=0.03, load=1.0, budget=500, duration=SHORT)
+WRIST = Wrist.flexion()
+KINDS = {
+    "PI": (PI(2.882, 8.798), {"budget": 500, "duration": SHORT}),
+    "LQI": (
+        LQI(Ke=50.0, Kd=-50.0, Kq=-14.0, jump=3.5, slope=0.2, Tw=0.16, bandwidth=20.0),
+        {"budget": 100, "duration": SHORT},
+    ),
+    "MPC": (linear_mpc(Problem(WRIST)), {"budget": 64, "duration": 1.0, "steps": 1}),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_told_is_what_the_scenario_does_whatever_the_controller(kind):
+    controller, effort = KINDS[kind]
+    found = worst_case(small_box(), controller, dead_time=0.03, load=1.0, **effort)
     played = play([found.sequence], found.controller)
     assert found.metrics == {n: float(v[0]) for n, v in vars(played.metrics).items()}
     broken = {n for n, v in excesses(played.values, LIMITS).items() if v[0] > 0.0}

@@ -5,11 +5,13 @@ from dataclasses import replace
 
 import pytest
 
+from design.controllers.feedforward import Feedforward
 from design.controllers.pi import PI
 from design.robustness.box import box_of
 from design.robustness.samples.adversary import worst_case
 from design.robustness.samples.scenario_file import load, save
 from design.sequence import play
+from plants import Wrist
 from plants.effects.creep import Creep
 from plants.errors import InputError
 from plants.quantities import built_in
@@ -99,3 +101,11 @@ def test_units_stand_beside_the_numbers(path):
     tomllib.loads(text)
     assert "Kp = 3.1 # kPa/deg" in text
     assert "# deg s²" in text
+
+
+def test_a_worst_case_of_another_controller_is_refused(found, tmp_path):
+    other = replace(found, controller=Feedforward.of(Wrist.flexion()))
+    assert other.record["speed"] == 25.0
+    with pytest.raises(InputError, match="holds the settings of a PI, not of a Feedforward"):
+        save(other, tmp_path / "other.toml")
+    assert not list(tmp_path.iterdir())

@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from design.controllers.pi import PI
+from design.controllers.controller import Controller
 from design.requirements import Limits
 from design.robustness.box import Box
 from design.robustness.samples.search_space import Space
@@ -35,6 +35,7 @@ from design.robustness.samples.worst import (
 )
 from design.sequence import Sequence, play
 from plants.errors import InputError
+from plants.simulation.periodic import Periodic
 
 Array = NDArray[np.float64]
 
@@ -55,7 +56,14 @@ told beside the worst case."""
 class Search:
     """One search: counts its runs, and keeps those that were tried and how they came out."""
 
-    def __init__(self, space: Space, controller: PI, limits: Limits, objective: Objective, jobs: int | None):
+    def __init__(
+        self,
+        space: Space,
+        controller: Controller | Periodic,
+        limits: Limits,
+        objective: Objective,
+        jobs: int | None,
+    ):
         self.space, self.controller, self.jobs = space, controller, jobs
         self.limits, self.objective = limits, objective
         self.places: list[Array] = []
@@ -151,7 +159,7 @@ def _stratified(rng: np.random.Generator, lanes: int, size: int) -> Array:
 
 def worst_case(
     box: Box,
-    controller: PI,
+    controller: Controller | Periodic,
     objective: Objective = "excess",
     limits: Limits | None = None,
     dead_time: float = 0.0,
@@ -163,7 +171,7 @@ def worst_case(
     budget: int = 20_000,
     duration: float = 10.0,
 ) -> Worst:
-    """The worst that was found of gains in a box, in `budget` runs.
+    """The worst that was found of a controller of any kind in a box, in `budget` runs.
 
     objective: ``excess``, after which, where no limit is found broken, ``cost`` is searched for with
     a budget of its own; or ``cost`` alone.  dead_time [s]: up to so much beside the plant's own;

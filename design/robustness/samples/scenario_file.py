@@ -49,8 +49,15 @@ class Saved:
 
 
 def save(worst: Worst, path: str | Path) -> None:
-    """Write a worst case as a scenario file, complete or not at all; raises InputError where that fails."""
+    """Write a worst case of a PI as a scenario file, complete or not at all; raises InputError where that
+    fails, and for another controller."""
     import tomlkit
+
+    if not isinstance(worst.controller, PI):
+        kind = type(worst.controller).__name__
+        raise InputError(
+            f"{path}: a scenario file holds the settings of a PI, not of a {kind}; save its record"
+        )
 
     s = worst.sequence
     document = tomlkit.parse(_plant_text(worst.plant))

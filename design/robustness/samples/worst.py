@@ -6,12 +6,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from design.controllers.controller import Controller
 from design.controllers.pi import PI
 from design.requirements import Limits
 from design.robustness.box import Box
 from design.sequence import Played, Sequence, play
 from design.tasks import STEP, tuning_scenarios, within_reach
 from plants.quantities import Assumed, Parameter, ParameterSet
+from plants.simulation.periodic import Periodic
 
 Array = NDArray[np.float64]
 Objective = Literal["excess", "cost"]
@@ -49,7 +51,7 @@ class Worst:
 
     sequence: Sequence
     plant: ParameterSet
-    controller: PI
+    controller: Controller | Periodic
     objective: Objective
     metrics: dict[str, float]
     values: dict[str, float]
@@ -70,6 +72,13 @@ class Worst:
         return self.values["iae_deg_s"] / STEP
 
     @property
+    def settings(self) -> dict[str, float]:
+        """The gains of a PI; of any other controller all settings that are numbers."""
+        if isinstance(self.controller, PI):
+            return {"Kp": float(self.controller.Kp), "Ki": float(self.controller.Ki)}
+        return {n: float(v) for n, v in vars(self.controller).items() if isinstance(v, int | float)}
+
+    @property
     def record(self) -> dict[str, object]:
         """The worst case for JSON."""
         s = self.sequence
@@ -82,8 +91,7 @@ class Worst:
             "dead_time_s": s.dead_time,
             "load_deg": s.load,
             "parameters": {n: float(v) for n, v in s.wrist.values.items()},
-            "Kp": float(self.controller.Kp),
-            "Ki": float(self.controller.Ki),
+            **self.settings,
             "objective": self.objective,
             "metrics": self.metrics,
             "values": self.values,
@@ -123,7 +131,9 @@ def named_plant(box: Box, values: dict[str, float]) -> ParameterSet:
     return replace(box.plant, title=f"{box.plant.axis}, worst case", parameters=parameters)
 
 
-def plain_worst(box: Box, controller: PI, limits: Limits, duration: float, jobs: int | None) -> Plain:
+def plain_worst(
+    box: Box, controller: Controller | Periodic, limits: Limits, duration: float, jobs: int | None
+) -> Plain:
     """The worst of the plain tuning set on the box's plant, in runs of a duration [s], judged as the search
     judges."""
     scenarios, _ = within_reach(tuning_scenarios(box.wrist))
