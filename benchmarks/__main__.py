@@ -15,7 +15,7 @@ from typing import Any
 
 from benchmarks import commands, monte_carlo, mpc, native, others, rollouts, tuner
 from plants.files import write_atomically
-from plants.simulate import default_jobs
+from plants.kernel.batches import default_jobs
 
 MEANING = {
     "rollouts.max_difference": "largest difference of a metric, ours and C: |a-b| / max(1, |b|)",

@@ -8,17 +8,16 @@ import numpy as np
 
 from benchmarks.rollouts import Disagreement
 from benchmarks.timing import duel
-from design import loop, metrics
 from design.controllers.pi import PI
+from design.evaluation.runner import step_from
 from design.metrics import Metrics
 from design.robustness.box import box_of
 from design.robustness.samples.conditions import NONE, Conditions
 from design.robustness.samples.draws import CHUNK, Draw, Task, draw
 from design.robustness.samples.monte_carlo import Samples, monte_carlo
-from design.robustness.samples.noisy_loop import sensor, trees
 from plants import tree
 from plants.quantities import built_in
-from plants.simulate import run_lanes
+from plants.simulation.closed_loop import advance, clock
 from plants.wrist import SAMPLE_TIME
 
 LANES = 8 * CHUNK
@@ -36,23 +35,23 @@ def sampled(conditions: Conditions) -> Samples:
     return monte_carlo(box_of(built_in("flexion")), CONTROLLER, conditions, LANES, jobs=THREADS)
 
 
-def bare(conditions: Conditions) -> Callable[[], Any]:
-    """The compiled loop of the same cases behind a perfect sensor, its arrays ready; gives the last state."""
+def bare(conditions: Conditions) -> Callable[[], Metrics]:
+    """The compiled loop of the same cases behind a perfect sensor, its arrays ready."""
     task = Task(box_of(built_in("flexion")), CONTROLLER, conditions, 0, 15.0, 10.0)
     cases = [draw(task, chunk) for chunk in range(LANES // CHUNK)]
     first, coefficients = (_joined(parts) for parts in zip(*map(_trees, cases), strict=True))
-    times = {"time": np.arange(STEPS) * SAMPLE_TIME} if cases[0].wrist.effects else {}
+    times = clock(cases[0].wrist, STEPS)
 
-    def work() -> Any:
-        return run_lanes(
-            loop.step, first, coefficients, STEPS, times, ("sample", *times), jobs=THREADS
-        )[0]  # fmt: skip
+    def work() -> Metrics:
+        last, _ = advance(first, coefficients, STEPS, times, jobs=THREADS)
+        judged: Metrics = coefficients.judge.finish(last.judge, STEPS)
+        return judged
 
     return work
 
 
 def _trees(case: Draw) -> tuple[Any, Any]:
-    return trees(case.wrist, CONTROLLER, case.reference, case.state, sensor(0.0, 0.0), True)
+    return step_from(case.wrist, case.state, case.reference).loop(CONTROLLER)
 
 
 def _joined(parts: tuple[Any, ...]) -> Any:
@@ -61,9 +60,8 @@ def _joined(parts: tuple[Any, ...]) -> Any:
     return tree.like(parts[0], [np.concatenate([np.broadcast_to(x, CHUNK) for x in leaf]) for leaf in leaves])
 
 
-def require_same(samples: Samples, last: Any) -> None:
+def require_same(samples: Samples, judged: Metrics) -> None:
     """Raises Disagreement unless the bare kernel ran the very cases of the Monte Carlo."""
-    judged = metrics.finish(last.tally, STEPS)
     for field in fields(Metrics):
         if not np.array_equal(getattr(samples.metrics, field.name), getattr(judged, field.name)):
             raise Disagreement(f"Monte Carlo and its bare kernel differ in {field.name}")

@@ -19,14 +19,15 @@ from design.controllers.controller import Measured
 from design.mpc import hybrid, linear, observer, real_time
 from design.mpc.converged import converged_mpc
 from design.mpc.fallback import Info
-from design.mpc.loop import Sensor, run
+from design.mpc.loop import run
 from design.mpc.prediction import roll, start_of
 from design.mpc.problem import Problem, Weights
 from design.mpc.real_time import RealTimeMPC
 from design.mpc.timing import Ledger, ledger
 from plants import wrist as plant
 from plants.hysteresis import Memory
-from plants.wrist import STARTS, State, Wrist
+from plants.simulation.sensor import HOLD, sensor
+from plants.wrist import SAMPLE_TIME, STARTS, State, Wrist
 
 Array = NDArray[np.float64]
 
@@ -60,6 +61,10 @@ TOLERANCE = 1e-3
 HYBRID_HORIZON = 20
 """Periods of the MILP's problem, which takes some 10 to 20 s."""
 
+SENSOR = sensor(0.02, 0.01)
+NOISE = np.random.default_rng(0).standard_normal((round(4.0 / SAMPLE_TIME) // HOLD, 1))
+"""The sensor of the timed runs, and its noise."""
+
 Make = Callable[[Problem], Any]
 
 
@@ -89,7 +94,7 @@ def steps(make: Make, wrist: Wrist, times: int) -> list[Info]:
     found: list[Info] = []
     for start in STARTS:
         for reference in (15.0, -15.0):
-            done = run(wrist, controller, reference, wrist.rest(start), 4.0, sensor=Sensor(0.02, 0.01))
+            done = run(wrist, controller, reference, wrist.rest(start), 4.0, False, SENSOR, NOISE)
             found += done.periods[LEAVE_OUT if not found else 0 :]
     return found
 

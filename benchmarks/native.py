@@ -1,7 +1,7 @@
 """The hand-written C loops: compiled into a folder, called through ctypes.
 
 The C sources name the rows of their arrays; the header with those names is written from the
-trees of `design.loop`, so that both sides agree on the layout however the law grows.
+trees of `plants.simulation.closed_loop`, so that both sides agree on the layout however the law grows.
 """
 
 import ctypes

@@ -14,9 +14,10 @@ from benchmarks.rollouts import DURATION, SAMPLES, TOLERANCE, Case, Disagreement
 from benchmarks.timing import duel
 from design.controllers import pi
 from design.controllers.pi import PIState
-from design.loop import Loop, SampledLoop, run
+from design.loop import run
 from plants import tree
 from plants import wrist as plant
+from plants.simulation.closed_loop import ClosedLoop, SampledClosedLoop
 from plants.wrist import SAMPLE_TIME, State
 
 Array = NDArray[np.float64]
@@ -28,7 +29,7 @@ DO_MPC_SAMPLES = 1000
 """Samples that do-mpc runs; its time is scaled to the whole rollout."""
 
 
-def plain_update(c: SampledLoop) -> Callable[..., list[float]]:
+def plain_update(c: SampledClosedLoop) -> Callable[..., list[float]]:
     """Closed loop in plain Python floats: (pressure, h, virgin, angle, integral), one sample later.
 
     Our own laws would do, but NumPy's ufuncs on single numbers are several times slower.
@@ -56,13 +57,13 @@ def plain_update(c: SampledLoop) -> Callable[..., list[float]]:
     return update
 
 
-def by_python_control(c: SampledLoop, start: list[float]) -> Callable[[], Array]:
+def by_python_control(c: SampledClosedLoop, start: list[float]) -> Callable[[], Array]:
     """A rollout by ``control.input_output_response``; returns the angle at every sample."""
     import control
 
     system = control.nlsys(plain_update(c), None, inputs=1, states=5, outputs=5, dt=SAMPLE_TIME)
     time = np.arange(SAMPLES) * SAMPLE_TIME
-    reference = np.full(SAMPLES, c.yardstick.reference)
+    reference = np.full(SAMPLES, c.reference.references[0])
 
     def work() -> Array:
         return np.asarray(control.input_output_response(system, time, reference, start).states[3])
@@ -70,7 +71,7 @@ def by_python_control(c: SampledLoop, start: list[float]) -> Callable[[], Array]
     return work
 
 
-def by_do_mpc(c: SampledLoop, s: Loop) -> Callable[[], Array]:
+def by_do_mpc(c: SampledClosedLoop, s: ClosedLoop) -> Callable[[], Array]:
     """A shorter rollout by do-mpc's simulator, PI and plant one discrete model; returns the angles."""
     import casadi
 
@@ -92,7 +93,7 @@ def by_do_mpc(c: SampledLoop, s: Loop) -> Callable[[], Array]:
     simulator = do_mpc.simulator.Simulator(model)
     simulator.set_param(t_step=SAMPLE_TIME)
     simulator.setup()
-    reference = np.array([[c.yardstick.reference]])
+    reference = np.array([[c.reference.references[0]]])
 
     def work() -> Array:
         simulator.reset_history()
@@ -102,7 +103,7 @@ def by_do_mpc(c: SampledLoop, s: Loop) -> Callable[[], Array]:
     return work
 
 
-def single(batch: Case) -> tuple[SampledLoop, Loop, Array]:
+def single(batch: Case) -> tuple[SampledClosedLoop, ClosedLoop, Array]:
     """Coefficients, first state and, by us, the angle before every sample: all of one lane."""
     c, s = (
         tree.like(t, [float(np.broadcast_to(x, LANES)[LANE]) for x in tree.leaves(t)]) for t in batch.trees()
@@ -110,7 +111,7 @@ def single(batch: Case) -> tuple[SampledLoop, Loop, Array]:
     lane = {n: float(np.broadcast_to(v, LANES)[LANE]) for n, v in batch.wrist.values.items()}
     gains = pi.PI(float(batch.controller.Kp[LANE]), float(batch.controller.Ki[LANE]))
     wrist = plant.Wrist.from_values(lane)
-    _, _, signals = run(wrist, gains, c.yardstick.reference, duration=DURATION, record=True)
+    _, _, signals = run(wrist, gains, c.reference.references[0], duration=DURATION, record=True)
     assert signals is not None
     return c, s, signals.angle[:, 0]
 

@@ -12,8 +12,8 @@ from plants.measured.problem import measured
 from plants.measured.residual.remainder import Remainder, remainder_of
 from plants.measured.trace.remainders import remainders
 from plants.measured.trace.result import StageTrace, Trace
-from reports.style import BLACK, BLUE, DASHED, GREY, PALE, VERMILLION, new_figure, styled
-from reports.tables import number
+from reports.shared.style import BLACK, BLUE, DASHED, GREY, PALE, VERMILLION, new_figure, styled
+from reports.shared.tables import number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -26,7 +26,7 @@ from plants.measured.problem import measured
 from plants.measured.trace.result import Played, Trace
 from plants.measured.trace.trace import trace_campaign
 from plants.quantities import Fitted, load
-from reports.style import save
+from reports.shared.style import save
 
 ROOT = Path(__file__).parent.parent
 MADE = ROOT / "build" / "real"

@@ -3,18 +3,18 @@
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks import native
 from benchmarks.timing import duel
-from design import metrics
 from design.controllers.pi import PI
-from design.loop import Loop, SampledLoop, holding, run
+from design.evaluation.runner import step_from
+from design.loop import run
 from design.metrics import Metrics
 from plants import Wrist, tree
+from plants.simulation.closed_loop import ClosedLoop, SampledClosedLoop
 from plants.wrist import SAMPLE_TIME
 
 Array = NDArray[np.float64]
@@ -42,16 +42,12 @@ class Case:
     controller: PI
     reference: Array
 
-    def trees(self) -> tuple[SampledLoop, Loop]:
+    def trees(self) -> tuple[SampledClosedLoop, ClosedLoop]:
         """Coefficients and first state, as `design.loop.run` makes them."""
-        state = self.wrist.rest()
-        held = holding(self.wrist, self.controller, state)
-        command = (self.controller.rest_pressure + held.integral) / self.controller.gain
-        measure = metrics.yardstick(state.angle, self.reference)
-        c = SampledLoop(self.wrist.sampled(), self.controller.sampled(), measure)
-        return c, Loop(state, held, metrics.begin(command))
+        first, c = step_from(self.wrist, self.wrist.rest(), self.reference).loop(self.controller)
+        return c, first
 
-    def ours(self, jobs: int) -> tuple[Metrics, Loop]:
+    def ours(self, jobs: int) -> tuple[Metrics, ClosedLoop]:
         """Metrics and last state by the workbench."""
         judged, last, _ = run(self.wrist, self.controller, self.reference, duration=DURATION, jobs=jobs)
         return judged, last
@@ -70,10 +66,10 @@ def case(lanes: int = LANES, seed: int = 0) -> Case:
     return Case(wrist, controller, np.where(np.arange(lanes) % 2 == 0, 15.0, -15.0))
 
 
-def judge(last: Array, like: Loop) -> Metrics:
+def judge(last: Array, like: ClosedLoop, c: SampledClosedLoop) -> Metrics:
     """Metrics of the stacked last state of a C loop."""
-    state: Any = tree.like(like, list(last))
-    return metrics.finish(state.tally, SAMPLES)
+    judged: Metrics = c.judge.finish(tree.like(like, list(last)).judge, SAMPLES)
+    return judged
 
 
 def differences(a: Metrics, b: Metrics) -> tuple[float, float]:
@@ -117,7 +113,7 @@ def measure(folder: Path, rounds: int) -> dict[str, float | None]:
         return work
 
     judged, _ = batch.ours(jobs=2)
-    found = {name: differences(judge(by_c(name)(), s), judged) for name in names}
+    found = {name: differences(judge(by_c(name)(), s, c), judged) for name in names}
     for name, (samples, difference) in found.items():
         require_same(f"{name} C", samples, difference)
 

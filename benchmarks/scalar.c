@@ -1,7 +1,7 @@
 /* The closed loop as one writes it by hand: one lane after the other, all of it in registers.
 
    The law is that of plants/ and design/, term by term.  `layout.h` numbers the rows of
-   `coef` and `state` in the order of design.loop.SampledLoop and design.loop.Loop; it is
+   `coef` and `state` in the order of SampledClosedLoop and ClosedLoop of plants.simulation.closed_loop; it is
    written by benchmarks/native.py. */
 
 #include <math.h>
@@ -23,12 +23,12 @@ void rollouts(int lanes, int steps, const double *coef, double *state) {
         const double Kp = C(controller_Kp), Ki_dt = C(controller_Ki_dt);
         const double volts_per_kPa = C(controller_volts_per_kPa), held = C(controller_rest_pressure);
         const double low = C(controller_low), high = C(controller_high);
-        const double reference = C(yardstick_reference), start = C(yardstick_start);
-        const double per_step = C(yardstick_per_step), dt = C(yardstick_dt);
+        const double reference = C(reference_references_0), start = C(judge_step_start);
+        const double per_step = C(judge_step_per_step), dt = C(judge_dt);
 
         double pressure = S(plant_pressure), h = S(plant_memory_h), angle = S(plant_angle);
         int virgin = S(plant_memory_virgin) != 0.0;
-        double integral = S(controller_integral), last = S(tally_command);
+        double integral = S(controller_integral), last = S(judge_command);
         double iae = 0.0, ise = 0.0, itae = 0.0, variation = 0.0, peak = 0.0, error = 0.0;
         int below10 = 0, below90 = 0, outside = 0;
 
@@ -73,8 +73,8 @@ void rollouts(int lanes, int steps, const double *coef, double *state) {
 
         S(plant_pressure) = pressure, S(plant_memory_h) = h, S(plant_memory_virgin) = virgin;
         S(plant_angle) = angle, S(controller_integral) = integral;
-        S(tally_iae) = iae, S(tally_ise) = ise, S(tally_itae) = itae, S(tally_variation) = variation;
-        S(tally_command) = last, S(tally_peak) = peak, S(tally_error) = error;
-        S(tally_below10) = below10, S(tally_below90) = below90, S(tally_outside) = outside;
+        S(judge_iae) = iae, S(judge_ise) = ise, S(judge_itae) = itae, S(judge_variation) = variation;
+        S(judge_command) = last, S(judge_peak) = peak, S(judge_error) = error;
+        S(judge_below10) = below10, S(judge_below90) = below90, S(judge_outside) = outside;
     }
 }

@@ -5,7 +5,7 @@
    and the integral in volts, the polynomial of the regulator's rate in Horner's form, the slope
    of the transit held instead of the mark of the virgin curve, sums without the sample time.
    What does not change within a rollout is computed before it.  `layout.h` numbers the rows
-   of `coef` and `state` in the order of design.loop.SampledLoop and design.loop.Loop; it is
+   of `coef` and `state` in the order of SampledClosedLoop and ClosedLoop of plants.simulation.closed_loop; it is
    written by benchmarks/native.py.
 
    Compiled with -ffast-math: nothing in here may be infinite, so the times come out as counts. */
@@ -95,7 +95,7 @@ static Lane prepare(int lanes, int first, const double *coef) {
     Lane c;
     vec rise = C(plant_regulator_z_rise), centre = C(plant_regulator_z_centre);
     vec rest = C(plant_rest_pressure), volts = C(controller_volts_per_kPa);
-    vec per_step = C(yardstick_per_step);
+    vec per_step = C(judge_step_per_step);
     c.gain = C(plant_regulator_gain);
     c.alpha0 = C(plant_regulator_alpha_slow);
     c.alpha1 = C(plant_regulator_alpha_rise) - rise * centre;
@@ -108,8 +108,8 @@ static Lane prepare(int lanes, int first, const double *coef) {
     c.keep = C(plant_lag_keep), c.before = C(plant_lag_before), c.after = C(plant_lag_after);
     c.Kp = C(controller_Kp) * volts, c.Ki_dt = C(controller_Ki_dt) * volts;
     c.low = C(controller_low), c.high = C(controller_high);
-    c.reference = C(yardstick_reference);
-    c.per_step = per_step, c.offset = -C(yardstick_start) * per_step;
+    c.reference = C(reference_references_0);
+    c.per_step = per_step, c.offset = -C(judge_step_start) * per_step;
     c.band = 0.02 / magnitude(per_step);
     return c;
 }
@@ -127,7 +127,7 @@ void rollouts(int lanes, int steps, const double *coef, double *state) {
                 load(S(plant_pressure)), load(S(plant_memory_h)), c[i].s * (1.0 - virgin), load(S(plant_angle)),
                 (C(controller_rest_pressure) + load(S(controller_integral))) * volts,
             };
-            s[i].command = load(S(tally_command)); /* the sums begin at zero */
+            s[i].command = load(S(judge_command)); /* the sums begin at zero */
         }
         vec k = {0}, error[TOGETHER];
         for (int n = 1; n < steps; n++) { /* all samples but the last, of which the error is kept */
@@ -141,23 +141,23 @@ void rollouts(int lanes, int steps, const double *coef, double *state) {
         }
         for (int i = 0; i < TOGETHER; i++) {
             int first = block + i * WIDTH;
-            vec dt = C(yardstick_dt);
+            vec dt = C(judge_dt);
             store(S(plant_pressure), s[i].pressure);
             store(S(plant_memory_h), s[i].h);
             store(S(plant_memory_virgin), -__builtin_convertvector(s[i].slope == 0.0, vec));
             store(S(plant_angle), s[i].angle);
             store(S(controller_integral),
                   s[i].integral / C(controller_volts_per_kPa) - C(controller_rest_pressure));
-            store(S(tally_iae), s[i].iae * dt);
-            store(S(tally_ise), s[i].ise * dt);
-            store(S(tally_itae), s[i].itae * dt * dt);
-            store(S(tally_variation), s[i].variation);
-            store(S(tally_command), s[i].command);
-            store(S(tally_peak), s[i].peak);
-            store(S(tally_below10), -__builtin_convertvector(s[i].below10, vec));
-            store(S(tally_below90), -__builtin_convertvector(s[i].below90, vec));
-            store(S(tally_outside), s[i].outside);
-            store(S(tally_error), error[i]);
+            store(S(judge_iae), s[i].iae * dt);
+            store(S(judge_ise), s[i].ise * dt);
+            store(S(judge_itae), s[i].itae * dt * dt);
+            store(S(judge_variation), s[i].variation);
+            store(S(judge_command), s[i].command);
+            store(S(judge_peak), s[i].peak);
+            store(S(judge_below10), -__builtin_convertvector(s[i].below10, vec));
+            store(S(judge_below90), -__builtin_convertvector(s[i].below90, vec));
+            store(S(judge_outside), s[i].outside);
+            store(S(judge_error), error[i]);
         }
     }
 }

@@ -23,11 +23,11 @@ from numpy.typing import NDArray
 from design.controllers.controller import Controller, Measured
 from design.loop import run
 from design.metrics import Metrics
-from design.tasks import HEADROOM, STEP, Scenario, corner, unreachable
-from plants import hysteresis, tree
+from design.tasks import HEADROOM, Scenario, corner, unreachable
+from plants import tree
 from plants.effects.dead_time import DeadTime
 from plants.errors import InputError
-from plants.wrist import COMMAND_RANGE, STARTS, Start, Wrist
+from plants.wrist import STARTS, Start, Wrist
 
 Array = NDArray[np.float64]
 
@@ -154,7 +154,7 @@ def break_even(
     plain: Controller,
     others: Mapping[str, Controller],
     grids: Mapping[str, Array] | None = None,
-    step: float = STEP,
+    step: float | None = None,
     duration: float = 10.0,
     jobs: int | None = None,
 ) -> BreakEven:
@@ -173,6 +173,7 @@ def break_even(
     [0.39, 0.73]
     """
     tried = GRIDS if grids is None else grids
+    step = wrist.rig.task.step if step is None else step
     _check(wrist, tried)
     cases = [c for kind, errors in tried.items() for e in errors for c in _cases(wrist, kind, float(e), step)]
     judged = {name: _judge(cases, c, duration, jobs) for name, c in {"": plain, **others}.items()}
@@ -204,7 +205,8 @@ def _cases(wrist: Wrist, kind: str, error: float, step: float) -> list[Case]:
     width = error if kind == "loop width" else 0.0
     slope = error if kind == "slope" else 0.0
     true = corner(wrist, 1.0 + width, 1.0 + slope, 1.0)
-    low, high = COMMAND_RANGE[0] + HEADROOM, COMMAND_RANGE[1] - HEADROOM
+    least, most = wrist.rig.command_range
+    low, high = least + HEADROOM, most - HEADROOM
     found = []
     for sign in (1.0, -1.0):
         for start in STARTS:
@@ -234,7 +236,7 @@ def _run(
     cases: Sequence[Case], controller: Controller, dead: bool, duration: float, jobs: int | None
 ) -> Metrics:
     values = [c.scenario.wrist.values for c in cases]
-    wrist = Wrist.from_values({n: np.array([v[n] for v in values], float) for n in values[0]})
+    wrist = cases[0].scenario.wrist.made_of({n: np.array([v[n] for v in values], float) for n in values[0]})
     states = np.array([tree.leaves(c.scenario.wrist.rest(c.scenario.start)) for c in cases], float)
     state = tree.like(cases[0].scenario.wrist.rest(), list(states.T))
     if dead:
@@ -255,8 +257,8 @@ def _believed(case: Case) -> float:
     p, start = case.scenario.wrist.hysteresis, case.scenario.start
     known: Start = start
     rest = case.scenario.wrist.rest(known)
-    low = float(hysteresis.line1(rest.pressure, p)) - rest.memory.h
-    high = float(hysteresis.line2(rest.pressure, p)) - rest.memory.h
+    low = float(p.ascending(rest.pressure)) - rest.memory.h
+    high = float(p.descending(rest.pressure)) - rest.memory.h
     farther = high if high >= -low * (1.0 - 1e-9) else low
     return float(rest.memory.h + case.belief * farther)
 

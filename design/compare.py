@@ -14,11 +14,10 @@ from typing import Any
 import numpy as np
 
 from design.alternatives.designs import Design, design_others, design_record
-from design.alternatives.lqi_loop import Broken
-from design.compare_rows import FORWARD, NEAREST, PAPER, TUNED, Row, Standing, row_record, verdicts
+from design.compare_rows import FORWARD, PAPER, TUNED, Row, Standing, row_record
 from design.compare_tasks import (
     METRICS,
-    bounds_on_tasks,
+    OnTasks,
     later,
     on_tasks,
     played_on_tasks,
@@ -26,22 +25,23 @@ from design.compare_tasks import (
     together,
 )
 from design.controllers.controller import Controller
-from design.controllers.feedforward import Feedforward, FeedforwardPI
+from design.controllers.feedforward import Feedforward
 from design.controllers.feedforward_course import no_inverse
-from design.controllers.lqi import LQI
 from design.controllers.pi import PI
+from design.controllers.registry import REGISTERED
+from design.evaluation.tasks import Task, comparison_tasks
+from design.evaluation.tasks import steps as step_tasks
+from design.input_loop import command_margins
 from design.limit import Limit, ratios
-from design.loop import Trajectory, run
-from design.margins import branch_responses, by_python_control
+from design.loop import Trajectory
 from design.metrics import Metrics
 from design.requirements import ROUNDING, Limits, default_problem
 from design.rules import baselines, paper_range
-from design.tasks import STEP
 from plants.wrist import Wrist
 
 __all__ = [
-    "FORWARD", "METRICS", "NEAREST", "PAPER", "TUNED", "Comparison", "Row", "Standing", "compare",
-    "controllers", "on_tasks", "row_record", "task_scenarios", "together", "verdicts",
+    "FORWARD", "METRICS", "PAPER", "TUNED", "Comparison", "Row", "Standing", "compare",
+    "controllers", "on_tasks", "row_record", "task_scenarios", "together",
 ]  # fmt: skip
 
 
@@ -54,7 +54,6 @@ class Comparison:
     standings: tuple[Standing, ...]
     steps: Mapping[tuple[str, str], Trajectory]
     limits: Limits
-    verdicts: tuple[str, ...]
     designs: Mapping[tuple[str, str], Design | str] = field(default_factory=dict)
 
 
@@ -65,26 +64,27 @@ def controllers(
     more: Mapping[str, Controller] | None = None,
 ) -> dict[str, list[Controller]]:
     """Controllers by name, each a list: one, or the range of the paper's, the stand-in first.  A
-    feedforward is among them where the wrist has an inverse; `more`: further ones."""
+    feedforward is among them where the wrist has an inverse, and whoever is registered
+    (`design.controllers.register`); `more`: further ones."""
     named: dict[str, list[Controller]] = {TUNED: [tuned]}
+    named |= {n: [r.make(wrist)] for n, r in REGISTERED.items()}
     named |= {n: [c] for n, c in (more or {}).items()}
     named |= {n: [d.controller] for n, d in (designs or {}).items() if not isinstance(d, str)}
     named |= {FORWARD: [Feedforward.of(wrist)]} if no_inverse(wrist) is None else {}
     named |= {name: [pi] for name, pi in baselines(wrist).items()}
-    named[PAPER] = [
-        PI(Kp, Ki, wrist.regulator.gain, wrist.hysteresis.rest_pressure) for Kp, Ki in paper_range()
-    ]
+    named[PAPER] = [PI.of(wrist, Kp, Ki) for Kp, Ki in paper_range()]
     return named
 
 
-def _row(motion: str, task: str, name: str, judged: list[Metrics], bound: Limit | None) -> Row:
+def _row(motion: str, task: Task, name: str, judged: list[Metrics], bound: Limit | None) -> Row:
     table = {n: [float(getattr(m, n)) for m in judged] for n in METRICS}
     to_bound = ratios(judged[0], bound) if bound else None
     return Row(
-        motion, task, name,
+        motion, task.name, name,
         {n: v[0] for n, v in table.items()},
         {n: min(v) for n, v in table.items()},
         {n: max(v) for n, v in table.items()},
+        task.id,
         *((float(to_bound.settling), float(to_bound.iae)) if to_bound else (None, None)),
     )  # fmt: skip
 
@@ -93,7 +93,6 @@ def compare(
     wrists: Mapping[str, Wrist],
     tuned: Mapping[str, PI],
     limits: Limits | None = None,
-    refusals: Mapping[str, str] | None = None,
     designs: Mapping[str, Mapping[str, Design | str]] | None = None,
     more: Mapping[str, Mapping[str, Controller]] | None = None,
     periodic: Mapping[str, Mapping[str, Any]] | None = None,
@@ -101,10 +100,9 @@ def compare(
 ) -> Comparison:
     """Run every controller on every task of each motion, and of two motions at once.
 
-    `wrists` and `tuned` map a motion's name to its wrist and its tuned PI; `refusals`
-    gives the reason for a motion that could not be tuned within the limits, whose
-    PI is then only the nearest there is.  `designs` are what `design_others` made of each
-    motion; they are made here, on the declared scenarios, where not given.  `more`: further controllers
+    `wrists` and `tuned` map a motion's name to its wrist and its tuned PI.  `designs` are what
+    `design_others` made of each motion; they are made here, on the declared scenarios, where not given.
+    `more`: further controllers
     of each motion, by name; `periodic`: those that act once a period, such as an MPC; `progress` is told
     who plays and the share of the motion that is done.
     """
@@ -114,61 +112,34 @@ def compare(
     rows: list[Row] = []
     standings: list[Standing] = []
     steps: dict[tuple[str, str], Trajectory] = {}
-    judged: dict[tuple[str, str], dict[str, list[Metrics]]] = {}
-    bounds: dict[tuple[str, str], dict[str, Limit]] = {}
+    done: dict[tuple[str, str], OnTasks] = {}
     for motion, wrist in wrists.items():
         others, slow = designs.get(motion, {}), (periodic or {}).get(motion, {})
         named = controllers(wrist, tuned[motion], others, (more or {}).get(motion))
         entrants: dict[str, list[Any]] = {**named, **{n: [c] for n, c in slow.items()}}
         for place, (name, alike) in enumerate(entrants.items()):
             tell(f"{motion}, {name}", place / len(entrants))
-            played = played_on_tasks(wrist, alike[0]) if name in slow else _played(wrist, alike)
-            tasks, bound, steps[motion, name] = played
-            judged[motion, name], bounds[motion, name] = tasks, bound
-            own = [_row(motion, task, name, m, bound.get(task)) for task, m in tasks.items()]
+            found = done[motion, name] = played_on_tasks(wrist, alike)
+            steps[motion, name] = found.trajectory
+            own = [
+                _row(motion, t, name, found.metrics[t.id], found.bounds[t.id] if found.bounds else None)
+                for t in comparison_tasks(wrist.rig)
+            ]
             made = design_record(others[name]) if name in others else {}
             standings.append(_standing(motion, name, wrist, alike[0], own, limits, made))
             rows += own
     if len(wrists) == 2:
         one, other = wrists
-        for name in (n for m, n in judged if m == one and (other, n) in judged):
-            for sign in (1, -1):
-                task = f"0 to {sign * STEP:+g} deg, virgin"
-                both = [
-                    together(a, b)
-                    for a, b in zip(judged[one, name][task], judged[other, name][task], strict=True)
-                ]
-                slowest = later([bounds[m, name].get(task) for m in (one, other)])
-                rows.append(_row("both at once", task, name, both, slowest))
+        for name in (n for m, n in done if m == one and (other, n) in done):
+            a, b = done[one, name], done[other, name]
+            for t in (t for t in step_tasks(wrists[one].rig) if t.start == "virgin"):
+                both = [together(x, y) for x, y in zip(a.metrics[t.id], b.metrics[t.id], strict=True)]
+                slowest = later(a.bounds[t.id], b.bounds[t.id]) if a.bounds and b.bounds else None
+                rows.append(_row("both at once", t, name, both, slowest))
     return Comparison(
-        tuple(rows), tuple(standings), steps, limits, tuple(verdicts(rows, standings, refusals)),
+        tuple(rows), tuple(standings), steps, limits,
         {(m, n): d for m, of in designs.items() for n, d in of.items()},
     )  # fmt: skip
-
-
-def _played(
-    wrist: Wrist, alike: list[Controller]
-) -> tuple[dict[str, list[Metrics]], dict[str, Limit], Trajectory]:
-    """Metrics and bounds by task of controllers of one kind, and the step from rest of the first."""
-    _, _, trajectory = run(wrist, alike[0], STEP, record=True)
-    assert trajectory is not None
-    return on_tasks(wrist, alike), bounds_on_tasks(wrist, alike[0]), trajectory
-
-
-def _margins(wrist: Wrist, controller: Controller) -> tuple[float, float]:
-    """Ms and delay margin [s] at the command, the worst over branches and rates."""
-    if isinstance(controller, FeedforwardPI):
-        return _margins(wrist, controller.pi)
-    if isinstance(controller, Feedforward):
-        return 1.0, float("inf")
-    if isinstance(controller, PI):
-        rows = by_python_control(wrist, controller)
-        return max(r["Ms"] for r in rows), min(r["delay_margin_s"] for r in rows)
-    if isinstance(controller, LQI):
-        branches = branch_responses(wrist, 1500)
-        found = Broken.at_command(wrist, controller, branches).margins(branches)
-        return float(found.Ms), float(found.delay_margin_s)
-    return float("nan"), float("nan")  # no linear loop to take margins of
 
 
 def _standing(
@@ -180,18 +151,19 @@ def _standing(
     limits: Limits,
     design: Mapping[str, Any],
 ) -> Standing:
-    Ms, delay = _margins(wrist, controller)
+    Ms, delay = command_margins(wrist, controller)
     worst = {n: max(r.metrics[n] for r in rows) for n in METRICS}
     held = {
         "overshoot_percent": worst["overshoot_percent"],
         "Ms": Ms,
         "total_variation_V": worst["total_variation_V"],
-        "steady_error_percent": 100.0 * worst["steady_state_error_deg"] / STEP,
+        "steady_error_percent": 100.0 * worst["steady_state_error_deg"] / wrist.rig.task.step,
     }
     breaks = [n for n, v in held.items() if n in limits.named and v > limits.named[n] * ROUNDING]
     if "delay_margin_s" in limits.named and delay < limits.named["delay_margin_s"] / ROUNDING:
         breaks.append("delay_margin_s")
-    Kp, Ki = (controller.Kp, controller.Ki) if isinstance(controller, PI | FeedforwardPI) else (None, None)
+    pi = getattr(controller, "pi", None)
+    Kp, Ki = (pi.Kp, pi.Ki) if pi is not None else (None, None)
     ratios_ = [[getattr(r, n) for r in rows] for n in ("settling_ratio", "iae_ratio")]
     return Standing(
         motion, name, Kp, Ki, Ms, delay, worst["overshoot_percent"], worst["settling_time_s"],
@@ -203,7 +175,7 @@ def _standing(
 def _settings(controller: Any) -> dict[str, float]:
     """Settings by name: all of a controller's, and of an MPC those of its problem that are numbers."""
     of = controller.problem if hasattr(controller, "problem") else controller
-    found = dict(vars(of))
+    found = dict(getattr(of, "settings", None) or vars(of))
     for part in ("weights", "observer"):
         if part in found:
             found |= {f"{part}.{n}": v for n, v in vars(found[part]).items()}

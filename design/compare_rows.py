@@ -1,4 +1,4 @@
-"""Rows of a comparison: one controller on one task, where it stands on a motion, and what they say."""
+"""Rows of a comparison: one controller on one task, and where it stands on a motion."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,13 +11,13 @@ from design.compare_tasks import METRICS
 TUNED = "tuned"
 PAPER = "paper"
 FORWARD = "feedforward"
-NEAREST = "what stands as tuned is only the nearest there is."
-"""How the verdict on a motion ends of which no gains hold every limit."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """One controller on one task.  `low` and `high` bound each metric over the range of the
+    """One controller on one task, which has a name for people and an id (`design.evaluation.tasks`).
+
+    `low` and `high` bound each metric over the range of the
     paper's gains; they equal `metrics` for every other controller.  The ratios are those of `metrics` to
     the lower bounds of the task, None where there is no such bound."""
 
@@ -27,6 +27,7 @@ class Row:
     metrics: Mapping[str, float]
     low: Mapping[str, float]
     high: Mapping[str, float]
+    task_id: str
     settling_ratio: float | None = None
     iae_ratio: float | None = None
 
@@ -57,41 +58,6 @@ class Standing:
     worst_iae_ratio: float | None = None
 
 
-def verdicts(
-    rows: list[Row], standings: list[Standing], refusals: Mapping[str, str] | None = None
-) -> list[str]:
-    """What the table says, one sentence a motion; a comparison with the paper's PI only where the
-    whole range of its gains agrees."""
-    said = []
-    for motion in {s.motion: None for s in standings}:
-        if refusals and motion in refusals:
-            said.append(f"{motion}: {refusals[motion]}; {NEAREST}")
-            continue
-        of = {s.controller: s for s in standings if s.motion == motion}
-        ours = max(r.high["settling_time_s"] for r in rows if (r.motion, r.controller) == (motion, TUNED))
-        theirs = [r for r in rows if (r.motion, r.controller) == (motion, PAPER)]
-        low = max(r.low["settling_time_s"] for r in theirs)
-        high = max(r.high["settling_time_s"] for r in theirs)
-        if ours < low:
-            against = "ahead of the paper's PI over the whole range of its gains"
-        elif ours > high:
-            against = "behind the paper's PI over the whole range of its gains"
-        else:
-            against = "not to be ranked against the paper's PI, whose gains are not known well enough"
-        rules = [s for n, s in of.items() if n not in (TUNED, PAPER)]
-        broken = [s.controller for s in rules if s.breaks]
-        tail = f"; {', '.join(broken)} break the limits" if broken else ""
-        said.append(
-            f"{motion}: the tuned PI settles the worst 15 degree task in {_seconds(ours)} "
-            f"(paper's stand-in {_seconds(low)} to {_seconds(high)}), {against}{tail}."
-        )
-    return said
-
-
-def _seconds(value: float) -> str:
-    return f"{value:.2f} s" if np.isfinite(value) else "more than 10 s"
-
-
 def row_record(row: Row) -> dict[str, Any]:
     """A row as a flat record for CSV and JSON; what is infinite becomes None."""
 
@@ -99,6 +65,7 @@ def row_record(row: Row) -> dict[str, Any]:
         return v if np.isfinite(v) else None
 
     record: dict[str, Any] = {"motion": row.motion, "task": row.task, "controller": row.controller}
+    record["task_id"] = row.task_id
     for n in METRICS:
         record[n] = finite(row.metrics[n])
     for n in METRICS:

@@ -1,86 +1,92 @@
 """The tasks of the comparison, played and bounded: steps from every starting memory, and returns."""
 
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 
 from design.controllers.controller import Controller, stacked
+from design.evaluation.runner import Played, play, step_from
+from design.evaluation.tasks import Task, comparison_tasks, steps
 from design.limit import Limit, limit, limits_of
-from design.loop import Trajectory, run
+from design.loop import Trajectory
 from design.metrics import Metrics
-from design.tasks import STEP, Scenario
-from plants import tree
+from design.tasks import Scenario
 from plants.errors import InputError
-from plants.wrist import STARTS, State, Wrist
+from plants.kernel import pytrees
+from plants.simulation.periodic import Periodic
+from plants.wrist import State, Wrist
 
 METRICS = tuple(f.name for f in fields(Metrics))
 
-HOLD = 5.0
-"""How long the first angle of a return step is held [s]."""
+DRAWN = "step+virgin"
+"""The task whose signals are kept for drawing."""
+
+
+@dataclass(frozen=True)
+class OnTasks:
+    """What some controllers of one kind do: metrics by the task's id, one for each of them; lower bounds by
+    id, a return's from where the first of them has left the wrist, None for a wrist that is not known to be
+    monotone; the signals of the first in the task `DRAWN`."""
+
+    metrics: dict[str, list[Metrics]]
+    bounds: dict[str, Limit] | None
+    trajectory: Trajectory
 
 
 def task_scenarios(wrist: Wrist) -> list[Scenario]:
     """The 15 degree steps of one motion: both signs, from every starting memory."""
-    return [Scenario(start, 0.0, sign * STEP, wrist) for sign in (1, -1) for start in STARTS]
+    return [Scenario(t.start, t.angle, t.references[-1], wrist) for t in steps(wrist.rig)]
 
 
-def on_tasks(wrist: Wrist, alike: Sequence[Controller]) -> dict[str, list[Metrics]]:
-    """Metrics by task, one for each of some controllers of one kind."""
-    together, n = stacked(alike), len(alike)
-    found: dict[str, list[Metrics]] = {}
-    for s in task_scenarios(wrist):
-        state = tree.like(wrist.rest(), [np.full(n, x) for x in tree.leaves(wrist.rest(s.start, s.angle))])
-        judged, _, _ = run(wrist, together, np.full(n, s.reference), state)
-        found[f"0 to {s.reference:+g} deg, {s.start}"] = [judged[i] for i in range(n)]
-    for sign in (1, -1):
-        _, held, _ = run(wrist, together, np.full(n, sign * STEP), duration=HOLD)
-        judged, _, _ = run(wrist, together, np.zeros(n), held.plant, held.controller, begin=HOLD)
-        found[f"return from {sign * STEP:+g} to 0 deg"] = [judged[i] for i in range(n)]
-    return found
+def on_tasks(wrist: Wrist, alike: Sequence[Controller | Periodic]) -> dict[str, list[Metrics]]:
+    """Metrics by the task's id, one for each of some controllers of one kind."""
+    return {t.id: _each(play_task(wrist, alike, t)[0], len(alike)) for t in comparison_tasks(wrist.rig)}
 
 
-def bounds_on_tasks(wrist: Wrist, controller: Controller) -> dict[str, Limit]:
-    """Lower bounds of the tasks, a return's from where the controller has left the wrist; none at all for a
-    wrist that is not known to be monotone."""
-    return _bounds(wrist, {s: run(wrist, controller, s * STEP, duration=HOLD)[1].plant for s in (1, -1)})
+def played_on_tasks(wrist: Wrist, alike: Sequence[Controller | Periodic]) -> OnTasks:
+    """What some controllers of one kind do on every task, and what no controller could do better."""
+    played = {t.id: play_task(wrist, alike, t, t.id == DRAWN) for t in comparison_tasks(wrist.rig)}
+    drawn = played[DRAWN][0].trajectory
+    assert drawn is not None
+    first = Trajectory(drawn.time, *(x[:, :1] for n, x in vars(drawn).items() if n != "time"))
+    begun = {t: state for t, (_, state) in played.items()}
+    return OnTasks({t: _each(p, len(alike)) for t, (p, _) in played.items()}, _bounds(wrist, begun), first)
 
 
-def _bounds(wrist: Wrist, left: dict[int, State]) -> dict[str, Limit]:
+def play_task(
+    wrist: Wrist, alike: Sequence[Controller | Periodic], task: Task, record: bool = False
+) -> tuple[Played, State]:
+    """The last step of a task under controllers of one kind, lanes of one batch, and the state that it begins
+    from: rest, or where the references before it have led.  A step is begun as if the command had been what
+    the controller holds."""
+    controller: Any = alike[0] if len(alike) == 1 else stacked(alike)
+    state, held = wrist.rest(task.start, task.angle), None
+    for reference, moment, duration in task.stages:
+        before = state
+        played = play(step_from(wrist, state, reference, duration, moment), controller, held, record)
+        state, held = played.last.plant, played.held
+    return played, before
+
+
+def _each(played: Played, count: int) -> list[Metrics]:
+    return [played.metrics[i] for i in range(count)]
+
+
+def _bounds(wrist: Wrist, begun: dict[str, State]) -> dict[str, Limit] | None:
+    """Bounds by the task's id, of tasks of several stages from the states at which the last begins."""
     try:
         found = limits_of(wrist)
-        for sign, plant in left.items():
-            state = tree.like(plant, [float(np.ravel(x)[0]) for x in tree.leaves(plant)])
-            scenario = Scenario("line1" if sign > 0 else "line2", sign * STEP, 0.0, wrist)
-            found[f"return from {sign * STEP:+g} to 0 deg"] = limit(scenario, state=state, begin=HOLD)
+        for task in comparison_tasks(wrist.rig):
+            if len(task.stages) > 1:
+                here = [float(np.ravel(x)[0]) for x in pytrees.leaves(begun[task.id])]
+                (*_, (angle, _, _), (reference, moment, _)) = task.stages
+                last = Scenario("line1" if angle > 0.0 else "line2", angle, reference, wrist)
+                found[task.id] = limit(last, state=pytrees.like(begun[task.id], here), begin=moment)
     except InputError:
-        return {}
+        return None
     return found
-
-
-def played_on_tasks(
-    wrist: Wrist, controller: Any
-) -> tuple[dict[str, list[Metrics]], dict[str, Limit], Trajectory]:
-    """Metrics and bounds by task, and the step from rest for drawing, of a controller that acts once a
-    period, such as an MPC (`design.mpc.loop`)."""
-    from design.mpc import loop
-
-    found: dict[str, list[Metrics]] = {}
-    drawn = None
-    for s in task_scenarios(wrist):
-        first = drawn is None
-        played = loop.run(wrist, controller, s.reference, wrist.rest(s.start, s.angle), record=first)
-        drawn = played.trajectory if first else drawn
-        found[f"0 to {s.reference:+g} deg, {s.start}"] = [played.metrics[0]]
-    left = {}
-    for sign in (1, -1):
-        there = loop.run(wrist, controller, sign * STEP, duration=HOLD)
-        left[sign] = there.last.plant
-        played = loop.run(wrist, controller, 0.0, left[sign], begin=HOLD, memory=there.controller)
-        found[f"return from {sign * STEP:+g} to 0 deg"] = [played.metrics[0]]
-    assert drawn is not None
-    return found, _bounds(wrist, left), drawn
 
 
 def together(one: Metrics, other: Metrics) -> Metrics:
@@ -91,9 +97,6 @@ def together(one: Metrics, other: Metrics) -> Metrics:
     return Metrics(*(max(a, b) if n in largest else a + b for n, a, b in pairs))
 
 
-def later(bounds: Sequence[Limit | None]) -> Limit | None:
+def later(one: Limit, other: Limit) -> Limit:
     """The bound of motions at once: the later settling, the errors added up."""
-    known = [b for b in bounds if b is not None]
-    if len(known) < len(bounds):
-        return None
-    return Limit(max(b.bound_s for b in known), sum(b.iae_bound for b in known))
+    return Limit(max(one.bound_s, other.bound_s), one.iae_bound + other.iae_bound)

@@ -18,7 +18,7 @@ from design.mpc.fallback import SOLVED, Info
 from design.mpc.timing import Ledger, ledger
 from design.tasks import STEP
 from plants import tree
-from plants.wrist import SAMPLE_TIME, STARTS, Wrist
+from plants.wrist import STARTS, Wrist
 
 LEAVE_OUT = 20
 """First steps that are not counted: code and caches are loaded there."""
@@ -39,7 +39,10 @@ def deadlines(
     (15980, 0.001)
     """
     bare = replace(wrist, effects=())
-    found = {name: ledger(_of_samples(bare, c), SAMPLE_TIME, LEAVE_OUT) for name, c in controllers.items()}
+    found = {
+        name: ledger(_of_samples(bare, c), wrist.rig.sample_time, LEAVE_OUT)
+        for name, c in controllers.items()
+    }
     for name, c in (periodic or {}).items():
         found[name] = ledger(_of_periods(bare, c), c.problem.period, LEAVE_OUT)
     return found
@@ -48,7 +51,7 @@ def deadlines(
 def _of_samples(wrist: Wrist, controller: Controller) -> list[Info]:
     """Records of a law that is stepped in Python along what it saw in a compiled run."""
     infos = []
-    c = controller.sampled()
+    c = controller.sampled(wrist.rig.sample_time)
     for start in STARTS:
         for reference in (STEP, -STEP):
             rest = wrist.rest(start)

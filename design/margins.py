@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.pi import PI
-from plants.linear import BRANCHES, RATES, branch_ss, responses
+from plants.linear import RATES, branch_slopes, branch_ss, responses
 from plants.wrist import SAMPLE_TIME, Wrist
 
 Array = NDArray[np.float64]
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 class BranchResponse:
     """Frequency response of one branch at one rate: omega [rad/s], response [deg/V], both (n,);
     a (2, 2) and b (2,) are its state matrices, from command [V] to pressure and angle, None for a
-    wrist with effects."""
+    wrist with effects; dt: sample time [s]."""
 
     branch: str
     rate: str
@@ -32,6 +32,7 @@ class BranchResponse:
     response: NDArray[np.complex128]
     a: Array | None = None
     b: Array | None = None
+    dt: float = SAMPLE_TIME
 
 
 @dataclass(frozen=True)
@@ -51,22 +52,23 @@ class Margins:
 
 
 def branch_responses(wrist: Wrist, points: int = 800) -> list[BranchResponse]:
-    """Frequency responses on {transit, line1, line2} x {slow, fast}, up to the Nyquist frequency.
+    """Frequency responses on every branch of the hysteresis at both rates, up to the Nyquist frequency.
 
     Effects that change slopes or rates add to that list, see `plants.linear.responses`.
     """
     import control
 
-    omega = _frequencies(points)
+    dt = wrist.rig.sample_time
+    omega = _frequencies(points, dt)
     if wrist.effects:
-        return [BranchResponse(r.branch, r.rate, omega, r.response) for r in responses(wrist, omega)]
+        return [BranchResponse(r.branch, r.rate, omega, r.response, dt=dt) for r in responses(wrist, omega)]
     found = []
-    for branch in BRANCHES:
+    for branch in branch_slopes(wrist):
         for rate in RATES:
             system = branch_ss(wrist, branch, rate)
             response = control.frequency_response(system, omega).complex
             plain = np.array(np.ravel(response))  # python-control's own array type is slow to index
-            found.append(BranchResponse(branch, rate, omega, plain, system.A, system.B[:, 0]))
+            found.append(BranchResponse(branch, rate, omega, plain, system.A, system.B[:, 0], dt))
     return found
 
 
@@ -76,9 +78,9 @@ def margins(branches: list[BranchResponse], controller: PI) -> Margins:
     sensitivity, delay = np.empty((len(branches), Kp.size)), np.empty((len(branches), Kp.size))
     stable = np.empty((len(branches), Kp.size), bool)
     for i, branch in enumerate(branches):
-        z = np.exp(1j * branch.omega * SAMPLE_TIME)
+        z = np.exp(1j * branch.omega * branch.dt)
         for piece in np.array_split(np.arange(Kp.size), -(-Kp.size // 256)):  # bounds the memory
-            c = Kp[piece, None] + Ki[piece, None] * (SAMPLE_TIME / (z - 1.0))
+            c = Kp[piece, None] + Ki[piece, None] * (branch.dt / (z - 1.0))
             loop = c * (branch.response / controller.gain)
             sensitivity[i, piece] = 1.0 / _least(np.abs(1.0 + loop))
             delay[i, piece] = _delay_margin(branch.omega, loop)
@@ -130,9 +132,9 @@ def _delay_margin(omega: Array, loop: NDArray[np.complex128]) -> Array:
     return found
 
 
-def _frequencies(points: int) -> Array:
+def _frequencies(points: int, dt: float) -> Array:
     """Frequencies [rad/s] from far below any loop's to just below the Nyquist frequency, (points,)."""
-    found: Array = np.geomspace(1e-2, 0.999 * np.pi / SAMPLE_TIME, points)
+    found: Array = np.geomspace(1e-2, 0.999 * np.pi / dt, points)
     return found
 
 
@@ -158,7 +160,7 @@ def _stable(branch: BranchResponse, Kp: Array, Ki: Array) -> NDArray[np.bool_]:
     closed[:, :2, :2] = branch.a
     closed[:, :2, 1] -= branch.b * Kp[:, None]
     closed[:, :2, 2] = branch.b
-    closed[:, 2, 1] = -Ki * SAMPLE_TIME
+    closed[:, 2, 1] = -Ki * branch.dt
     closed[:, 2, 2] = 1.0
     poles = np.linalg.eigvals(closed)
     inside: NDArray[np.bool_] = np.abs(poles).max(axis=1) < 1.0 - 1e-9
@@ -169,7 +171,8 @@ def loop_tf(wrist: Wrist, controller: PI, branch: str, rate: str) -> Any:
     """Open loop of PI and wrist on one branch as a discrete python-control system."""
     import control
 
-    integrator = control.tf([SAMPLE_TIME], [1.0, -1.0], SAMPLE_TIME)
+    dt = wrist.rig.sample_time
+    integrator = control.tf([dt], [1.0, -1.0], dt)
     c = (controller.Kp + controller.Ki * integrator) / controller.gain
     return control.ss(c) * branch_ss(wrist, branch, rate)
 
@@ -195,9 +198,11 @@ def open_loops(
     """
     import control
 
+    dt = wrist.rig.sample_time
+
     def known(omega: Array) -> NDArray[np.complex128]:
-        z = np.exp(1j * omega * SAMPLE_TIME)
-        c = (controller.Kp + controller.Ki * (SAMPLE_TIME / (z - 1.0))) / controller.gain
+        z = np.exp(1j * omega * dt)
+        c = (controller.Kp + controller.Ki * (dt / (z - 1.0))) / controller.gain
         return np.asarray(c * np.exp(-1j * omega * dead_time), complex)
 
     if wrist.effects:
@@ -208,7 +213,7 @@ def open_loops(
             if n[1].startswith(rates)
         ]
     found = []
-    for branch in BRANCHES:
+    for branch in branch_slopes(wrist):
         for rate in rates:
             loop = loop_tf(wrist, controller, branch, rate)
             poles = control.feedback(loop, 1).poles()
@@ -235,7 +240,7 @@ def by_python_control(
     behind a dead time, python-control gets the frequency response of the open loop and no poles;
     stability is then Nyquist's criterion.
     """
-    omega = _frequencies(1500)
+    omega = _frequencies(1500, wrist.rig.sample_time)
     return [
         _row(loop, omega, controller.Ki > 0.0) for loop in open_loops(wrist, controller, dead_time, rates)
     ]

@@ -10,11 +10,42 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.wrist import SAMPLE_TIME
+from plants.kernel import pytrees
+from plants.simulation.reference_profile import Asked
+from plants.wrist import SAMPLE_TIME, State
 
 Number = Any
 SETTLING_BAND = 0.02
 """Half-width of the settling band, as a share of the step."""
+
+
+class Step(NamedTuple):
+    """What a response is normalised by: the angle that it starts from [deg], 1 / step [1/deg]."""
+
+    start: Number
+    per_step: Number
+
+
+class Window(NamedTuple):
+    """Samples that are judged: the first of them, and how many."""
+
+    begins: Number
+    lasts: Number
+
+
+class Stairs(NamedTuple):
+    """Coefficient of a judgement stair by stair: 1 / the step [1/deg] whose share the band is."""
+
+    per_step: Number
+
+
+class StairTally(NamedTuple):
+    """Of the stairs so far: most samples until one was settled, whether one was not, and the travel of the
+    pressure [kPa]."""
+
+    latest: Number
+    unsettled: Number
+    travel: Number
 
 
 class Tally(NamedTuple):
@@ -30,52 +61,149 @@ class Tally(NamedTuple):
     below90: Number
     outside: Number  # samples up to and with the last one outside the settling band
     error: Number  # of the last sample [deg]
+    step: Any = ()  # a `Step`, where it is known only once the window begins
+    stairs: Any = ()  # a `StairTally`, where stairs are judged one by one
 
 
 class Yardstick(NamedTuple):
-    """What a response is measured against: the reference [deg], the angle it starts from, 1 / step."""
+    """The judge: what a response is measured against, sample time [s] first.
 
-    reference: Number
-    start: Number
-    per_step: Number
+    One step whose start is known has a `Step`.  One that begins under way, with a `Window`, is judged from
+    the angle where the joint then is.  Several stairs have `Stairs`: the settling band, and the overshoot
+    beyond a reference in the direction of its change, are relative to the same step for all of them; the
+    slowest to settle counts.
+    """
+
     dt: Number
+    step: Any = ()
+    window: Any = ()
+    stairs: Any = ()
+
+    def begin(self, command: Number, angle: Number = 0.0) -> Tally:
+        """Tally before the first sample; `command` [V] is what was held until then, the joint at an angle
+        [deg]."""
+        known = self.step or self.stairs
+        return Tally(
+            0.0, 0.0, 0.0, 0.0, command, 0.0, 0.0, 0.0, 0.0, 0.0,
+            () if known else Step(angle, 0.0), StairTally(0.0, 0.0, 0.0) if self.stairs else (),
+        )  # fmt: skip
+
+    def update(
+        self, t: Tally, sample: Number, asked: Asked, before: State, after: State, command: Number
+    ) -> Tally:
+        """Tally with one more sample: its index, what is asked, the plant before and after it and the command
+        [V] given for it."""
+        if not self.window:
+            return self._one_more(t, sample, asked, before, after, command)
+        since = sample - self.window.begins
+        new = self._one_more(t, since, asked, before, after, command)
+        # Lanes are judged in windows of their own: before and after, the sums stand still.
+        inside = np.where(since >= 0.0, np.where(since < self.window.lasts, 1.0, 0.0), 0.0) > 0.5
+        leaves = zip(pytrees.leaves(new), pytrees.leaves(t), strict=True)
+        kept: Tally = pytrees.like(t, [np.where(inside, a, b) for a, b in leaves])
+        return kept._replace(command=command)
+
+    def _one_more(
+        self, t: Tally, since: Number, asked: Asked, before: State, after: State, command: Number
+    ) -> Tally:
+        """As `update`, `since` being the samples that were judged before."""
+        angle = before.angle
+        error = asked.reference - angle
+        size = np.abs(error) * self.dt
+        step, stairs = t.step, t.stairs
+        if self.stairs:
+            way = np.where(asked.reference > asked.before, 1.0, 0.0)
+            way = np.where(asked.reference < asked.before, -1.0, way)
+            response, distance = 1.0 - way * error * self.stairs.per_step, error * self.stairs.per_step
+            since = since + self.window.begins - asked.begins
+        else:
+            if not self.step:
+                fresh = since == 0.0
+                step = Step(
+                    np.where(fresh, angle, step.start),
+                    np.where(fresh, 1.0 / (asked.reference - angle), step.per_step),
+                )
+            of = self.step or step
+            response, distance = (angle - of.start) * of.per_step, error * of.per_step
+        peak = np.maximum(t.peak, response)
+        outside = t.outside
+        if self.stairs:
+            stairs = self._next_stair(t, since == 0.0, np.abs(after.pressure - before.pressure))
+            outside = np.where(since == 0.0, 0.0, outside)
+        outside = np.where(np.abs(distance) >= SETTLING_BAND, since + 1.0, outside)
+        return Tally(
+            t.iae + size,
+            t.ise + size * np.abs(error),
+            t.itae + size * (since * self.dt),
+            t.variation + np.abs(command - t.command),
+            command,
+            peak,
+            t.below10 + np.where(peak < 0.1, 1.0, 0.0),
+            t.below90 + np.where(peak < 0.9, 1.0, 0.0),
+            outside,
+            error,
+            step,
+            stairs,
+        )
+
+    def _next_stair(self, t: Tally, fresh: Number, travel: Number) -> StairTally:
+        """The stairs' tally with one more sample, the first of a stair where `fresh`; travel: of the pressure
+        in it [kPa]."""
+        latest, unsettled = self._stairs_until(t)
+        return StairTally(
+            np.where(fresh, latest, t.stairs.latest),
+            np.where(fresh, unsettled, t.stairs.unsettled),
+            t.stairs.travel + travel,
+        )
+
+    def _stairs_until(self, t: Tally) -> tuple[Number, Number]:
+        """Most samples until a stair was settled, and whether one was not, the one under way included."""
+        far = np.where(np.abs(t.error * self.stairs.per_step) >= SETTLING_BAND, 1.0, 0.0)
+        return np.maximum(t.stairs.latest, t.outside), np.maximum(t.stairs.unsettled, far)
+
+    def finish(self, t: Tally, samples: Number) -> "Metrics":
+        """Metrics of a response of a number of samples, of which its window, where there is one, counts."""
+        t = pytrees.like(t, [np.asarray(x, float) for x in pytrees.leaves(t)])
+        samples = self.window.lasts if self.window else samples
+        outside, settles = t.outside, t.outside < samples
+        rises = t.below90 < samples
+        if self.stairs:
+            outside, unsettled = self._stairs_until(t)
+            settles = unsettled < 0.5
+            rises = np.full_like(t.below90, False)  # no stair alone is normalised from where it begins
+        return Metrics(
+            rise_time_s=np.where(rises, (t.below90 - t.below10) * self.dt, np.inf),
+            settling_time_s=np.where(settles, outside * self.dt, np.inf),
+            overshoot_percent=np.maximum(t.peak - 1.0, 0.0) * 100.0,
+            steady_state_error_deg=np.abs(t.error),
+            iae_deg_s=t.iae,
+            ise_deg2_s=t.ise,
+            itae_deg_s2=t.itae,
+            total_variation_V=t.variation,
+        )
 
 
-def yardstick(start: Number, reference: Number, dt: float = SAMPLE_TIME) -> Yardstick:
-    """Measure of a step from `start` to `reference` [deg]; the two must differ."""
-    return Yardstick(reference, start, 1.0 / (np.asarray(reference, float) - start), dt)
+def of_step(start: Number, reference: Number, dt: float = SAMPLE_TIME) -> Yardstick:
+    """The judge of a step from `start` to `reference` [deg], which must differ, by samples `dt` [s] apart."""
+    return Yardstick(dt, Step(start, 1.0 / (np.asarray(reference, float) - start)))
 
 
-def begin(command: Number) -> Tally:
-    """Tally before the first sample; `command` [V] is what was held until then."""
-    return Tally(0.0, 0.0, 0.0, 0.0, command, 0.0, 0.0, 0.0, 0.0, 0.0)
+def of_step_under_way(begins: Number, lasts: Number, dt: float = SAMPLE_TIME) -> Yardstick:
+    """The judge of a step that begins at a sample, from where the joint then is, and lasts for so many, `dt`
+    [s] apart."""
+    return Yardstick(dt, window=Window(begins, lasts))
 
 
-def update(t: Tally, sample: Number, angle: Number, command: Number, c: Yardstick) -> Tally:
-    """Tally with one more sample: its index, the angle [deg] and the command [V] given for it."""
-    error = c.reference - angle
-    size = np.abs(error) * c.dt
-    peak = np.maximum(t.peak, (angle - c.start) * c.per_step)
-    far = np.abs(error * c.per_step) >= SETTLING_BAND
-    return Tally(
-        t.iae + size,
-        t.ise + size * np.abs(error),
-        t.itae + size * (sample * c.dt),
-        t.variation + np.abs(command - t.command),
-        command,
-        peak,
-        t.below10 + np.where(peak < 0.1, 1.0, 0.0),
-        t.below90 + np.where(peak < 0.9, 1.0, 0.0),
-        np.where(far, sample + 1.0, t.outside),
-        error,
-    )
+def of_stairs(step: float, begins: Number, lasts: Number, dt: float = SAMPLE_TIME) -> Yardstick:
+    """The judge of stairs from a sample on, for so many, `dt` [s] apart; relative to a step [deg]."""
+    return Yardstick(dt, window=Window(begins, lasts), stairs=Stairs(1.0 / step))
 
 
 @dataclass(frozen=True)
 class Metrics:
     """Judgement of one response, or of many: every field a float or an array of lanes.
 
-    rise_time_s (10 to 90 %) and settling_time_s (2 %) are infinite where the
+    rise_time_s (10 to 90 %, of one step) and settling_time_s (2 %) are infinite where the
     response does not get there; overshoot_percent is relative to the step.
     """
 
@@ -95,21 +223,6 @@ class Metrics:
     def reshape(self, *shape: int) -> "Metrics":
         """The same metrics, the lanes arranged in another shape."""
         return Metrics(*(np.reshape(getattr(self, f.name), shape) for f in fields(self)))
-
-
-def finish(t: Tally, samples: int, dt: float = SAMPLE_TIME) -> Metrics:
-    """Metrics of a response of a number of samples, `dt` [s] apart."""
-    t = Tally(*(np.asarray(x, float) for x in t))
-    return Metrics(
-        rise_time_s=np.where(t.below90 < samples, (t.below90 - t.below10) * dt, np.inf),
-        settling_time_s=np.where(t.outside < samples, t.outside * dt, np.inf),
-        overshoot_percent=np.maximum(t.peak - 1.0, 0.0) * 100.0,
-        steady_state_error_deg=np.abs(t.error),
-        iae_deg_s=t.iae,
-        ise_deg2_s=t.ise,
-        itae_deg_s2=t.itae,
-        total_variation_V=t.variation,
-    )
 
 
 UNITS = {

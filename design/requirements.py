@@ -16,12 +16,16 @@ from design.sequence import play, repeated
 from design.sequence import stack as stack_adverse
 from design.tasks import Scenario, Spread, stack, tuning_scenarios, unreachable, within_reach
 from plants import tree
+from plants.rig import Rig, built_in_rig
 from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
 Cost = Literal["iae", "itae", "settling_time"]
 COSTS: dict[str, str] = {"iae": "iae_deg_s", "itae": "itae_deg_s2", "settling_time": "settling_time_s"}
 """Costs to choose from, and the metric that each is."""
+
+
+_PAPER = built_in_rig().limits
 
 
 @dataclass(frozen=True)
@@ -32,14 +36,19 @@ class Limits:
     {transit, line 1, line 2} x {slow, fast}.  delay_margin_s: dead time that may
     come on top; 60 ms, since rigs of this kind show about 50 ms of tube.
     total_variation_V: travel of the command in one step.  steady_error_percent:
-    of the step, what may be left at the end of the run.
+    of the step, what may be left at the end of the run.  The defaults are those of the built-in rig.
     """
 
-    overshoot_percent: float | None = 5.0
-    Ms: float | None = 2.0
-    delay_margin_s: float | None = 0.060
-    total_variation_V: float | None = 16.0
-    steady_error_percent: float | None = 2.0
+    overshoot_percent: float | None = _PAPER["overshoot_percent"]
+    Ms: float | None = _PAPER["Ms"]
+    delay_margin_s: float | None = _PAPER["delay_margin_s"]
+    total_variation_V: float | None = _PAPER["total_variation_V"]
+    steady_error_percent: float | None = _PAPER["steady_error_percent"]
+
+    @classmethod
+    def of(cls, rig: Rig) -> "Limits":
+        """What a rig's task asks for; what it does not name is not limited."""
+        return cls(**{f.name: rig.limits.get(f.name) for f in fields(cls)})
 
     @property
     def named(self) -> dict[str, float]:
@@ -127,20 +136,20 @@ class Problem:
         scenarios: Sequence[Scenario],
         limits: Limits | None = None,
         cost: str = "iae",
-        duration: float = 10.0,
+        duration: float | None = None,
         jobs: int | None = None,
     ) -> "Problem":
         """The problem of tuning a wrist; corners that no command can hold are set aside.
 
-        duration [s] of a run.
+        duration [s] of a run, the rig's where not given.
         Raises ValueError for an unknown cost.
         """
         if cost not in COSTS:
             raise ValueError(f"unknown cost {cost!r}; one of {', '.join(COSTS)}")
         kept, aside = within_reach(scenarios)
         return cls(
-            wrist, tuple(kept), limits or Limits(), cost, tuple(branch_responses(wrist)),
-            stack(kept), duration, jobs, tuple(aside),
+            wrist, tuple(kept), limits or Limits.of(wrist.rig), cost, tuple(branch_responses(wrist)),
+            stack(kept), wrist.rig.task.duration if duration is None else duration, jobs, tuple(aside),
         )  # fmt: skip
 
     def place(self, limit: str, index: int) -> str:
@@ -174,7 +183,7 @@ def rollouts(problem: Problem, Kp: Array, Ki: Array) -> Metrics:
     wrist, state, reference = problem.stacked
     n, m = Kp.size, len(problem.scenarios)
     lanes = tree.like(state, [np.tile(x, n) for x in tree.leaves(state)])
-    plants = Wrist.from_values({k: np.tile(v, n) for k, v in wrist.values.items()}, wrist.forms)
+    plants = wrist.made_of({k: np.tile(v, n) for k, v in wrist.values.items()})
     gains = controller(problem, np.repeat(Kp, m), np.repeat(Ki, m))
     judged, _, _ = run(
         plants, gains, np.tile(reference, n), lanes, duration=problem.duration, jobs=problem.jobs
@@ -193,7 +202,7 @@ def adverse_values(problem: Problem, Kp: Array, Ki: Array) -> dict[str, Array]:
 
 def controller(problem: Problem, Kp: Any, Ki: Any) -> PI:
     """A PI that knows of the problem's regulator what its declared parameters say."""
-    return PI(Kp, Ki, problem.wrist.regulator.gain, problem.wrist.hysteresis.rest_pressure)
+    return PI.of(problem.wrist, Kp, Ki)
 
 
 def evaluate(problem: Problem, Kp: Any, Ki: Any) -> Evaluation:

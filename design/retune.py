@@ -5,17 +5,17 @@ Both are then run on one judge: the revised plant, where only data is at hand, o
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from design.answer import UNITS, refusal
+from design.answer import Refusal, out_of_reach, refusal
 from design.controllers.pi import PI
 from design.loop import run
 from design.metrics import SETTLING_BAND
 from design.requirements import ROUNDING, Limits, Problem, default_problem, evaluate, out_of_range
-from design.tasks import STEP, hindrance
+from design.tasks import STEP
 from design.tuning import Region, Tuning, tune
 from plants.quantities import ParameterSet
 from plants.wrist import Wrist
@@ -115,7 +115,7 @@ class Side:
 
     plant: str
     tuning: Tuning | None
-    refusal: str | None
+    refusal: Refusal | None
     judged: Judged | None
     broken: tuple[str, ...] = ()
 
@@ -171,15 +171,11 @@ def retune(
 
 def _tuned(
     problem: Problem, region: Region | None, starts: int, seed: int, tell: Tell
-) -> tuple[Tuning | None, str | None]:
+) -> tuple[Tuning | None, Refusal | None]:
     """The tuning, and why it is none or only the nearest."""
-    lack = out_of_range(problem)
-    if lack is not None:  # no gains help: nothing to be searched for
-        scenario, volts = lack
-        words = hindrance(scenario)
-        if words is not None:
-            return None, f"no: {words} keeps the wrist from holding {scenario.name}"
-        return None, f"no: the command range is {volts:.3g} V too small to hold {scenario.name}"
+    beyond = out_of_reach(problem)
+    if beyond is not None:  # no gains help: nothing to be searched for
+        return None, beyond
     found = tune(problem, region, starts, seed, tell)
     return found, refusal(found)
 
@@ -211,7 +207,7 @@ def simulated(wrist: Wrist) -> Judge:
     """A judge that runs a wrist, without noise, under a PI that knows its declared parameters."""
 
     def play(Kp: float, Ki: float) -> Response:
-        pi = PI(Kp, Ki, wrist.regulator.gain, wrist.hysteresis.rest_pressure)
+        pi = PI.of(wrist, Kp, Ki)
         _, _, t = run(wrist, pi, STEP, record=True)
         assert t is not None
         return Response(
@@ -262,32 +258,3 @@ def _turns(angle: Array, least: float) -> int:
         elif heading >= 0 and high - value >= least:
             count, heading, low = count + (heading > 0), -1, value
     return count
-
-
-def control_record(control: Control) -> dict[str, Any]:
-    """Both PIs as dictionaries, lists, numbers and text, for JSON; what is infinite becomes null there."""
-    return {
-        "judge": control.judge,
-        "step_deg": STEP,
-        "same": control.same,
-        "tuned_without": list(control.left_out),
-        "declared": _side_record(control.declared),
-        "revised": _side_record(control.revised),
-    }
-
-
-def _side_record(side: Side) -> dict[str, Any]:
-    found, j = side.tuning, side.judged
-    record: dict[str, Any] = {"refusal": side.refusal}
-    if found is None or j is None:
-        return record | {"Kp": None, "Ki": None}
-    names = ("iae_deg_s", "overshoot_percent", "settling_time_s", "steady_error_deg", "total_variation_V",
-             "oscillates")  # fmt: skip
-    return record | {
-        "Kp": found.Kp,
-        "Ki": found.Ki,
-        "units": UNITS,
-        **{n: getattr(j, n) for n in names},
-        "limits_broken_in_this_step": list(j.broken),
-        "limits_broken_on_the_revised_plant": list(side.broken),
-    }

@@ -1,8 +1,7 @@
 """Baselines: the paper's PI, and the textbook rules from a reaction curve.
 
-The rules see what a plant engineer would see: a step of the pressure command
-from 100 to 150 kPa and the angle that follows, fitted with a first-order lag
-and a dead time.
+The rules see what a plant engineer would see: a step of the pressure command and the
+angle that follows, fitted with a first-order lag and a dead time.
 """
 
 from dataclasses import dataclass
@@ -12,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.pi import PI
+from plants.effects.effect import dead_time_of
 from plants.rest import at_pressure
-from plants.wrist import SAMPLE_TIME, Wrist
+from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 
@@ -56,16 +56,17 @@ def first_order(time: Array, gain: Any, time_constant: Any, dead_time: Any) -> A
     return response
 
 
-def reaction_curve(wrist: Wrist, low: float = 100.0, high: float = 150.0, duration: float = 5.0) -> Reaction:
-    """Simulate the reaction to a step of the command from `low` to `high` [kPa], and fit it.
+def reaction_curve(wrist: Wrist, duration: float = 5.0) -> Reaction:
+    """Simulate the reaction to the step of the command that the rig's task names [kPa], and fit it.
 
     The wrist starts at rest on line 1 at the lower pressure: from the virgin
     curve the dead zone would be mistaken for dead time.
     """
     from scipy.optimize import least_squares
 
+    low, high = wrist.rig.task.reaction
     start = at_pressure(wrist, "line1", low)
-    command = np.full(round(duration / SAMPLE_TIME), high / wrist.regulator.gain)
+    command = np.full(round(duration / wrist.rig.sample_time), high / wrist.regulator.gain)
     response = wrist.simulate(command, start)
     angle = (response.angle - response.angle[0]) / (high - low)
     seen = slice(None, None, 10)
@@ -94,21 +95,16 @@ def simc(wrist: Wrist) -> PI:
     Skogestad, J. Process Control 13 (2003) 291, doi 10.1016/S0959-1524(02)00062-8.
     """
     large, small, *rest = sorted((1.0 / wrist.regulator.k_fast, *_lags(wrist)), reverse=True)
-    effects = {n: v for e in wrist.effects for n, v in e.values.items()}
-    lag, dead = large + small / 2, small / 2 + SAMPLE_TIME / 2
-    dead += sum(rest) + effects.get("dead-time.delay", 0.0)
-    Kp = lag / (wrist.hysteresis.a1 * 2.0 * dead)
+    lag, dead = large + small / 2, small / 2 + wrist.rig.sample_time / 2
+    dead += sum(rest) + dead_time_of(wrist.effects)
+    Kp = lag / (wrist.hysteresis.steepness[0] * 2.0 * dead)
     return _pi(wrist, Kp, min(lag, 8.0 * dead))
 
 
 def _lags(wrist: Wrist) -> list[float]:
-    """Time constants [s] of wrist and tube; a second-order joint by its two poles, or their mean."""
-    found = [wrist.Tw]
-    for effect in wrist.effects:
-        if effect.NAME == "inertia":
-            root = max(wrist.Tw**2 - 4.0 * effect.values["inertia.inertia"] ** 2, 0.0) ** 0.5
-            found = [(wrist.Tw + root) / 2, (wrist.Tw - root) / 2]
-    return found + [e.values["dead-time.lag"] for e in wrist.effects if "dead-time.lag" in e.values]
+    """Time constants [s] of the joint, with inertia those of its two poles, and of what effects add."""
+    joint = [lags for e in wrist.effects if (lags := e.joint_lags(wrist)) is not None]
+    return [*(joint[-1] if joint else (wrist.Tw,)), *(lag for e in wrist.effects for lag in e.lags(wrist))]
 
 
 def amigo(wrist: Wrist, r: Reaction) -> PI:
@@ -116,31 +112,30 @@ def amigo(wrist: Wrist, r: Reaction) -> PI:
 
     Astrom & Hagglund, J. Process Control 14 (2004) 635, doi 10.1016/j.jprocont.2004.01.002.
     """
-    T, L = r.time_constant, _dead(r)
+    T, L = r.time_constant, _dead(r, wrist)
     Kp = 0.15 / r.gain + (0.35 - L * T / (L + T) ** 2) * T / (r.gain * L)
     return _pi(wrist, Kp, 0.35 * L + 13.0 * L * T**2 / (T**2 + 12.0 * L * T + 7.0 * L**2))
 
 
 def ziegler_nichols(wrist: Wrist, r: Reaction) -> PI:
     """Ziegler-Nichols, step-response method for PI; Trans. ASME 64 (1942) 759."""
-    T, L = r.time_constant, _dead(r)
+    T, L = r.time_constant, _dead(r, wrist)
     return _pi(wrist, 0.9 * T / (r.gain * L), L / 0.3)
 
 
-def _dead(r: Reaction) -> float:
-    return max(r.dead_time, SAMPLE_TIME)  # no rule is defined without a dead time
+def _dead(r: Reaction, wrist: Wrist) -> float:
+    return max(r.dead_time, wrist.rig.sample_time)  # no rule is defined without a dead time
 
 
 def _pi(wrist: Wrist, Kp: float, Ti: float) -> PI:
-    return PI(Kp, Kp / Ti, wrist.regulator.gain, wrist.hysteresis.rest_pressure)
+    return PI.of(wrist, Kp, Kp / Ti)
 
 
 def baselines(wrist: Wrist) -> dict[str, PI]:
     """The baseline controllers of a comparison, by name; the paper's is the stand-in."""
     reaction = reaction_curve(wrist)
-    g, p0 = wrist.regulator.gain, wrist.hysteresis.rest_pressure
     return {
-        "paper": PI(*PAPER_GAINS, gain=g, rest_pressure=p0),
+        "paper": PI.of(wrist, *PAPER_GAINS),
         "SIMC": simc(wrist),
         "AMIGO": amigo(wrist, reaction),
         "Ziegler-Nichols": ziegler_nichols(wrist, reaction),

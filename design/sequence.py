@@ -6,23 +6,22 @@ integrator that is still on its way: a state that no start from rest has.
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from design import metrics
-from design.burden import at_rest, burdened
-from design.controllers import pi
-from design.controllers.pi import PI, PIState, SampledPI
-from design.loop import Trajectory, holding
-from design.metrics import Metrics, Tally, Yardstick
+from design.controllers.controller import Controller
+from design.evaluation import runner
+from design.metrics import Metrics
 from design.tasks import STEP
-from plants import tree
-from plants import wrist as plant
-from plants.effects.effect import Around
-from plants.simulate import run_lanes
-from plants.wrist import SAMPLE_TIME, SampledWrist, Start, State, Wrist
+from plants.kernel import pytrees as tree
+from plants.simulation.closed_loop import Trajectory
+from plants.simulation.disturbance import at_rest, burdened
+from plants.simulation.periodic import Periodic
+from plants.simulation.reference_profile import ReferenceProfile
+from plants.wrist import SAMPLE_TIME, Start, State, Wrist
 
 Number = Any
 Array = NDArray[np.float64]
@@ -110,59 +109,6 @@ class Played:
         }
 
 
-class Course(NamedTuple):
-    """What a lane is asked: references [deg], samples at which each begins, samples for which the last
-    is judged, sample time [s]."""
-
-    references: tuple[Number, ...]
-    switches: tuple[Number, ...]
-    judged: Number
-    dt: Number
-
-
-class Run(NamedTuple):
-    """State of plant, controller and judge; start [deg] and 1 / step of the step that is judged."""
-
-    plant: State
-    controller: PIState
-    tally: Tally
-    start: Number
-    per_step: Number
-
-
-class SampledRun(NamedTuple):
-    """Coefficients of plant and controller, and the course."""
-
-    plant: SampledWrist
-    controller: SampledPI
-    course: Course
-
-
-def step(s: Run, inputs: tuple[Number, ...], c: SampledRun) -> Run:
-    """One sample, as `design.loop.step`, with the reference of the lane's own course; the judge begins
-    anew where the last reference does.  `inputs`: index of the sample, and its time [s] where needed."""
-    around, course = Around(*inputs[1:]), c.course
-    reference = course.references[0]
-    for later, switch in zip(course.references[1:], course.switches[1:], strict=True):
-        reference = np.where(inputs[0] >= switch, later, reference)
-    seen = plant.read(s.plant, c.plant, around)
-    controller, command = pi.step(s.controller, reference - seen, c.controller)
-
-    last, sample, angle = course.references[-1], inputs[0] - course.switches[-1], s.plant.angle
-    begins, over = sample == 0.0, sample >= course.judged
-    start = np.where(begins, angle, s.start)
-    per_step = np.where(begins, 1.0 / (last - angle), s.per_step)
-    before = _select(begins, metrics.begin(s.tally.command), s.tally)
-    tally = metrics.update(before, sample, angle, command, Yardstick(last, start, per_step, course.dt))
-    # Lanes end at samples of their own: from there on the sums stand still.
-    tally = _select(over, before, tally)._replace(command=command)
-    return Run(plant.step(s.plant, command, c.plant, around), controller, tally, start, per_step)
-
-
-def _select(condition: Number, yes: Tally, no: Tally) -> Tally:
-    return Tally(*(np.where(condition, a, b) for a, b in zip(yes, no, strict=True)))
-
-
 def batch(
     wrist: Wrist,
     starts: Iterable[Start],
@@ -201,9 +147,7 @@ def stack(sequences: Iterable[Sequence]) -> Batch:
     references = np.array([(s.references[0],) * n + s.references for s, n in zip(given, pad, strict=True)]).T
     holds = np.array([(0.0,) * n + s.holds for s, n in zip(given, pad, strict=True)]).T
     values = [s.wrist.values for s in given]
-    wrist = Wrist.from_values(
-        {n: np.array([v[n] for v in values], float) for n in values[0]}, given[0].wrist.forms
-    )
+    wrist = given[0].wrist.made_of({n: np.array([v[n] for v in values], float) for n in values[0]})
     dead_time, load = (np.array([getattr(s, n) for s in given], float) for n in ("dead_time", "load"))
     return batch(
         wrist, [s.start for s in given], np.array([s.angle for s in given], float), references, holds,
@@ -218,7 +162,7 @@ def repeated(b: Batch, n: int) -> Batch:
     def again(x: Number) -> Number:
         return np.tile(np.broadcast_to(x, (lanes,)), n)
 
-    wrist = Wrist.from_values({k: again(v) for k, v in b.wrist.values.items()}, b.wrist.forms)
+    wrist = b.wrist.made_of({k: again(v) for k, v in b.wrist.values.items()})
     state = tree.like(b.state, [again(x) for x in tree.leaves(b.state)])
     return Batch(
         wrist, state, np.tile(b.references, (1, n)), np.tile(b.switches, (1, n)), np.tile(b.judged, n)
@@ -226,13 +170,17 @@ def repeated(b: Batch, n: int) -> Batch:
 
 
 def play(
-    sequences: Batch | Iterable[Sequence], controller: PI, record: bool = False, jobs: int | None = None
+    sequences: Batch | Iterable[Sequence],
+    controller: Controller | Periodic,
+    record: bool = False,
+    jobs: int | None = None,
 ) -> Played:
     """Run sequences in the closed loop, all at once, one a lane; gains may be arrays of lanes.
 
     The controller holds the start.  The last step is judged by the true angle, from where it begins.
 
     >>> from plants import Wrist
+    >>> from design.controllers.pi import PI
     >>> one = Sequence("virgin", 0.0, (15.0,), (10.0,), Wrist.flexion())
     >>> two = Sequence("virgin", 0.0, (15.0, 0.0), (0.5, 10.0), Wrist.flexion())
     >>> played = play([one, two], PI(1.2, 2.2))
@@ -240,29 +188,16 @@ def play(
     ([5.59, inf], [0.0, 1.71])
     """
     b = sequences if isinstance(sequences, Batch) else stack(sequences)
-    held = holding(b.wrist, controller, b.state)
-    command = (controller.rest_pressure + held.integral) / controller.gain
-    course = Course(tuple(b.references), tuple(b.switches), b.judged, SAMPLE_TIME)
-    first = Run(b.state, held, metrics.begin(command), b.state.angle, 0.0)
-    c = SampledRun(b.wrist.sampled(), controller.sampled(), course)
-    samples = int(np.max(b.switches[-1] + b.judged))
-    signals = tuple(n for n in tree.names(first) if n.startswith("plant.")) + ("tally.command",)
-    times = {"time": np.arange(samples) * SAMPLE_TIME} if b.wrist.effects else {}
-    last, rows = run_lanes(
-        step, first, c, samples, times, inputs=("sample", *times), every=int(record),
-        record=signals if record else (), jobs=jobs,
-    )  # fmt: skip
-    lengths: Any = b.judged  # finish takes one for each lane as well
-    played = Played(metrics.finish(last.tally, lengths), last.start, np.abs(b.references[-1] - last.start))
-    if not record:
+    judge = metrics.of_step_under_way(b.switches[-1], b.judged)
+    profile = ReferenceProfile(tuple(b.references), tuple(b.switches[1:]))
+    duration = float(np.max(b.switches[-1] + b.judged)) * SAMPLE_TIME
+    done = runner.play(
+        runner.Lanes(b.wrist, b.state, profile, judge, duration), controller, record=record, jobs=jobs
+    )
+    start = done.last.judge.step.start
+    played = Played(done.metrics, start, np.abs(b.references[-1] - start), trajectory=done.trajectory)
+    if done.trajectory is None:
         return played
-    # The command of a row is given after its measurement: it stands in the row after.
-    given = np.concatenate([rows[-1, 1:], rows[-1, -1:]])
-    time = np.asarray(np.arange(rows.shape[1]) * SAMPLE_TIME, float)
-    went = tree.like(b.state, rows[:-1])
-    seen = plant.read(went, c.plant, Around(time[:, None]))
-    reference = np.broadcast_to(b.references[0], given.shape)
-    for later, switch in zip(b.references[1:], b.switches[1:], strict=True):
-        reference = np.where(np.arange(len(time))[:, None] >= switch, later, reference)
-    trajectory = Trajectory(time, went.angle, went.memory.h, went.pressure, given, seen)
-    return replace(played, reference=reference, trajectory=trajectory)
+    asked = profile.at(np.arange(len(done.trajectory.time))[:, None]).reference
+    reference = np.broadcast_to(np.asarray(asked, float), done.trajectory.angle.shape)
+    return replace(played, reference=reference)

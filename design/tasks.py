@@ -11,12 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from plants import hysteresis, tree
+from plants import tree
 from plants.rest import obstacle
-from plants.wrist import COMMAND_RANGE, STARTS, Start, State, Wrist
+from plants.rig import Rig, built_in_rig
+from plants.wrist import STARTS, Start, State, Wrist
 
-STEP = 15.0
-"""Size of the paper's step [deg] (section 7)."""
+STEP = built_in_rig().task.step
+"""Size of the step of the built-in rig [deg]."""
+
+
+_PAPER = built_in_rig().uncertainty
 
 
 @dataclass(frozen=True)
@@ -42,21 +46,27 @@ class Scenario:
 class Spread:
     """How far the corners of the plant lie from its nominal values, as shares of them.
 
-    The defaults are assumed: what the practice of refitting a pneumatic rig
-    shows from day to day, not a measured uncertainty of this one.
+    The defaults are those of the built-in rig, and assumed: what the practice of refitting a
+    pneumatic rig shows from day to day, not a measured uncertainty of this one.
     """
 
-    width: float = 0.2  # of both offsets w1, w2: the loop's width
-    slope: float = 0.1  # of all slopes together
-    lag: float = 0.2  # of Tw
+    width: float = _PAPER.width  # of both offsets w1, w2: the loop's width
+    slope: float = _PAPER.slope  # of all slopes together
+    lag: float = _PAPER.lag  # of Tw
+
+    @classmethod
+    def of(cls, rig: Rig) -> "Spread":
+        """What a rig declares."""
+        return cls(rig.uncertainty.width, rig.uncertainty.slope, rig.uncertainty.lag)
 
 
 def corner(wrist: Wrist, width: float, slope: float, lag: float) -> Wrist:
     """The wrist with its loop wider, its slopes steeper and its lag longer by factors."""
-    p = wrist.hysteresis
-    return wrist.with_values(
-        a1=p.a1 * slope, a2=p.a2 * slope, s=p.s * slope, w1=p.w1 * width, w2=p.w2 * width, Tw=wrist.Tw * lag
-    )
+    v, roles = wrist.values, wrist.hysteresis.roles(wrist.hysteresis.values)
+    loop = {n: v[n] * slope for n in (*roles["outer"], *roles["inner"])} | {
+        n: v[n] * width for n in roles["width"]
+    }
+    return wrist.with_values(**loop, Tw=wrist.Tw * lag)
 
 
 def corners(wrist: Wrist, spread: Spread) -> list[tuple[str, Wrist]]:
@@ -70,14 +80,14 @@ def corners(wrist: Wrist, spread: Spread) -> list[tuple[str, Wrist]]:
     return found
 
 
-def tuning_scenarios(wrist: Wrist, spread: Spread | None = None, step: float = STEP) -> list[Scenario]:
+def tuning_scenarios(wrist: Wrist, spread: Spread | None = None) -> list[Scenario]:
     """The declared set that gains are tuned on: 90 scenarios.
 
     Both signs of the step from each of the four starting memories, and the
     return from each held step, on the nominal plant and the eight corners.
     """
-    found = []
-    for name, plant in corners(wrist, spread or Spread()):
+    found, step = [], wrist.rig.task.step
+    for name, plant in corners(wrist, spread or Spread.of(wrist.rig)):
         for start, reference in product(STARTS, (step, -step)):
             found.append(Scenario(start, 0.0, reference, plant, name))
         found.append(Scenario("line1", step, 0.0, plant, name))
@@ -96,7 +106,8 @@ def within_reach(scenarios: Sequence[Scenario]) -> tuple[list[Scenario], list[Sc
     sets it aside (and reports it).  Scenarios of the nominal plant always stay:
     that the task itself is out of reach is an answer.
     """
-    low, high = COMMAND_RANGE[0] + HEADROOM, COMMAND_RANGE[1] - HEADROOM
+    least, most = scenarios[0].wrist.rig.command_range
+    low, high = least + HEADROOM, most - HEADROOM
     kept = [s for s in scenarios if s.plant == "nominal" or unreachable(s, low, high) == 0.0]
     return kept, [s for s in scenarios if s not in kept]
 
@@ -105,8 +116,7 @@ def stack(scenarios: Sequence[Scenario]) -> tuple[Wrist, State, Any]:
     """Wrist, states and references of many scenarios, leaves of shape (scenarios,); the wrists have
     effects of the same forms."""
     values = [s.wrist.values for s in scenarios]
-    forms = scenarios[0].wrist.forms
-    wrist = Wrist.from_values({n: np.array([v[n] for v in values], float) for n in values[0]}, forms)
+    wrist = scenarios[0].wrist.made_of({n: np.array([v[n] for v in values], float) for n in values[0]})
     states = [tree.leaves(s.wrist.rest(s.start, s.angle)) for s in scenarios]
     state = tree.like(scenarios[0].wrist.rest(), list(np.array(states, float).T))
     return wrist, state, np.array([s.reference for s in scenarios], float)
@@ -130,7 +140,7 @@ def unreachable(scenario: Scenario, low: float, high: float) -> float:
         start: Start = "line1" if plus else "line2"
         pressure = scenario.wrist.rest(start, scenario.reference).pressure
     else:
-        pressure = (hysteresis.line1_pressure if plus else hysteresis.line2_pressure)(scenario.reference, p)
+        pressure = (p.ascending_pressure if plus else p.descending_pressure)(scenario.reference)
     command = pressure / scenario.wrist.regulator.gain
     return float(max(low - command, command - high, 0.0))
 

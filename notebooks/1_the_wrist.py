@@ -20,16 +20,16 @@ import numpy as np
 import design
 import plants
 from design.rules import PAPER_GAINS
+from design.studies.paper import series
 from design.tasks import STEP, Scenario, stack
-from plants import hysteresis
 from plants.hysteresis import Memory
-from plants.linear import BRANCHES, RATES, wrist_x0
+from plants.linear import RATES, branch_slopes, wrist_x0
 from plants.quantities import built_in
 from plants.wrist import STARTS
-from reports import paper
-from reports.comparison_tables import parameter_table
-from reports.notebook_tables import rows, shown
-from reports.style import LINES, new_figure, styled
+from reports.notebooks.tables import rows, shown
+from reports.paper import figures as paper
+from reports.shared.plant_tables import parameter_table
+from reports.shared.style import LINES, new_figure, styled
 
 flexion, deviation = plants.Wrist.flexion(), plants.Wrist.deviation()
 
@@ -72,7 +72,7 @@ rows(
 # experiments.
 
 # %%
-paper.draw(5, flexion, deviation)
+paper.draw(5, series(5, flexion, deviation))
 
 # %% [markdown]
 # *What to see: nine held commands, nine pressures on one line.*
@@ -84,10 +84,10 @@ paper.draw(5, flexion, deviation)
 # the end.
 
 # %%
-paper.draw(6, flexion, deviation)
+paper.draw(6, series(6, flexion, deviation))
 
 # %%
-paper.draw(8, flexion, deviation)
+paper.draw(8, series(8, flexion, deviation))
 
 # %% [markdown]
 # *What to see: the same rise in both, but in Fig. 8 the last kilopascals take seconds.* In numbers:
@@ -118,13 +118,13 @@ assert regulator.k_fast / regulator.k_slow > 10
 # one to the other.
 
 # %%
-paper.draw(10, flexion, deviation)
+paper.draw(10, series(10, flexion, deviation))
 
 # %%
-paper.draw(11, flexion, deviation)
+paper.draw(11, series(11, flexion, deviation))
 
 # %%
-paper.draw(12, flexion, deviation)
+paper.draw(12, series(12, flexion, deviation))
 
 # %% [markdown]
 # *What to see: Fig. 10, the shaded dead zone; Fig. 11, the input; Fig. 12, two angles at every pressure,
@@ -152,14 +152,14 @@ figure
 
 # %%
 loop = flexion.hysteresis
-low, high = hysteresis.line1(100.0, loop), hysteresis.line2(100.0, loop)
+low, high = loop.ascending(100.0), loop.descending(100.0)
 print(f"at 100 kPa the wrist may rest anywhere from {low:+.1f} to {high:+.1f} deg")
 
 once = many = Memory(0.0, 1.0)
 for before, after in pairwise(turns):
-    once = hysteresis.step(once, before, after, loop)
+    once = loop.step(once, before, after)
     for a, b in pairwise(np.linspace(before, after, 1000)):
-        many = hysteresis.step(many, a, b, loop)
+        many = loop.step(many, a, b)
 print(f"the same path in 8 steps and in 8 x 999: {once.h:.6f} and {many.h:.6f} deg")
 assert abs(once.h - many.h) < 1e-9
 
@@ -188,7 +188,7 @@ for name, wrist in {"flexion": flexion, "deviation": deviation}.items():
 # Fig. 13 is its answer to the staircase.
 
 # %%
-paper.draw(13, flexion, deviation)
+paper.draw(13, series(13, flexion, deviation))
 
 # %% [markdown]
 # *What to see: at 100 kPa, three times on the way, three different angles.*
@@ -200,10 +200,10 @@ paper.draw(13, flexion, deviation)
 # the range.
 
 # %%
-paper.draw(14, flexion, deviation)
+paper.draw(14, series(14, flexion, deviation))
 
 # %%
-paper.draw(15, flexion, deviation)
+paper.draw(15, series(15, flexion, deviation))
 
 # %% [markdown]
 # *What to see: a short delay while the dead zone is crossed, then a creep to the reference; the grey band
@@ -254,7 +254,9 @@ print(
 assert difference < 1e-9
 
 # %%
-branches = {(branch, rate): flexion.linearised(branch, rate) for branch in BRANCHES for rate in RATES}
+branches = {
+    (branch, rate): flexion.linearised(branch, rate) for branch in branch_slopes(flexion) for rate in RATES
+}
 rows(
     {
         "branch": branch,

@@ -22,12 +22,13 @@ from design.tuner import Tuner
 from design.tuning import Region, tune
 from plants.quantities import built_in
 from plants.wrist import STARTS
-from reports.branch_figures import nyquist
-from reports.comparison_tables import limit_name, limits_table, tuning_table
-from reports.gain_map import gain_map
-from reports.notebook_tables import limits_held, rows, shown
-from reports.style import LINES, new_figure, styled
-from reports.tables import Cell, number
+from reports.comparison.tables import limits_table, tuning_table
+from reports.notebooks.tables import limits_held, rows, shown
+from reports.robustness.branch_figures import nyquist
+from reports.shared.gain_map import gain_map
+from reports.shared.names import limit_name
+from reports.shared.style import LINES, new_figure, styled
+from reports.shared.tables import Cell, number
 
 wrist = plants.Wrist.flexion()
 
@@ -79,7 +80,7 @@ gain_map(found)
 # %%
 rules = baselines(wrist)
 gains = {"tuned": (found.Kp, found.Ki), **{name: (pi.Kp, pi.Ki) for name, pi in rules.items()}}
-limits_held(problem, gains)
+limits_held(problem, evaluate(problem, *zip(*gains.values(), strict=True)), gains)
 
 # %% [markdown]
 # A cross marks a broken limit. It is not that the rules were fed badly: their first-order lag with dead
@@ -119,7 +120,8 @@ views = {
 coarse = Region(points=24)  # than the 40 x 40 gains above, for the sake of time
 alone = {name: tune(view, coarse, starts=3) for name, view in views.items()}
 assert all(f.feasible for f in alone.values())
-limits_held(problem, {name: (f.Kp, f.Ki) for name, f in alone.items()})
+pairs = [(f.Kp, f.Ki) for f in alone.values()]
+limits_held(problem, evaluate(problem, *zip(*pairs, strict=True)), alone)
 
 # %% [markdown]
 # Each of these pairs holds every limit in its own view (the cell asserts it), and breaks some on the whole

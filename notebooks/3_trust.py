@@ -16,32 +16,34 @@ import numpy as np
 
 import design
 import plants
-from design.requirements import default_problem
+from design.requirements import default_problem, evaluate
 from design.robustness.assess import assess
 from design.robustness.box import box_of
 from design.robustness.certificates.continuous.search import RUNGS
-from design.robustness.disagreement import disagreements
+from design.robustness.certificates.sampled.growth import growth_of
 from design.robustness.gain_plane import gain_plane
 from design.robustness.loop_model import LoopModel
 from design.robustness.predictions.limit_cycles import limit_cycles
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.monte_carlo import envelopes, monte_carlo
 from design.rules import PAPER_GAINS
+from design.studies.robustness_study import worst_run
 from design.tasks import STEP
 from plants.quantities import built_in
-from reports import robust_words as words
-from reports.branch_figures import describing, sensitivities
-from reports.notebook_figures import word_growth
-from reports.notebook_tables import Markdown, limits_held, rows, shown
-from reports.robust_figures import draw_envelopes, draw_gain_plane, draw_worst
-from reports.robust_tables import box_table, cycle_table, margin_table
-from reports.style import LINES, new_figure, styled
-from reports.tables import number
+from reports.notebooks.figures import word_growth
+from reports.notebooks.tables import Markdown, limits_held, rows, shown
+from reports.robustness import words
+from reports.robustness.branch_figures import describing, sensitivities
+from reports.robustness.disagreements import disagreement_sentences
+from reports.robustness.figures import draw_envelopes, draw_gain_plane, draw_worst
+from reports.robustness.tables import box_table, cycle_table, margin_table
+from reports.shared.style import LINES, new_figure, styled
+from reports.shared.tables import number
 
 wrist = plants.Wrist.flexion()
 gains = {"tuned": (3.13, 10.37), "cautious": (2.3, 6.4)}
 problem = default_problem(wrist)
-limits_held(problem, gains)
+limits_held(problem, evaluate(problem, *zip(*gains.values(), strict=True)), gains)
 
 # %% [markdown]
 # Hardly anything of this plant was measured (notebook 1), so every statement has to hold on a *box* of
@@ -79,10 +81,10 @@ sensitivities(wrist, tuned.controller, tuned.limits)
 wild = design.PI(1.0, 40.0)
 assert not tuned.cycles
 assert not cautious.cycles
-describing(wrist, wild)
+cycles = limit_cycles(wrist, wild)
+describing(wrist, wild, cycles)
 
 # %%
-cycles = limit_cycles(wrist, wild)
 assert all(c.confirmed for c in cycles)
 shown(cycle_table(cycles))
 
@@ -144,7 +146,7 @@ assert word.grows
 assert not any(c.holds for c in tuned.ladder)
 assert any(c.holds for c in cautious.ladder)
 print(*str(word).split(", "), sep=",\n")
-word_growth(LoopModel.of(wrist, tuned.controller), word)
+word_growth(growth_of(LoopModel.of(wrist, tuned.controller), word))
 
 # %% [markdown]
 # *What to see: each letter alone dies away, the word grows from pass to pass.* The wrist cannot spell this
@@ -212,7 +214,7 @@ for name, cases in {"with up to 50 ms of dead time": tuned.cases, "without": wit
 Markdown("\n".join(f"- *{name}*: {words.worst_words(a)}" for name, a in found.items()))
 
 # %%
-draw_worst(tuned.worst)
+draw_worst(tuned.worst, worst_run(tuned.worst))
 
 # %% [markdown]
 # *What to see: two steps that put the loop's memory in an awkward place, then the one that is judged
@@ -224,7 +226,7 @@ draw_worst(tuned.worst)
 # Each kind is right about what it speaks of. The assessment names its own contradictions:
 
 # %% tags=["varies"]
-Markdown("\n".join(f"- *{name}*: {said}" for name, a in found.items() for said in disagreements(a)))
+Markdown("\n".join(f"- *{name}*: {said}" for name, a in found.items() for said in disagreement_sentences(a)))
 
 # %% [markdown]
 # ## What follows, and what does not

@@ -26,9 +26,9 @@ from design.robustness.box import box_of
 from design.tasks import STEP, Scenario
 from plants.effects.dead_time import DeadTime
 from plants.quantities import built_in
-from reports.break_even_figure import break_even_figure
-from reports.notebook_tables import rows
-from reports.style import BLACK, DASHED, DOTTED, GREY, LINES, controller_line, new_figure, styled
+from reports.comparison.break_even_figure import break_even_figure
+from reports.notebooks.tables import rows
+from reports.shared.style import BLACK, DASHED, DOTTED, GREY, LINES, controller_line, new_figure, styled
 
 wrist = plants.Wrist.flexion()
 

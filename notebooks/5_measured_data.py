@@ -24,14 +24,14 @@ from plants.measured.campaign import load_campaign
 from plants.measured.fit import fit_campaign
 from plants.measured.trace.trace import trace_campaign
 from plants.quantities import built_in
-from reports.comparison_tables import error_table, parameter_table
-from reports.fitted import draw_fit
-from reports.notebook_tables import Markdown, rows, shown
-from reports.trace_fit_figures import draw_control, draw_errors, draw_series
-from reports.trace_residual_figures import draw_remainder
-from reports.trace_search_figures import draw_ranking
-from reports.trace_tables import error_table as errors_before_and_after
-from reports.trace_words import control_sentence, verdict_sentence
+from reports.notebooks.tables import Markdown, rows, shown
+from reports.shared.fit import draw_fit
+from reports.shared.plant_tables import error_table, parameter_table
+from reports.trace.fit_figures import draw_control, draw_errors, draw_series
+from reports.trace.residual_figures import draw_remainder
+from reports.trace.search_figures import draw_ranking
+from reports.trace.tables import error_table as errors_before_and_after
+from reports.trace.words import control_sentence, verdict_sentence
 
 # %% [markdown]
 # ## A campaign

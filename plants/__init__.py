@@ -6,7 +6,7 @@ np.float64(11.28)
 """
 
 from plants.errors import InputError, InputWarning
-from plants.hysteresis import Hysteresis, Memory
+from plants.hysteresis import FourSegment, HysteresisLaw, PrandtlIshlinskii
 from plants.quantities import ParameterSet, built_in, load
 from plants.regulator import Regulator
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
@@ -14,11 +14,12 @@ from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
 __all__ = [
     "COMMAND_RANGE",
     "SAMPLE_TIME",
-    "Hysteresis",
+    "FourSegment",
+    "HysteresisLaw",
     "InputError",
     "InputWarning",
-    "Memory",
     "ParameterSet",
+    "PrandtlIshlinskii",
     "Regulator",
     "State",
     "Wrist",

@@ -4,6 +4,7 @@ A wrist with effects is no small rational system any more, but has a frequency
 response all the same: `responses` multiplies it together from its parts.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -12,13 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants import lag, regulator, tree
-from plants.hysteresis import Memory
+from plants.hysteresis import Side
 from plants.kernel.graphs import jacobians
 from plants.regulator import Regulator
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist, step
-
-BRANCHES = ("transit", "line1", "line2")
-"""Where the closed loop can work; the virgin curve has slope 0 and is left once, for good."""
+from plants.wrist import Wrist, step
 
 RATES = ("slow", "fast")
 """The two ends of the regulator's rate: near to and far from the commanded pressure."""
@@ -27,7 +25,7 @@ RATES = ("slow", "fast")
 def nlsys(wrist: Wrist) -> Any:
     """The sampled wrist as a discrete ``control.nlsys``: command [V] to pressure [kPa] and angle [deg].
 
-    States are pressure, static angle, virgin and angle, at 1 ms; they start at 0
+    States are pressure, static angle and the rest of the memory, and angle, at 1 ms; they start at 0
     in python-control unless told otherwise, so pass ``wrist_x0(wrist)``.
 
     >>> import control, numpy as np
@@ -43,36 +41,51 @@ def nlsys(wrist: Wrist) -> Any:
 
     if wrist.effects:
         raise ValueError(f"{_named(wrist)}: no control.nlsys of it is to be had; use Wrist.simulate")
-    c = wrist.sampled()
+    c, rest = wrist.sampled(), wrist.rest()
+    names = {
+        "pressure": "pressure_kPa",
+        "memory.h": "static_angle_deg",
+        "memory.virgin": "virgin",
+        "angle": "angle_deg",
+    }
 
     def update(_t: float, x: Any, u: Any, _params: Any) -> Any:
-        return np.array(tree.leaves(step(State(x[0], Memory(x[1], x[2]), x[3]), u[0], c)), float)
+        return np.array(tree.leaves(step(tree.like(rest, list(x)), u[0], c)), float)
 
     def output(_t: float, x: Any, _u: Any, _params: Any) -> Any:
-        return np.array([x[0], x[3]])
+        return np.array([x[0], x[-1]])
 
     return control.nlsys(
-        update, output, dt=SAMPLE_TIME, name="wrist", inputs=["command_V"],
-        states=["pressure_kPa", "static_angle_deg", "virgin", "angle_deg"],
+        update, output, dt=wrist.rig.sample_time, name="wrist", inputs=["command_V"],
+        states=[names.get(n, n) for n in tree.names(rest)],
         outputs=["pressure_kPa", "angle_deg"],
     )  # fmt: skip
 
 
 def wrist_x0(wrist: Wrist) -> Any:
-    """Initial state, shape (4,), of `nlsys` for a wrist at rest."""
+    """Initial state of `nlsys` for a wrist at rest, shape (states,); (4,) for four segments."""
     return np.array(tree.leaves(wrist.rest()), float)
 
 
 def branch_slope(wrist: Wrist, branch: str) -> float:
-    """Slope [deg/kPa] of a branch: ``transit``, ``line1``, ``line2`` or ``virgin``.
+    """Slope [deg/kPa] of a branch of the wrist's hysteresis law, such as ``transit``, ``line1`` or ``line2``.
 
     Raises ValueError for another name.
     """
-    p = wrist.hysteresis
-    slopes = {"transit": p.s, "line1": p.a1, "line2": p.a2, "virgin": 0.0}
+    slopes = branch_slopes(wrist)
     if branch not in slopes:
         raise ValueError(f"unknown branch {branch!r}; one of {', '.join(slopes)}")
-    return float(slopes[branch])
+    return slopes[branch]
+
+
+def branch_slopes(wrist: Wrist) -> dict[str, float]:
+    """Slopes [deg/kPa] of the branches on which the closed loop can work, within the range of the command.
+
+    >>> branch_slopes(Wrist.flexion())
+    {'transit': 0.0803, 'line1': 0.36, 'line2': 0.36}
+    """
+    low, high = (wrist.regulator.gain * v for v in wrist.rig.command_range)
+    return {name: float(slope) for name, slope in wrist.hysteresis.branches(low, high).items()}
 
 
 def branch_ss(wrist: Wrist, branch: str, rate: str = "fast") -> Any:
@@ -100,8 +113,8 @@ def branch_ss(wrist: Wrist, branch: str, rate: str = "fast") -> Any:
         raise ValueError(f"unknown regulator rate {rate!r}; one of {', '.join(RATES)}")
     p = wrist.regulator
     k = p.k_fast if rate == "fast" else p.k_slow
-    air = regulator.sampled(Regulator(p.gain, k, k, p.e0), SAMPLE_TIME)
-    transient = lag.sampled(wrist.Tw, SAMPLE_TIME)
+    air = regulator.sampled(Regulator(p.gain, k, k, p.e0), wrist.rig.sample_time)
+    transient = lag.sampled(wrist.Tw, wrist.rig.sample_time)
 
     def linear(state: Any, command: Any) -> Any:
         pressure, angle = state
@@ -110,7 +123,7 @@ def branch_ss(wrist: Wrist, branch: str, rate: str = "fast") -> Any:
 
     a, b = jacobians(linear, (0.0, 0.0), 0.0)
     return control.ss(
-        a, b, [[0.0, 1.0]], [[0.0]], SAMPLE_TIME, name=f"{branch}_{rate}",
+        a, b, [[0.0, 1.0]], [[0.0]], wrist.rig.sample_time, name=f"{branch}_{rate}",
         inputs=["command_V"], states=["pressure_kPa", "angle_deg"], outputs=["angle_deg"],
     )  # fmt: skip
 
@@ -137,26 +150,33 @@ def responses(wrist: Wrist, omega: Any) -> list[Response]:
     of filling and exhausting at both ends of the range.  Of several effects the
     extremes are multiplied, so that the list holds more than what can occur at once.
     """
-    z = np.exp(1j * np.asarray(omega, float) * SAMPLE_TIME)
+    z = np.exp(1j * np.asarray(omega, float) * wrist.rig.sample_time)
     p = wrist.regulator
-    reach = (p.gain * COMMAND_RANGE[0], p.gain * COMMAND_RANGE[1])
-    parts = [e.linear(wrist, z, SAMPLE_TIME, reach) for e in wrist.effects]
-    c = lag.sampled(wrist.Tw, SAMPLE_TIME)
+    reach = (p.gain * wrist.rig.command_range[0], p.gain * wrist.rig.command_range[1])
+    parts = [e.linear(wrist, z, wrist.rig.sample_time, reach) for e in wrist.effects]
+    c = lag.sampled(wrist.Tw, wrist.rig.sample_time)
     joint = next((x.joint for x in parts if x.joint is not None), (c.before + c.after * z) / (z - c.keep))
     common = p.gain * joint
     for part in parts:
         common = common * part.command * part.static
     speeds = _products([x.rates for x in parts])
     found = []
-    for branch in BRANCHES:
-        slopes = _products([x.slopes.get(branch, (1.0,)) for x in parts])
+    for branch, straight in branch_slopes(wrist).items():
+        sides = wrist.hysteresis.sides(branch)
+        slopes = _products([slope_factors(x.slopes, sides) for x in parts])
         for slope, rate, speed in product(sorted({min(slopes), max(slopes)}), RATES, speeds):
-            share = -np.expm1(-speed * (p.k_fast if rate == "fast" else p.k_slow) * SAMPLE_TIME)
+            share = -np.expm1(-speed * (p.k_fast if rate == "fast" else p.k_slow) * wrist.rig.sample_time)
             air = share / (z - 1.0 + share)
             bent = "" if len(set(slopes)) == 1 else f", slope x {slope:.3g}"
             quick = rate if speed == 1.0 else f"{rate} x {speed:.3g}"
-            found.append(Response(branch + bent, quick, common * air * (slope * branch_slope(wrist, branch))))
+            found.append(Response(branch + bent, quick, common * air * (slope * straight)))
     return found
+
+
+def slope_factors(slopes: Mapping[Side, tuple[float, float]], sides: tuple[Side, ...]) -> tuple[float, ...]:
+    """Least and largest factor of the slope that an effect has on some sides of the loop."""
+    found = [factor for side in sides for factor in slopes.get(side, (1.0,))]
+    return tuple(sorted({min(found), max(found)}))
 
 
 def _products(factors: list[tuple[float, ...]]) -> list[float]:

@@ -7,18 +7,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from plants.errors import InputError
+from plants.hysteresis import LAWS, FourSegment, HysteresisLaw, with_values
+from plants.parameters.spec import Kind
 from plants.quantities import (
-    KINDS,
     Assumed,
     Fitted,
-    Kind,
     Parameter,
     ParameterSet,
     Provenance,
     Stated,
-    kind_of,
-    loop_problem,
+    declared_kinds,
+    in_units,
 )
+from plants.rig import Rig, built_in_rig, parse_rig
 
 if TYPE_CHECKING:
     from plants.effects.effect import Effect
@@ -29,8 +30,8 @@ def read(path: str | Path) -> ParameterSet:
 
     Raises InputError, in one line with the file, the effect and the parameter, for
     a file that is missing or no TOML, for an unknown or missing name or form, a
-    wrong unit, a value outside its bounds, or slopes and offsets that make the
-    loop run backwards.
+    wrong unit, a value outside its bounds, an unknown hysteresis law, or slopes and offsets that
+    make the loop run backwards.
     """
     path = Path(path)
     try:
@@ -48,16 +49,26 @@ def read(path: str | Path) -> ParameterSet:
         raise InputError(
             f'{path}: needs axis = "..." and [parameters.NAME] tables, as plants/parameters/flexion.toml'
         )
-    found = _parameters(f"{path}: ", table, KINDS)
+    rig = parse_rig(text["rig"], f"{path}: rig") if isinstance(text.get("rig"), dict) else built_in_rig()
+    declared = declared_kinds(_law(path, text), table)
+    found = _parameters(f"{path}: ", table, {n: in_units(kind, rig) for n, kind in declared.items()})
     effects = []
     for form, own in _effects(path, text.get("effects", {})):
         where = f"{path}: effect {form.NAME!r}: "
-        read_in = _parameters(where, own, form.kinds())
+        read_in = _parameters(where, own, {n: in_units(kind, rig) for n, kind in form.kinds().items()})
         found |= {f"{form.NAME}.{name}": p for name, p in read_in.items()}
         effects.append(form)
-    result = ParameterSet(text["axis"], str(text.get("title", text["axis"])), found, tuple(effects))
-    _check_loop(path, result.values)
+    result = ParameterSet(text["axis"], str(text.get("title", text["axis"])), found, tuple(effects), rig)
+    _check_loop(path, result.values, rig)
     return result
+
+
+def _law(path: Path, text: Mapping[str, Any]) -> type[HysteresisLaw]:
+    """The hysteresis law that a file names, the paper's where it names none."""
+    name = text.get("hysteresis", FourSegment.NAME)
+    if name not in LAWS:
+        raise InputError(f"{path}: unknown hysteresis law {name!r}; known are {', '.join(LAWS)}")
+    return LAWS[name]
 
 
 def _effects(path: Path, table: Any) -> list[tuple["type[Effect]", Mapping[str, Any]]]:
@@ -131,11 +142,12 @@ def _provenance(where: str, entry: Any) -> Provenance:
     )
 
 
-def _check_loop(path: Path, values: Mapping[str, float]) -> None:
-    # The pressures that the command range reaches; the paper's own goes to 200 kPa.
-    problem = loop_problem(values, 0.0, 4.0 * values["gain"])
+def _check_loop(path: Path, values: Mapping[str, float], rig: Rig) -> None:
+    loop = with_values(values)
+    problem = loop.problem(*(v * values["gain"] for v in rig.command_range))
     if problem:
-        raise InputError(f"{path}: {problem}; check a1, a2, s, w1 and w2")
+        names = [n for n in loop.values if n != "rest_pressure"]
+        raise InputError(f"{path}: {problem}; check {', '.join(names[:-1])} and {names[-1]}")
 
 
 def write(parameters: ParameterSet, path: str | Path) -> None:
@@ -146,10 +158,14 @@ def write(parameters: ParameterSet, path: str | Path) -> None:
 
     document = tomlkit.document()
     document["axis"], document["title"] = parameters.axis, parameters.title
-    declared = tomlkit.table(is_super_table=True)
+    document["hysteresis"] = parameters.law.NAME
+    if parameters.rig != built_in_rig():
+        document["rig"] = parameters.rig.record
+    kinds, declared = parameters.kinds, tomlkit.table(is_super_table=True)
+    of_wrist = declared_kinds(parameters.law, parameters.parameters)
     for name, p in parameters.parameters.items():
-        if name in KINDS:
-            declared[name] = _entry(p, KINDS[name])
+        if name in of_wrist:
+            declared[name] = _entry(p, kinds[name])
     document["parameters"] = declared
     effects = tomlkit.table(is_super_table=True)
     for form in parameters.effects:
@@ -157,7 +173,7 @@ def write(parameters: ParameterSet, path: str | Path) -> None:
         table["form"] = form.FORM
         for name in form.kinds():
             flat = f"{form.NAME}.{name}"
-            own[name] = _entry(parameters.parameters[flat], kind_of(flat, parameters.effects))
+            own[name] = _entry(parameters.parameters[flat], kinds[flat])
         table["parameters"] = own
         effects[form.NAME] = table
     if parameters.effects:

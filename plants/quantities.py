@@ -5,11 +5,16 @@ A revised set has effects beside the declared wrist, whose parameters go by name
 such as ``creep.gain``.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cache
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from plants.hysteresis import HysteresisLaw, law_of
+from plants.parameters.spec import Kind
+from plants.rig import Rig, built_in_rig
 
 if TYPE_CHECKING:
     from plants.effects.effect import Effect  # which takes its `Kind` from here
@@ -52,52 +57,55 @@ class Fitted:
 Provenance = Stated | Assumed | Fitted
 
 
-@dataclass(frozen=True)
-class Kind:
-    """What every parameter of a name has in common: unit, meaning, bounds that make sense."""
-
-    unit: str
-    meaning: str
-    low: float
-    high: float
-
-
-KINDS: Mapping[str, Kind] = {
+REGULATOR: Mapping[str, Kind] = {
     "gain": Kind("kPa/V", "regulator, steady-state pressure per volt of command", 1.0, 1000.0),
     "k_fast": Kind("1/s", "regulator, rate far from the commanded pressure", 0.1, 100.0),
     "k_slow": Kind("1/s", "regulator, rate near the commanded pressure", 0.01, 100.0),
     "e0": Kind("kPa", "regulator, error at which the rate is half-way", 0.1, 200.0),
-    "a1": Kind("deg/kPa", "slope of line 1 (plus direction)", 0.01, 5.0),
-    "w1": Kind("deg", "offset of line 1 below the origin", 0.0, 60.0),
-    "a2": Kind("deg/kPa", "slope of line 2 (minus direction)", 0.01, 5.0),
-    "w2": Kind("deg", "offset of line 2 above the origin", 0.0, 60.0),
-    "s": Kind("deg/kPa", "slope of the transit between the lines", 0.0, 5.0),
-    "rest_pressure": Kind("kPa", "pressure at which the wrist starts and h = 0", -50.0, 500.0),
-    "Tw": Kind("s", "time constant of the wrist's lag", 0.005, 5.0),
 }
-"""The parameters of the declared wrist, by name."""
+JOINT: Mapping[str, Kind] = {"Tw": Kind("s", "time constant of the wrist's lag", 0.005, 5.0)}
 
 
-def kind_of(name: str, effects: "Sequence[type[Effect]]" = ()) -> Kind:
-    """The kind of a parameter of the declared wrist, or, such as ``creep.gain``, of one of its effects.
+def declared_kinds(law: type[HysteresisLaw], names: Iterable[str] = ()) -> dict[str, Kind]:
+    """The parameters of a declared wrist by name, in order: of the regulator, the hysteresis law and the
+    joint; `names` are those that a set has, for a law whose number of parameters varies.
 
-    Raises KeyError for a name that neither has.
+    >>> list(declared_kinds(law_of(["a1", "w1", "a2", "w2", "s", "rest_pressure"])))[4:]
+    ['a1', 'w1', 'a2', 'w2', 's', 'rest_pressure', 'Tw']
+    """
+    return {**REGULATOR, **law.kinds(names), **JOINT}
+
+
+def kinds_of(names: Iterable[str], effects: "Sequence[type[Effect]]" = ()) -> dict[str, Kind]:
+    """Unit, meaning and bounds of the parameters of a wrist with these names: the declared wrist's, then
+    those of its effects, such as ``creep.gain``.
 
     >>> from plants.effects import Creep
-    >>> kind_of("a1").unit, kind_of("creep.time_constant", [Creep]).unit
-    ('deg/kPa', 's')
+    >>> kinds_of(built_in("flexion").parameters, [Creep])["creep.time_constant"].unit
+    's'
     """
-    if name in KINDS:
-        return KINDS[name]
-    phenomenon, _, own = name.partition(".")
-    for effect in effects:
-        if phenomenon == effect.NAME:
-            return effect.kinds()[own]
-    raise KeyError(name)
+    given = tuple(names)
+    own = {f"{e.NAME}.{n}": kind for e in effects for n, kind in e.kinds().items()}
+    return declared_kinds(law_of(given), given) | own
 
 
-REGULATOR_NAMES = ("gain", "k_fast", "k_slow", "e0")
-WRIST_NAMES = ("a1", "w1", "a2", "w2", "s", "Tw")
+def in_units(kind: Kind, rig: Rig) -> Kind:
+    """The kind of a parameter in the units of a rig.  Bounds are numbers of the paper's wrist: in other units
+    all that is left of them is the sign."""
+    unit = rig.units.of(kind.unit, built_in_rig().units)
+    if unit == kind.unit:
+        return kind
+    return replace(kind, unit=unit, low=0.0 if kind.low >= 0.0 else -inf, high=inf)
+
+
+REGULATOR_NAMES = tuple(REGULATOR)
+
+
+def loop_names(names: Iterable[str]) -> tuple[str, ...]:
+    """The parameters of hysteresis law and joint that can be fitted, of a set with these names; the rest
+    pressure is not, since it is where a recording starts."""
+    given = tuple(names)
+    return tuple(n for n in (*law_of(given).kinds(given), *JOINT) if n != "rest_pressure")
 
 
 @dataclass(frozen=True)
@@ -117,18 +125,35 @@ class ParameterSet:
 
     axis: ``flexion``, ``deviation`` or a user's own name; title: one line for
     reports; parameters: of the declared wrist, then of the effects, by their names
-    in a wrist; effects: the forms of the effects, in the order of `plants.effects.EFFECTS`.
+    in a wrist; effects: the forms of the effects, in the order of `plants.effects.EFFECTS`; rig: whose
+    motion it is.
     """
 
     axis: str
     title: str
     parameters: Mapping[str, Parameter]
     effects: tuple[type["Effect"], ...] = ()
+    rig: Rig = field(default_factory=built_in_rig)
 
     @property
     def values(self) -> dict[str, float]:
         """Values by name."""
         return {name: p.value for name, p in self.parameters.items()}
+
+    @property
+    def law(self) -> type[HysteresisLaw]:
+        """The hysteresis law."""
+        return law_of(self.parameters)
+
+    @property
+    def kinds(self) -> dict[str, Kind]:
+        """Unit, meaning and bounds of each parameter: of the declared wrist, then of the effects.
+
+        >>> built_in("flexion").kinds["a1"].unit
+        'deg/kPa'
+        """
+        declared = kinds_of(self.parameters, self.effects)
+        return {n: in_units(kind, self.rig) for n, kind in declared.items()}
 
     @property
     def record(self) -> dict[str, Any]:
@@ -149,7 +174,7 @@ class ParameterSet:
 
     def unbounded(self) -> "ParameterSet":
         """The same set within the bounds of each kind of parameter, the widest that there are."""
-        kinds = {n: kind_of(n, self.effects) for n in self.parameters}
+        kinds = self.kinds
         wide = {n: replace(p, low=kinds[n].low, high=kinds[n].high) for n, p in self.parameters.items()}
         return replace(self, parameters=wide)
 
@@ -198,7 +223,8 @@ class ParameterSet:
                     float(values[name]), kind.unit, kind.low, kind.high, Fitted(data, None)
                 )
         # Declared parameters first, then those of the effects in their order.
-        names = list(KINDS) + [f"{e.NAME}.{own}" for e in effects for own in e.kinds()]
+        declared = declared_kinds(self.law, self.parameters)
+        names = list(declared) + [f"{e.NAME}.{own}" for e in effects for own in e.kinds()]
         together = {**kept, **added}
         base = replace(self, parameters={n: together[n] for n in names if n in together}, effects=effects)
         found = base.fitted(values, {n: errors.get(n) for n in values}, data)
@@ -228,21 +254,3 @@ def dump(parameters: ParameterSet, path: str | Path) -> None:
     from plants.parameter_files import write
 
     write(parameters, path)
-
-
-def loop_problem(v: Mapping[str, float], low: float = 0.0, high: float = 200.0) -> str | None:
-    """Why the four segments make no loop between two pressures [kPa], or None if they do.
-
-    >>> loop_problem(dict(a1=0.05, w1=6.0, a2=0.36, w2=6.0, s=0.08, rest_pressure=100.0))
-    'transit slope s = 0.08 is not below a1 = 0.05, so the loop runs backwards'
-    """
-    for line in ("a1", "a2"):
-        if not v["s"] < v[line]:
-            return (
-                f"transit slope s = {v['s']:g} is not below {line} = {v[line]:g}, so the loop runs backwards"
-            )
-    for pressure in (low, high):
-        gap = (v["a2"] - v["a1"]) * (pressure - v["rest_pressure"]) + v["w1"] + v["w2"]
-        if not gap > 0:
-            return f"line 1 lies above line 2 at {pressure:g} kPa, so the loop runs backwards"
-    return None

@@ -4,17 +4,23 @@ from typing import Any
 
 import numpy as np
 
-from plants import hysteresis, lag
+from plants import lag
 from plants.effects.effect import Around
-from plants.hysteresis import Memory
 from plants.wrist import STARTS, Number, Start, State, Wrist
 
-LOWEST, HIGHEST = -300.0, 700.0
-"""Pressures [kPa] between which a wrist with effects is looked for at rest; one that is found at
-an end of them rests nowhere."""
+BEYOND = (1.5, 2.5)
+"""By how many spans below and above the range of its pressure a wrist with effects is looked for at rest."""
 
-SPACING = 5.0
-"""Pressures [kPa] are tried so far apart before the rest is narrowed down."""
+TRIED = 40
+"""Pressures that are tried in a span before the rest is narrowed down."""
+
+
+def searched(wrist: Wrist) -> tuple[float, float, float]:
+    """Pressures between which a wrist with effects is looked for at rest (one that is found at an end of them
+    rests nowhere), and how far apart they are tried at first."""
+    low, high = wrist.rig.pressure_range
+    span = high - low
+    return low - BEYOND[0] * span, high + BEYOND[1] * span, span / TRIED
 
 
 def at_rest(wrist: Wrist, start: Start = "virgin", angle: Number = 0.0) -> State:
@@ -27,22 +33,29 @@ def at_rest(wrist: Wrist, start: Start = "virgin", angle: Number = 0.0) -> State
     An angle that effects keep the wrist from gets a state that does not last:
     `obstacle` says so.  Raises ValueError for an unknown start or a virgin wrist away from 0.
     """
-    p = wrist.hysteresis
+    loop = wrist.hysteresis
     if start not in STARTS:
         raise ValueError(f"unknown start {start!r}; one of {', '.join(STARTS)}")
-    virgin = float(start == "virgin")
+    virgin = start == "virgin"
     if virgin and np.any(np.asarray(angle) != 0.0):
         raise ValueError("a virgin wrist rests at angle 0; start on line1, line2 or inside")
     h = _static_angle(wrist, angle) if wrist.effects and not virgin else angle
     if virgin:
-        pressure = p.rest_pressure
-    elif not wrist.effects:
-        low, high = hysteresis.line2_pressure(h, p), hysteresis.line1_pressure(h, p)
-        pressure = {"line1": high, "line2": low, "inside": (low + high) / 2}[start]
-    else:
-        low, high = _pressure_on(wrist, 1, h), _pressure_on(wrist, 0, h)
-        pressure = {"line1": high, "line2": low, "inside": (low + high) / 2}[start]
-    return State(pressure, Memory(h, virgin), angle, _effects(wrist, pressure, h))
+        # A law without a dead zone of its own leaves the initial curve with the slightest pressure.
+        state = State(loop.rest_pressure, loop.initial(), angle)
+        return state._replace(effects=_effects(wrist, state.pressure, h))
+    if not wrist.effects:
+        pressure = loop.rest_between(h)[start]
+        return State(pressure, loop.resting(start, h, pressure), angle)
+    low, high = _pressure_on(wrist, 1, h), _pressure_on(wrist, 0, h)
+    pressure = {"line1": high, "line2": low, "inside": (low + high) / 2}[start]
+    return State(pressure, _memory(wrist, start, h, pressure), angle, _effects(wrist, pressure, h))
+
+
+def _memory(wrist: Wrist, start: Start, h: Number, pressure: Number) -> Any:
+    """The memory at rest of a loop that effects drive and bend."""
+    driven, down, up = _bent(wrist, pressure, h)
+    return wrist.hysteresis.resting(start, h, driven, down, up)
 
 
 def _effects(wrist: Wrist, pressure: Number, h: Number) -> tuple[Any, ...]:
@@ -52,10 +65,12 @@ def _effects(wrist: Wrist, pressure: Number, h: Number) -> tuple[Any, ...]:
 def at_pressure(wrist: Wrist, start: Start, pressure: float) -> State:
     """The state of a wrist that holds still on ``line1`` or ``line2`` at a pressure [kPa]."""
     line = {"line1": 0, "line2": 1}[start]
+    loop = wrist.hysteresis
     if not wrist.effects:
-        return at_rest(wrist, start, (hysteresis.line1, hysteresis.line2)[line](pressure, wrist.hysteresis))
+        return at_rest(wrist, start, (loop.ascending, loop.descending)[line](pressure))
     h = float(_line_angle(wrist, line, pressure, 0.0))
-    return State(pressure, Memory(h, 0.0), float(_held_angle(wrist, h)), _effects(wrist, pressure, h))
+    memory = _memory(wrist, start, h, pressure)
+    return State(pressure, memory, float(_held_angle(wrist, h)), _effects(wrist, pressure, h))
 
 
 def obstacle(wrist: Wrist, start: Start, angle: float) -> str | None:
@@ -68,7 +83,8 @@ def obstacle(wrist: Wrist, start: Start, angle: float) -> str | None:
         words = effect.obstacle(pressure, angle)
         if words is not None:
             return words
-    return None if LOWEST < pressure < HIGHEST else f"a branch that no pressure takes to {angle:+g} deg"
+    lowest, highest, _ = searched(wrist)
+    return None if lowest < pressure < highest else f"a branch that no pressure takes to {angle:+g} deg"
 
 
 def _held_angle(wrist: Wrist, h: Number) -> Number:
@@ -108,15 +124,23 @@ def _static_angle(wrist: Wrist, angle: Number) -> Number:
 
 def _line_angle(wrist: Wrist, line: int, pressure: Number, h: Number) -> Number:
     """The angle [deg] of line 1 (0) or line 2 (1), as the effects bend it, at a pressure [kPa]."""
+    loop = wrist.hysteresis
+    driven, *shifts = _bent(wrist, pressure, h)
+    return (loop.ascending, loop.descending)[line](driven) + shifts[line]
+
+
+def _bent(wrist: Wrist, pressure: Number, h: Number) -> tuple[Number, Number, Number]:
+    """The pressure [kPa] that drives a loop at rest at a pressure [kPa], and the shifts of its branches
+    [deg]."""
     c, loop = wrist.sampled(), wrist.hysteresis
     s = _effects(wrist, pressure, h)
-    driven = pressure
+    driven, down, up = pressure, 0.0, 0.0
     for i, effect in c.at("drive"):
         _, _, driven = effect(s[i], driven, driven, Around())
-    found = (hysteresis.line1, hysteresis.line2)[line](driven, loop)
     for i, effect in c.at("bend"):
-        found = found + effect(s[i], driven, driven, loop, Around())[1 + line]
-    return found
+        _, low, high, _ = effect(s[i], driven, driven, loop, Around())
+        down, up = down + low, up + high
+    return driven, down, up
 
 
 def _pressure_on(wrist: Wrist, line: int, h: Number) -> Number:
@@ -130,15 +154,16 @@ def _pressure_on(wrist: Wrist, line: int, h: Number) -> Number:
         return _line_angle(wrist, line, pressure, h) < h
 
     shape = np.shape(below(wrist.hysteresis.rest_pressure))
-    grid = np.arange(LOWEST, HIGHEST + SPACING, SPACING).reshape(-1, *(1 for _ in shape))
+    lowest, highest, spacing = searched(wrist)
+    grid = np.arange(lowest, highest + spacing, spacing).reshape(-1, *(1 for _ in shape))
     under = np.broadcast_to(below(grid), (len(grid), *shape))
     rises = under[:-1] & ~under[1:]
-    far = np.abs(grid[:-1] + 0.5 * SPACING - wrist.hysteresis.rest_pressure)
+    far = np.abs(grid[:-1] + 0.5 * spacing - wrist.hysteresis.rest_pressure)
     nearest = np.where(rises, far, np.inf).argmin(axis=0)
-    low = LOWEST + SPACING * nearest
+    low = lowest + spacing * nearest
     # Where it rises through it nowhere, the end that is nearer to it.
-    nowhere, high = ~rises.any(axis=0), low + SPACING
-    low = np.where(nowhere, np.where(under[-1], HIGHEST, LOWEST), low)
+    nowhere, high = ~rises.any(axis=0), low + spacing
+    low = np.where(nowhere, np.where(under[-1], highest, lowest), low)
     high = np.where(nowhere, low, high)
     for _ in range(50):
         middle = 0.5 * (low + high)

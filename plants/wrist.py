@@ -6,34 +6,34 @@ floats, arrays (one lane each, for batches) or CasADi symbols: the laws are the 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plants import hysteresis, lag, regulator
 from plants.effects.effect import Around, Effect
-from plants.hysteresis import Hysteresis, Memory
+from plants.hysteresis import STARTS, Bend, HysteresisLaw, Start
 from plants.regulator import Regulator
+from plants.rig import Rig, built_in_rig
 
 if TYPE_CHECKING:
     from plants.quantities import ParameterSet
 
 Number = Any
-SAMPLE_TIME = 0.001
-"""Sample time of loop and model [s] (section 4)."""
+SAMPLE_TIME = built_in_rig().sample_time
+"""Sample time of loop and model [s] of the built-in rig, for values that are made without a rig."""
 
-COMMAND_RANGE = (0.0, 4.0)
-"""Range of the command [V] (section 3)."""
+COMMAND_RANGE = built_in_rig().command_range
+"""Range of the command [V] of the built-in rig, likewise."""
 
-Start = Literal["virgin", "line1", "line2", "inside"]
-STARTS: tuple[Start, ...] = ("virgin", "line1", "line2", "inside")
+__all__ = ["COMMAND_RANGE", "SAMPLE_TIME", "STARTS", "Start", "State", "Wrist"]
 
 
 class State(NamedTuple):
-    """What the wrist remembers: pressure [kPa], the loop's memory, angle [deg], and the state of
-    each effect."""
+    """What the wrist remembers: pressure [kPa], the memory of its hysteresis, which has the static angle
+    `h` [deg], angle [deg], and the state of each effect."""
 
     pressure: Number
-    memory: Memory
+    memory: Any
     angle: Number
     effects: tuple[Any, ...] = ()
 
@@ -42,19 +42,9 @@ class SampledWrist(NamedTuple):
     """Coefficients of the wrist, and of each effect, for one sample time."""
 
     regulator: regulator.SampledRegulator
-    a1: Number
-    w1: Number
-    a2: Number
-    w2: Number
-    s: Number
-    rest_pressure: Number
+    hysteresis: HysteresisLaw
     lag: lag.SampledLag
     effects: tuple[Any, ...] = ()
-
-    @property
-    def loop(self) -> Hysteresis:
-        """The parameters of the hysteresis."""
-        return Hysteresis(self.a1, self.w1, self.a2, self.w2, self.s, self.rest_pressure)
 
     def at(self, port: str) -> list[tuple[int, Any]]:
         """The effects that act at a port, with their places, in order."""
@@ -96,16 +86,19 @@ def bend(
     state: State, pressure: Number, effects: tuple[Any, ...], c: SampledWrist, around: Around = QUIET
 ) -> State:
     """Second half of a step: the wrist as its pressure [kPa] has moved on."""
-    s, loop = list(effects), c.loop
+    s, loop, bend_by = list(effects), c.hysteresis, None
     before, after = state.pressure, pressure
     for i, effect in c.at("drive"):
         s[i], before, after = effect(s[i], before, after, around)
-    low, high, slope = hysteresis.line1(after, loop), hysteresis.line2(after, loop), loop.s
     for i, effect in c.at("bend"):
-        s[i], down, up, factor = effect(s[i], before, after, loop, around)
-        low, high, slope = low + down, high + up, slope * factor
-    inside = state.memory.h + slope * (1.0 - state.memory.virgin) * (after - before)
-    memory = hysteresis.between(state.memory, inside, low, high)
+        s[i], *shifts = effect(s[i], before, after, loop, around)
+        more = Bend(*shifts)
+        bend_by = (
+            more
+            if bend_by is None
+            else Bend(bend_by.low + more.low, bend_by.high + more.high, bend_by.slope * more.slope)
+        )
+    memory = loop.step(state.memory, before, after, bend_by)
 
     before, after = state.memory.h, memory.h
     for i, effect in c.at("static"):
@@ -139,7 +132,8 @@ def read(state: State, c: SampledWrist, around: Around = QUIET) -> Number:
 
 @dataclass(frozen=True)
 class Wrist:
-    """Parameters of one motion of the wrist: regulator, loop, lag time constant Tw [s], effects.
+    """Parameters of one motion of the wrist: regulator, loop, lag time constant Tw [s], effects; and the rig
+    that it is a motion of, the paper's where not given.
 
     >>> wrist = Wrist.flexion()
     >>> wrist.hysteresis.s, wrist.regulator.gain
@@ -157,9 +151,10 @@ class Wrist:
     """
 
     regulator: Regulator
-    hysteresis: Hysteresis
+    hysteresis: HysteresisLaw
     Tw: Number
     effects: tuple[Effect, ...] = ()
+    rig: Rig = field(default_factory=built_in_rig, metadata={"static": True}, repr=False)
 
     def __add__(self, effect: Effect) -> "Wrist":
         """The wrist with one more effect; raises ValueError for a second form of the same."""
@@ -173,13 +168,16 @@ class Wrist:
         )
 
     @classmethod
-    def from_values(cls, values: Mapping[str, Number], effects: tuple[type[Effect], ...] = ()) -> "Wrist":
-        """The wrist with the parameters of `values`, by their names in a parameter set, and effects of
-        the forms given."""
+    def from_values(
+        cls, values: Mapping[str, Number], effects: tuple[type[Effect], ...] = (), rig: Rig | None = None
+    ) -> "Wrist":
+        """The wrist with the parameters of `values`, by their names in a parameter set, effects of the forms
+        given, and a rig, the paper's where not given."""
         declared = cls(
             Regulator(*(values[n] for n in ("gain", "k_fast", "k_slow", "e0"))),
-            Hysteresis(*(values[n] for n in ("a1", "w1", "a2", "w2", "s", "rest_pressure"))),
+            hysteresis.with_values(values),
             values["Tw"],
+            rig=built_in_rig() if rig is None else rig,
         )
         for form in effects:
             declared = declared + form.from_values(values)
@@ -188,7 +186,7 @@ class Wrist:
     @classmethod
     def of(cls, parameters: "ParameterSet") -> "Wrist":
         """The wrist of a parameter set, its effects included."""
-        return cls.from_values(parameters.values, parameters.effects)
+        return cls.from_values(parameters.values, parameters.effects, parameters.rig)
 
     @classmethod
     def flexion(cls) -> "Wrist":
@@ -207,7 +205,7 @@ class Wrist:
     @property
     def values(self) -> dict[str, Number]:
         """The parameters by name, flat, as in a parameter set; an effect's as ``creep.gain``."""
-        values = {**vars(self.regulator), **vars(self.hysteresis), "Tw": self.Tw}
+        values = {**vars(self.regulator), **self.hysteresis.values, "Tw": self.Tw}
         for effect in self.effects:
             values |= effect.values
         return values
@@ -226,17 +224,21 @@ class Wrist:
         unknown = set(changes) - set(self.values)
         if unknown:
             raise TypeError(f"no such parameter of the wrist: {', '.join(sorted(unknown))}")
-        return Wrist.from_values({**self.values, **changes}, self.forms)
+        return self.made_of({**self.values, **changes})
 
-    def sampled(self, dt: float = SAMPLE_TIME) -> SampledWrist:
-        """Coefficients of the wrist for a sample time `dt` [s]."""
-        p = self.hysteresis
+    def made_of(self, values: Mapping[str, Number]) -> "Wrist":
+        """A wrist of the same rig, hysteresis law and forms of effects, with the parameters of `values`."""
+        return Wrist.from_values(values, self.forms, self.rig)
+
+    def sampled(self, dt: float | None = None) -> SampledWrist:
+        """Coefficients of the wrist for a sample time `dt` [s], the rig's where not given."""
+        dt = self.rig.sample_time if dt is None else dt
         return SampledWrist(
             regulator.sampled(self.regulator, dt),
-            p.a1, p.w1, p.a2, p.w2, p.s, p.rest_pressure,
+            self.hysteresis,
             lag.sampled(self.Tw, dt),
             tuple(e.sampled(self, dt) for e in self.effects),
-        )  # fmt: skip
+        )
 
     def rest(self, start: Start = "virgin", angle: float = 0.0) -> State:
         """The state of a wrist that holds still at an angle [deg], having come there by `start`.
@@ -253,8 +255,8 @@ class Wrist:
         return replace(self, regulator=Regulator.lag(self.regulator.gain, time_constant))
 
     def simulate(self, commands: Any, state: State | None = None, every: int = 1) -> Any:
-        """Open-loop response to commands [V], one per ms; see `plants.simulate.open_loop`."""
-        from plants.simulate import open_loop
+        """Open-loop response to commands [V], one per ms; see `plants.simulation.open_loop.open_loop`."""
+        from plants.simulation.open_loop import open_loop
 
         return open_loop(self, commands, state=state, every=every)
 

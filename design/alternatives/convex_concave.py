@@ -29,7 +29,6 @@ from design.controllers.pi import PI
 from design.convex import solve
 from design.margins import BranchResponse, branch_responses
 from design.requirements import Evaluation, Limits, Problem, controller, evaluate
-from plants.wrist import SAMPLE_TIME
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -97,8 +96,8 @@ class Rows:
         for b in branches:
             if not any(np.allclose(b.response, d, rtol=1e-12, atol=0.0) for d in distinct):
                 distinct.append(b.response)
-        z = np.exp(1j * omega * SAMPLE_TIME)
-        return cls(omega, np.array(distinct) / gain, SAMPLE_TIME / (z - 1.0))
+        dt = branches[0].dt
+        return cls(omega, np.array(distinct) / gain, dt / (np.exp(1j * omega * dt) - 1.0))
 
     def controller(self, Kp: Any, Ki: Any) -> Complex:
         """Response [kPa/deg] of a PI, (..., 1, n) for gains of shape (..., 1, 1)."""

@@ -17,7 +17,6 @@ from design.margins import margins
 from design.requirements import COSTS, Evaluation, Problem, controller
 from design.tuning import join, merit
 from plants import tree
-from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 
@@ -56,7 +55,7 @@ def judge(problem: Problem, places: Array) -> Evaluation:
     wrist, state, reference = problem.stacked
     n, m = len(places), len(problem.scenarios)
     lanes = tree.like(state, [np.tile(x, n) for x in tree.leaves(state)])
-    plants = Wrist.from_values({k: np.tile(v, n) for k, v in wrist.values.items()}, wrist.forms)
+    plants = wrist.made_of({k: np.tile(v, n) for k, v in wrist.values.items()})
     many = stacked([_controller(problem, place) for place in places], m)
     judged, _, _ = run(
         plants, many, np.tile(reference, n), lanes, duration=problem.duration, jobs=problem.jobs

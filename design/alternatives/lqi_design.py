@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.alternatives.convex_concave import NOISE_GAIN
-from design.alternatives.lqi_loop import Broken, worst_pole
 from design.alternatives.lqi_synthesis import Feedback, Weights, synthesise
 from design.controllers.controller import stacked
 from design.controllers.lqi import LQI
 from design.convex import Unsolved
+from design.input_loop import InputLoop, worst_pole
 from design.loop import run
 from design.metrics import Metrics
 from design.requirements import COSTS, Problem
@@ -104,8 +104,8 @@ def complete(wrist: Wrist, weights: Weights, bandwidth: float, feedback: Feedbac
     """A feedback as a controller: with an observer that takes every branch for the mean of the lines."""
     p, k = wrist.hysteresis, feedback.gains
     return LQI(
-        float(k[0]), float(k[1]), float(k[2]), feedback.jump, 0.5 * float(p.a1 + p.a2), float(wrist.Tw),
-        bandwidth, WASHOUT, float(wrist.regulator.gain),
+        float(k[0]), float(k[1]), float(k[2]), feedback.jump, 0.5 * float(sum(p.steepness)), float(wrist.Tw),
+        bandwidth, WASHOUT, float(wrist.regulator.gain), *wrist.rig.command_range,
     )  # fmt: skip
 
 
@@ -114,13 +114,13 @@ def judge(problem: Problem, controllers: Sequence[LQI], noise_limit: float | Non
     wrist, state, reference = problem.stacked
     n, m = len(controllers), len(problem.scenarios)
     lanes = tree.like(state, [np.tile(x, n) for x in tree.leaves(state)])
-    plants = Wrist.from_values({k: np.tile(v, n) for k, v in wrist.values.items()}, wrist.forms)
+    plants = wrist.made_of({k: np.tile(v, n) for k, v in wrist.values.items()})
     found, _, _ = run(
         plants, stacked(controllers, m), np.tile(reference, n), lanes, duration=problem.duration,
         jobs=problem.jobs,
     )  # fmt: skip
     judged: Metrics = found.reshape(n, m)
-    broken = [Broken.at_command(problem.wrist, c, problem.branches) for c in controllers]
+    broken = [InputLoop.at_command(problem.wrist, c, problem.branches) for c in controllers]
     linear = [x.margins(problem.branches) for x in broken]
     sizes = np.array([abs(s.reference - s.angle) for s in problem.scenarios])
     values: dict[str, Array] = {

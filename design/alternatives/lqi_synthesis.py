@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.convex import solve
-from plants.linear import BRANCHES, branch_slope
+from plants.linear import branch_slopes
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -86,7 +86,7 @@ class Feedback:
 def vertices(wrist: Wrist) -> list[tuple[float, float]]:
     """Slope [deg/kPa] and rate [1/s] at every vertex, without repetition."""
     p = wrist.regulator
-    slopes = dict.fromkeys(branch_slope(wrist, b) for b in BRANCHES)
+    slopes = dict.fromkeys(branch_slopes(wrist).values())
     return [(s, float(k)) for s in slopes for k in dict.fromkeys((p.k_slow, p.k_fast))]
 
 

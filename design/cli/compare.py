@@ -5,16 +5,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from design.cli.common import JobsOption, JsonOption, SeedOption, command_line, write_json
+from design.cli.common import Axis, JobsOption, JsonOption, SeedOption, command_line, write_json
 from design.cli.completion import files
 from design.cli.places import check_places
 from design.cli.screen import console, progress
 
 if TYPE_CHECKING:
-    from design.break_even import BreakEven
     from design.controllers.controller import Controller
-    from design.controllers.pi import PI
-    from design.tuning import Tuning
     from plants.measured.fit import Fit
     from plants.quantities import ParameterSet
 
@@ -27,7 +24,7 @@ def command(
     campaigns: Annotated[
         list[Path] | None,
         typer.Argument(
-            help="Campaigns to fit, one a motion; the built-in parameters stand for a motion without one.",
+            help="Campaigns to fit, one a motion; with no campaign and no plant, the paper's wrist.",
             autocompletion=files,
         ),
     ] = None,
@@ -62,21 +59,17 @@ def command(
     seed: SeedOption = 0,
     jobs: JobsOption = None,
 ) -> None:
-    from design.alternatives.designs import design_others
-    from design.answer import refusal
     from design.cli.compare_tables import contest_table, table
-    from design.compare import compare, controllers
-    from design.contest import contest
     from design.contest.statistics import FEWEST
-    from design.contest.words import sentences
-    from design.deadlines import deadlines
-    from design.requirements import default_problem
-    from design.tuning import Region, tune
+    from design.studies.study import Question, study
     from plants.errors import InputError
     from plants.wrist import Wrist
-    from reports.comparison import write_comparison
-    from reports.html import Made
-    from reports.records import comparison_record
+    from reports.comparison.contest_words import sentences
+    from reports.comparison.page import write_comparison
+    from reports.comparison.record import comparison_record
+    from reports.comparison.verdict_words import verdict_sentences
+    from reports.shared.html import Made
+    from reports.shared.tuning import refused
 
     if 0 < samples < FEWEST:
         raise InputError(
@@ -86,49 +79,23 @@ def command(
     said = console(json)
     folders = list(campaigns or []) + (example_campaigns() if example else [])
     fits, sets = _plants(folders, plant or [], seed, said)
-    wrists = {name: Wrist.of(s) for name, s in sets.items()}
-    more = robust(robust_gains or [], wrists)
-    tunings: dict[str, Tuning] = {}
-    for name, wrist in wrists.items():
-        with progress(f"tune {name}") as tell:
-            tunings[name] = tune(
-                default_problem(wrist, jobs=jobs), Region(points=points), seed=seed, progress=tell
-            )
-        said.print(f"{name}: Kp = {tunings[name].Kp:.4g} kPa/deg, Ki = {tunings[name].Ki:.4g} kPa/(deg s)")
-    refusals = {n: no for n, t in tunings.items() if (no := refusal(t)) is not None}
-    for name, no in refusals.items():
-        said.print(f"{name}: {no}")
-    tuned = {n: _tuned(t) for n, t in tunings.items()}
-    designs = {}
-    mpcs = _mpcs(wrists, said)
-    for name, t in tunings.items():
-        with progress(f"{name}, other designs") as tell:
-            designs[name] = design_others(t.problem, tell)
+    more = robust(robust_gains or [], {name: Wrist.of(s) for name, s in sets.items()})
+    question = Question(sets, fits, points, samples, mpc_plants, more, seed, jobs)
     with progress("compare") as tell:
-        comparison = compare(
-            wrists, tuned, refusals=refusals, designs=designs, more=more, periodic=mpcs, progress=tell
-        )
-    for line in table(comparison):
+        found = study(question, tell)
+    if found.without_mpc:
+        said.print(f"MPCs are left out: {found.without_mpc}")
+    for name, answer in found.answers.items():
+        t = answer.tuning
+        said.print(f"{name}: Kp = {t.Kp:.4g} kPa/deg, Ki = {t.Ki:.4g} kPa/(deg s)")
+    for name, no in found.refusals.items():
+        said.print(f"{name}: {refused(no)}")
+    for line in table(found.comparison):
         said.print(line)
-    named = {n: controllers(wrists[n], tuned[n], designs[n], more.get(n)) for n in wrists}
-    alone = {n: {c: alike[0] for c, alike in of.items()} for n, of in named.items()}
-    maps = _break_evens(wrists, alone, jobs)
-    with progress("times of steps"):
-        ledgers = {n: deadlines(w, alone[n], mpcs.get(n)) for n, w in wrists.items()}
-    broad = None
-    bare = {n: s for n, s in sets.items() if not s.effects}
-    if samples and bare:
-        with progress("other plants") as tell:
-            broad = contest(
-                bare, {n: alone[n] for n in bare},
-                count=samples, seed=seed, jobs=jobs, progress=tell,
-                periodic=mpcs if mpc_plants else None, periodic_count=mpc_plants,
-            )  # fmt: skip
-        for line in contest_table(broad):
+    if found.contest is not None:
+        for line in [*contest_table(found.contest), *sentences(found.contest)]:
             said.print(line)
-        for sentence in sentences(broad):
-            said.print(sentence)
-    for name in set(sets) - set(bare) if samples else ():
+    for name in found.unperturbed:
         said.print(f"{name}: has effects of its own, so that no perturbed plants are drawn of it")
     made = Made.now(
         command=command_line(),
@@ -140,13 +107,12 @@ def command(
         else "",
     )
     with progress("page"):
-        written = write_comparison(out, comparison, tunings, sets, fits, made, broad, maps, ledgers)
-    for verdict in comparison.verdicts:
-        said.print(verdict)
+        written = write_comparison(out, found, made)
+    for sentence in verdict_sentences(found):
+        said.print(sentence)
     said.print(f"report in {written}", soft_wrap=True)
-    record = comparison_record(comparison, tunings, sets, fits, made, broad, maps, ledgers)
-    write_json(json, record)
-    if refusals:
+    write_json(json, comparison_record(found, made))
+    if found.refusals:
         raise typer.Exit(1)
 
 
@@ -157,35 +123,6 @@ def example_campaigns() -> list[Path]:
     return sorted(
         p.parent for p in (Path(plants.measured.__file__).parent / "examples").glob("*/campaign.toml")
     )
-
-
-def _mpcs(wrists: Any, said: Any) -> dict[str, Any]:
-    """The MPCs of each motion; none, and why, where their solver is not installed."""
-    from design.alternatives.designs import design_mpcs
-    from plants.errors import InputError
-
-    try:
-        with progress("MPCs"):
-            return {name: design_mpcs(wrist) for name, wrist in wrists.items()}
-    except InputError as error:
-        said.print(f"MPCs are left out: {error}")
-        return {}
-
-
-def _break_evens(wrists: Any, controllers: Any, jobs: int | None) -> "dict[str, BreakEven]":
-    """The break-even map of each motion: what has a feedforward against the tuned PI, of a wrist that has an
-    inverse and no effects of its own."""
-    from design.alternatives.designs import FORWARD_PI
-    from design.break_even import break_even
-    from design.compare import FORWARD, TUNED
-
-    found = {}
-    for name, wrist in wrists.items():
-        others = {n: c for n, c in controllers[name].items() if n in (FORWARD, FORWARD_PI)}
-        if others and not wrist.effects:
-            with progress(f"{name}, break-even map"):
-                found[name] = break_even(wrist, controllers[name][TUNED], others, jobs=jobs)
-    return found
 
 
 def robust(gains: list[str], wrists: Any) -> "dict[str, dict[str, Controller]]":
@@ -202,22 +139,15 @@ def robust(gains: list[str], wrists: Any) -> "dict[str, dict[str, Controller]]":
         values = pi_gains(pair, "--robust-gains", "2.1,5.4")
         for name in [motion] if given else list(wrists):
             w = wrists[name]
-            found[name] = {
-                "robust PI": PI(values[0], values[1], w.regulator.gain, w.hysteresis.rest_pressure)
-            }
+            found[name] = {"robust PI": PI.of(w, values[0], values[1])}
     return found
-
-
-def _tuned(tuning: "Tuning") -> "PI":
-    from design.requirements import controller
-
-    return controller(tuning.problem, tuning.Kp, tuning.Ki)
 
 
 def _plants(
     folders: list[Path], files: list[Path], seed: int, said: Any
 ) -> tuple[dict[str, "Fit"], dict[str, "ParameterSet"]]:
-    """Fits of the campaigns, and the parameter set of each motion: fitted, given, or built in."""
+    """Fits of the campaigns, and the parameter set of each motion: fitted, given, or, where nothing is given,
+    built in."""
     from design.cli.common import starting_set
     from design.cli.fit import tables
     from plants.errors import InputError
@@ -250,8 +180,8 @@ def _plants(
         for part in tables(fits[axis]):
             said.print(part)
         sets[axis] = fits[axis].fitted
-    for axis in ("flexion", "deviation"):
-        if len(sets) < 2 and axis not in sets:
-            sets[axis] = built_in(axis)
-    order = sorted(sets, key=lambda name: (name != "flexion", name))
+    motions = [axis.value for axis in Axis]
+    if not sets:
+        sets = {axis: built_in(axis) for axis in motions}
+    order = sorted(sets, key=lambda name: (motions.index(name) if name in motions else len(motions), name))
     return fits, {name: sets[name] for name in order}

@@ -52,11 +52,11 @@ def _short(value: float | None) -> str:
 
 def contest_table(broad: "Contest") -> list[object]:
     """A table of the steps on the perturbed plants for each motion, and one for both at once."""
-    from design.contest.scores import BOTH
+    from reports.comparison.contest import is_main
 
     parts: list[object] = []
     for motion, field, family in broad.tables:
-        if family == "steps" and (field.startswith("perturbed plants") or motion == BOTH):
+        if is_main((motion, field, family)):
             scores = broad.of(motion, field, family)
             title = f"{motion}: {family}, {scores[0].plants} plants ({field}), noisy sensor"
             parts += [Sheet(SCORE, tuple(_score(s, broad.reference) for s in scores), title), ""]

@@ -30,7 +30,7 @@ def controllers(incomplete: str) -> list[tuple[str, str]]:
 
 
 def figures(incomplete: str) -> list[tuple[str, str]]:
-    from reports.paper import FIGURES
+    from reports.paper.figures import FIGURES
 
     titles = {str(number): _short(figure.title) for number, figure in FIGURES.items()}
     return [(n, titles[n]) for n in _begun(titles, incomplete)]

@@ -41,7 +41,7 @@ def command(
     from plants.measured.campaign import load_campaign
     from plants.measured.fit import fit_campaign
     from plants.quantities import dump
-    from reports.records import fit_record
+    from reports.shared.fit import fit_record
 
     check_places({"--save": save, "--json": json}, out)
     data = load_campaign(campaign)
@@ -54,8 +54,8 @@ def command(
         dump(fitted.fitted, save)
         said.print(f"fitted set in {save}", soft_wrap=True)
     if out is not None:
-        from reports.fitted import draw_fit
-        from reports.style import save as save_figure
+        from reports.shared.fit import draw_fit
+        from reports.shared.style import save as save_figure
 
         path = out / f"fit-{data.name}.png"
         save_figure(draw_fit(fitted), path)

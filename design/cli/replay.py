@@ -30,7 +30,7 @@ def replay(path: Path, json: Path | None, out: Path | None) -> None:
 def played(saved: "Saved") -> dict[str, Any]:
     """The run of a scenario as `wrist simulate` tells runs: summary, metrics of the last step, signals."""
     from design.sequence import play
-    from plants.quantities import kind_of
+    from plants.quantities import kinds_of
 
     s, c = saved.sequence, saved.controller
     run = play([s], c, record=True)
@@ -47,13 +47,11 @@ def played(saved: "Saved") -> dict[str, Any]:
         f"{metrics['overshoot_percent']:.3g} %, "
         f"IAE {metrics['iae_deg_s']:.3g} deg s ({same})"
     )
-    every = slice(None, None, 10)
+    every, kinds = slice(None, None, 10), kinds_of(s.wrist.values, s.wrist.forms)
     return {
         "summary": summary,
         "scenario": s.name,
-        "parameters": {
-            n: {"value": v, "unit": kind_of(n, s.wrist.forms).unit} for n, v in s.wrist.values.items()
-        },
+        "parameters": {n: {"value": v, "unit": kinds[n].unit} for n, v in s.wrist.values.items()},
         "metrics": metrics,
         "metrics_saved": saved.metrics,
         "same_as_saved": not differs,
@@ -67,8 +65,8 @@ def played(saved: "Saved") -> dict[str, Any]:
 
 
 def _picture(folder: Path, saved: "Saved", result: dict[str, Any]) -> Path:
-    from reports.signals import draw
-    from reports.style import BLACK, save, styled
+    from reports.shared.signals import draw
+    from reports.shared.style import BLACK, save, styled
 
     s = saved.sequence
     # The whole name is too long for a line of the page: the references are drawn anyway.

@@ -23,6 +23,7 @@ from design.cli.completion import files
 from design.cli.completion import intervals as parameters
 from design.cli.places import check_places
 from design.cli.screen import Sheet, console, progress
+from design.status import BY_PROOF, Status
 
 if TYPE_CHECKING:
     from design.controllers.pi import PI
@@ -34,10 +35,10 @@ NAME = "robust"
 HELP = "How far gains can be trusted on every branch: certificates, predictions, samples, the worst case."
 EXAMPLE = "Example: wrist robust --gains 2.3,6.4 --out build/robust"
 
-KINDS = {
-    "certificate": "Certificates (proved, and checked outside the solver)",
-    "prediction": "Predictions (linear theory and describing functions)",
-    "sample": "Samples (simulated)",
+KINDS: dict[tuple[Status, ...], str] = {
+    BY_PROOF: "Certificates (proved, and checked outside the solver)",
+    (Status.PREDICTED,): "Predictions (linear theory and describing functions)",
+    (Status.SAMPLED,): "Samples (simulated)",
 }
 MARKS = {True: "yes", False: "no", None: "open"}
 
@@ -94,13 +95,13 @@ def command(
     scheduler: SchedulerOption = None,
 ) -> None:
     from design.robustness.assess import assess
-    from design.robustness.assess_record import assessment_record
     from design.robustness.box import box_of
     from design.robustness.samples.conditions import Conditions
     from design.robustness.samples.scenario_file import save
     from design.tasks import Spread
     from plants.errors import InputError
     from plants.wrist import Wrist
+    from reports.robustness.record import assessment_record
 
     check_places({"--worst": worst, "--json": json}, out)
     spread = Spread(*numbers(corners, "--corners", "0.2,0.1,0.2"))
@@ -158,44 +159,40 @@ def controller(gains: str, wrist: "Wrist") -> "PI":
         raise InputError(
             f"--gains: {gains!r}: Kp and Ki must both be above 0; without Ki the error never goes"
         )
-    return PI(Kp, Ki, wrist.regulator.gain, wrist.hysteresis.rest_pressure)
+    return PI.of(wrist, Kp, Ki)
 
 
 def lines(found: "Assessment") -> list[Any]:
     """What people read of an assessment: a summary, the statements by kind, where they disagree."""
-    from design.robustness.disagreement import disagreements
     from design.robustness.verdict import verdict
-    from reports.robust_words import remarks, summary
+    from reports.robustness.disagreements import disagreement_sentences
+    from reports.robustness.words import remarks, summary
 
     said: list[Any] = [*summary(found), *remarks(found)]
-    for kind, words in KINDS.items():
-        statements = [s for s in verdict(found) if s.kind == kind]
+    for statuses, words in KINDS.items():
+        statements = [s for s in verdict(found) if s.status in statuses]
         rows = tuple(_cells(s) for s in statements)
         said += ["", Sheet(("holds", "value", "statement", "branch"), rows, words, words=(0, 2, 3))]
-    contradictions = disagreements(found)
+    contradictions = disagreement_sentences(found)
     if contradictions:
         said += ["", "Where they disagree"] + [f"- {d}" for d in contradictions]
     return said
 
 
 def _cells(s: "Statement") -> tuple[str, ...]:
-    from reports.robust_tables import shown
+    from reports.robustness.statements import claim_words
+    from reports.robustness.tables import shown
 
-    holds = "told" if s.kind == "prediction" and s.holds is None else MARKS[s.holds]
-    return holds, shown(s), s.statement, s.branch
+    holds = "told" if s.status is Status.PREDICTED and s.holds is None else MARKS[s.holds]
+    return holds, shown(s), claim_words(s.claim), s.branch
 
 
 def _write_page(out: Path, found: "Assessment", points: int, seed: int, jobs: int | None) -> Path:
-    from design.requirements import default_problem
-    from design.robustness.certificates.continuous.search import RUNGS
-    from design.robustness.gain_plane import gain_plane
-    from reports.html import Made
-    from reports.robust_page import write_robust
+    from design.studies.robustness_study import robustness_study
+    from reports.robustness.page import write_robust
+    from reports.shared.html import Made
 
     plant = found.box.plant
     with progress("page") as tell:
-        plane = gain_plane(
-            default_problem(found.wrist, found.limits, jobs=jobs), tuple(RUNGS), points=points, progress=tell
-        )
-        made = Made.now(command=command_line(), seed=seed, sets={plant.axis: plant})
-        return write_robust(out, found, plane, made)
+        study = robustness_study(found, points, jobs, tell)
+        return write_robust(out, study, Made.now(command_line(), seed, {plant.axis: plant}))

@@ -12,7 +12,7 @@ def command(axis: AxisOption = Axis.flexion, plant: PlantOption = None, json: Js
     from rich.padding import Padding
     from rich.text import Text
 
-    from plants.quantities import Assumed, kind_of
+    from plants.quantities import Assumed
 
     check_places({"--json": json})
     chosen = parameter_set(axis, plant)
@@ -24,7 +24,7 @@ def command(axis: AxisOption = Axis.flexion, plant: PlantOption = None, json: Js
         form = forms.pop(name.partition(".")[0], None)  # the heading stands before its first parameter
         if form is not None:
             out.print(Text.assemble((f"{form.NAME}: {form.FORM}", "bold cyan"), f" ({form.STAGE})"))
-        meaning = kind_of(name, chosen.effects).meaning
+        meaning = chosen.kinds[name].meaning
         assumed = isinstance(p.provenance, Assumed)
         head = Text.assemble(
             ("? " if assumed else "  ", "bold yellow"),

@@ -126,7 +126,7 @@ def _played(wrist: "Wrist", path: Path) -> dict[str, Any]:
     from plants.measured.playback import Playback
 
     r = load_recording(path)
-    pressure, angle = Playback(r).play(wrist)
+    pressure, angle = Playback(r, wrist.rig.sample_time).play(wrist)
     result: dict[str, Any] = {
         "time_s": r.time,
         "command_V": r.command,
@@ -157,9 +157,7 @@ def _closed(
 
     if not math.isfinite(step) or step == 0.0:
         raise InputError(f"--step: {step} is no step; give an angle in deg that is not 0")
-    controller = PI(
-        gains[0], gains[1], gain=wrist.regulator.gain, rest_pressure=wrist.hysteresis.rest_pressure
-    )
+    controller = PI.of(wrist, *gains)
     judged, _, t = run(wrist, controller, step, wrist.rest(start), duration=duration, record=True)
     assert t is not None
     metrics = {n: float(v[0]) for n, v in vars(judged).items()}
@@ -181,10 +179,11 @@ def _closed(
 
 
 def _figure(number: int, axis: Axis, plant: Path | None, json: Path | None, out: Path | None) -> None:
+    from design.studies.paper import series
     from plants.errors import InputError
     from plants.wrist import Wrist
-    from reports import paper
-    from reports.style import save
+    from reports.paper import figures as paper
+    from reports.shared.style import save
 
     if number not in paper.FIGURES:
         known = ", ".join(map(str, paper.FIGURES))
@@ -197,19 +196,21 @@ def _figure(number: int, axis: Axis, plant: Path | None, json: Path | None, out:
             raise InputError(f"{plant}: {given.axis!r} is no motion of the paper; its figures are of {known}")
         sets[given.axis] = given
     wrists = [Wrist.of(s) for s in sets.values()]
+    with progress("simulate"):
+        panels = series(number, *wrists)
     path = (out or Path("build/figures")) / f"figure-{number:02d}.png"
     with progress("draw"):
-        save(paper.draw(number, *wrists), path)
+        save(paper.draw(number, panels), path)
     said = console(json)
     said.print(f"Fig. {number} redrawn in {path}", soft_wrap=True)
     caption = paper.caption(number, sets)
     said.print(caption)
-    write_json(json, {**paper.data(number, *wrists), "caption": caption})
+    write_json(json, {**paper.data(number, panels), "caption": caption})
 
 
 def _picture(folder: Path, chosen: "ParameterSet", result: dict[str, Any]) -> Path:
-    from reports.signals import draw
-    from reports.style import save
+    from reports.shared.signals import draw
+    from reports.shared.style import save
 
     path = folder / f"simulate-{chosen.axis}.png"
     save(draw(result, chosen.title), path)

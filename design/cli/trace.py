@@ -54,52 +54,41 @@ def command(
     from plants.measured.campaign import load_campaign
     from plants.measured.trace.trace import trace_campaign
     from plants.quantities import dump
-    from reports.trace_record import trace_record
+    from reports.trace.record import control_record, trace_record
+    from reports.trace.words import control_sentence
 
     check_places({"--save": save, "--json": json}, out)
     data = load_campaign(campaign)
     start = starting_set(data, plant)
     with progress(f"trace {data.name}") as tell:
         trace = trace_campaign(data, start, seed, tell)
-    control, refusal = _retuned(trace, seed, jobs) if retune else (None, None)
+    control = _retuned(trace, seed, jobs) if retune else None
     said = console(json)
     for part in lines(trace):
         said.print(part)
     if retune:
-        said.print(f"\n{_control_words(control, refusal)}")
+        said.print(f"\n{control_sentence(control)}")
     if save is not None:
         dump(trace.revised, save)
         said.print(f"plant in {save}", soft_wrap=True)
     if out is not None:
         said.print(f"page in {_write_page(out, trace, control, seed)}", soft_wrap=True)
-    write_json(json, trace_record(trace, _control_record(control, refusal) if retune else None))
+    write_json(json, trace_record(trace, control_record(control) if retune else None))
 
 
-def _retuned(trace: "Trace", seed: int, jobs: int | None) -> "tuple[Control | None, str | None]":
-    """Both PIs, or why there are none."""
+def _retuned(trace: "Trace", seed: int, jobs: int | None) -> "Control | None":
+    """Both PIs; None where the campaign has no angle, and so no loop to tune."""
     from design.retune import retune
 
     if trace.campaign.stage != "wrist":
-        return None, "no: the campaign has no angle, so there is no loop to tune"
+        return None
     with progress("retune") as tell:
-        return retune(trace.fit.fitted, trace.revised, seed=seed, jobs=jobs, progress=tell), None
-
-
-def _control_words(control: "Control | None", refusal: str | None) -> str:
-    from reports.trace_words import control_sentence
-
-    return control_sentence(control) if control is not None else f"Tuned again: {refusal}."
-
-
-def _control_record(control: "Control | None", refusal: str | None) -> dict[str, Any]:
-    from design.retune import control_record
-
-    return control_record(control) if control is not None else {"refusal": refusal}
+        return retune(trace.fit.fitted, trace.revised, seed=seed, jobs=jobs, progress=tell)
 
 
 def _write_page(out: Path, trace: "Trace", control: "Control | None", seed: int) -> Path:
-    from reports.html import Made
-    from reports.trace_page import write_trace
+    from reports.shared.html import Made
+    from reports.trace.page import write_trace
 
     with progress("page"):
         made = Made.now(
@@ -113,7 +102,7 @@ def _write_page(out: Path, trace: "Trace", control: "Control | None", seed: int)
 
 def lines(trace: "Trace") -> list[Any]:
     """What people read of a trace: the verdict first, then errors, effects, and what is open."""
-    from reports.trace_words import description, verdict_sentence
+    from reports.trace.words import description, verdict_sentence
 
     said: list[Any] = [verdict_sentence(trace), ""]
     said += ["rms error of free runs from the command, on the recordings that took no part", _errors(trace)]

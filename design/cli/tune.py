@@ -30,7 +30,7 @@ COST_TEXT = {
 }
 
 if TYPE_CHECKING:
-    from design.tuning import Tuning
+    from design.answer import Answer
 
 NAME = "tune"
 HELP = "Tune the PI: least worst cost over starting memories and corners of the plant, under hard limits."
@@ -84,12 +84,13 @@ def command(
     jobs: JobsOption = None,
     scheduler: SchedulerOption = None,
 ) -> None:
-    from design.answer import refusal, tuning_record
+    from design.answer import answer
     from design.requirements import COSTS, Limits, default_problem
     from design.tasks import Spread
     from design.tuning import Region, tune
     from plants.errors import InputError
     from plants.wrist import Wrist
+    from reports.shared.tuning import tuning_record
 
     check_places({"--json": json}, out)
     if cost not in COSTS:
@@ -104,46 +105,47 @@ def command(
     said = console(json)
     record: dict[str, Any] = {}
     if robust:
-        from design.robustness import robust_tuning
         from design.robustness.box import box_of
+        from design.robustness.robust_tuning import tune_robustly
+        from reports.robustness import tuning as robust_words
 
         with progress("tune") as tell:
-            grown = robust_tuning.tune_robustly(
+            grown = tune_robustly(
                 problem, box_of(chosen, spread), region, starts, seed, dead_time, load, rounds, tell,
                 partial(tune, scheduler=scheduler),
             )  # fmt: skip
         found = grown.final
-        for line in robust_tuning.lines(grown):
+        for line in robust_words.lines(grown):
             said.print(line)
-        record = {"robust": robust_tuning.record(grown)}
+        record = {"robust": robust_words.record(grown)}
     else:
         with progress("tune") as tell:
             found = tune(problem, region, starts, seed, tell, scheduler)
-    for line in lines(found):
+    answered = answer(found)
+    for line in lines(answered):
         said.print(line)
     if out is not None:
-        from reports.figures import gain_map
-        from reports.style import save
+        from reports.shared.gain_map import gain_map
+        from reports.shared.style import save
 
         path = out / f"tune-{chosen.axis}.png"
         save(gain_map(found), path)
         said.print(f"map of the gains in {path}", soft_wrap=True)
-    write_json(json, tuning_record(found, chosen.axis) | record)
-    if refusal(found) is not None:
+    write_json(json, tuning_record(answered, chosen.axis) | record)
+    if answered.refusal is not None:
         raise typer.Exit(1)
 
 
-def lines(found: "Tuning") -> list[str]:
+def lines(answered: "Answer") -> list[str]:
     """What people read of a tuning."""
-    from design.answer import refusal, tuning_record
     from design.tasks import HEADROOM
+    from reports.shared.tuning import refused
 
-    no = refusal(found)
-    if no is not None:
-        return [no]
+    if answered.refusal is not None:
+        return [refused(answered.refusal)]
+    found, metrics = answered.tuning, answered.nominal
     problem, at, region = found.problem, found.at, found.region
     near = sum(s.feasible and s.cost <= 1.01 * float(at.cost[0]) for s in found.searches)
-    metrics = tuning_record(found, "")["metrics"]
     apart = " and ".join(f"{100 * (r - 1):.0f} %" for r in region.resolution)
     said = [
         f"Kp = {found.Kp:.4g} kPa/deg, Ki = {found.Ki:.4g} kPa/(deg s)",

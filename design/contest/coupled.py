@@ -7,13 +7,14 @@ wrists in one loop do: since a sample acts on the other motion only in the sampl
 through a static shift, the exact part grows with every turn, and weak coupling makes it contract.
 """
 
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from design.contest.run import Result, run
 from design.controllers.controller import Controller
+from design.evaluation.runner import Lanes
 from plants.errors import InputError
 
 Array = NDArray[np.float64]
@@ -27,11 +28,10 @@ MOST = 100
 
 def run_coupled(
     controllers: tuple[Controller, Controller],
-    lanes: tuple[dict[str, Any], dict[str, Any]],
+    lanes: tuple[Lanes, Lanes],
     jobs: int | None = None,
 ) -> tuple[tuple[Result, Result], int]:
-    """Run two motions, coupled, lane by lane; `lanes`: what `design.contest.run.run` takes of each (wrist,
-    state, asked, sensor, noise).  Returns both results and the turns that it took.
+    """Run two motions, coupled, lane by lane.  Returns both results and the turns that it took.
 
     Raises InputError where the turns do not come to an end.
     """
@@ -42,9 +42,7 @@ def run_coupled(
         for me in (0, 1):
             other = pressures[1 - me]
             given = None if other is None else np.ascontiguousarray(other[:-1])
-            results[me], rows = run(
-                controller=controllers[me], other=given, jobs=jobs, record=True, **lanes[me]
-            )
+            results[me], rows = run(replace(lanes[me], other_pressure=given), controllers[me], jobs, True)
             before = pressures[me]
             change = max(change, np.inf if before is None else float(np.abs(rows - before).max()))
             pressures[me] = rows

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from design.contest.run import lanes_of
 from design.contest.statistics import FEWEST
-from design.robustness.box import RATES, SIGMAS, Box, box_of
+from design.robustness.box import SIGMAS, Box, box_of, shares_of
 from design.robustness.samples.draws import generator
-from design.tasks import HEADROOM, STEP, Spread
+from design.tasks import HEADROOM, Spread
 from plants.effects.branch_curvature import Polynomial
 from plants.effects.creep import Creep
 from plants.effects.cross_coupling import Coupling
@@ -25,7 +25,7 @@ from plants.effects.load_step import LoadStep
 from plants.errors import InputError
 from plants.quantities import Fitted, ParameterSet
 from plants.rest import at_rest
-from plants.wrist import COMMAND_RANGE, Start, Wrist
+from plants.wrist import Start, Wrist
 
 Array = NDArray[np.float64]
 
@@ -78,7 +78,7 @@ def carrying(wrist: Wrist, lanes: int) -> Wrist:
     for form in FORMS:
         wrist = wrist + form()
     values = {n: np.broadcast_to(np.asarray(v, float), (lanes,)) for n, v in wrist.values.items()}
-    return Wrist.from_values(values, wrist.forms)
+    return wrist.made_of(values)
 
 
 def nominal(wrist: Wrist) -> Field:
@@ -108,7 +108,7 @@ def day_to_day(plant: ParameterSet) -> tuple[Box, float]:
     loop that does not run backwards anywhere in the range of pressure.  Raises InputError as `box_of`.
     """
     for share in PARTS:
-        full = Spread()
+        full = Spread.of(plant.rig)
         spread = Spread(share * full.width, share * full.slope, share * full.lag)
         try:
             return box_of(another_day(plant, spread), spread), share
@@ -119,9 +119,7 @@ def day_to_day(plant: ParameterSet) -> tuple[Box, float]:
 
 def another_day(plant: ParameterSet, spread: Spread) -> ParameterSet:
     """The set without those standard errors that are smaller than what a refit on another day moves."""
-    shares = dict.fromkeys(("a1", "a2", "s"), spread.slope) | dict.fromkeys(("w1", "w2"), spread.width)
-    shares |= {"Tw": spread.lag} | dict.fromkeys(("k_fast", "k_slow", "e0"), RATES)
-    found = dict(plant.parameters)
+    shares, found = shares_of(plant, spread), dict(plant.parameters)
     for name, share in shares.items():
         p = plant.parameters[name]
         if isinstance(p.provenance, Fitted) and SIGMAS * (p.provenance.std_error or 0.0) < share * abs(
@@ -145,11 +143,12 @@ def rig(name: str, of: Field, every: int = SHARE, called: str | None = None) -> 
 
 
 def within_reach(field: Field) -> Field:
-    """The plants of a field on which a command within the range, with some headroom, holds 15 deg either
+    """The plants of a field on which a command within the range, with some headroom, holds the step either
     way; the others say nothing about controllers."""
-    low, high = COMMAND_RANGE[0] + HEADROOM, COMMAND_RANGE[1] - HEADROOM
+    least, most = field.wrist.rig.command_range
+    low, high, step = least + HEADROOM, most - HEADROOM, field.wrist.rig.task.step
     held = np.ones(field.count, bool)
-    ends: tuple[tuple[Start, float], ...] = (("line1", STEP), ("line2", -STEP))
+    ends: tuple[tuple[Start, float], ...] = (("line1", step), ("line2", -step))
     for start, angle in ends:
         state = at_rest(field.wrist, start, np.full(field.count, angle))
         command = state.pressure / field.wrist.regulator.gain

@@ -1,21 +1,22 @@
 """Every controller on every plant and task of a field, in pieces that fit the memory."""
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from design.contest.coupled import run_coupled
-from design.contest.periodic import Periodic, play_coupled, play_periodic
+from design.contest.periodic import play_coupled
 from design.contest.plants import NOISE, Field
 from design.contest.run import METRICS, Result, lanes_of, rests, run
-from design.contest.tasks import DURATION, Task, course
 from design.controllers.controller import Controller
+from design.evaluation.runner import Lanes
+from design.evaluation.tasks import Task, batch
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.draws import generator
-from design.robustness.samples.noisy_loop import HOLD, sensor
-from plants.wrist import SAMPLE_TIME
+from plants.simulation.periodic import Periodic
+from plants.simulation.sensor import HOLD, sensor
 
 Array = NDArray[np.float64]
 
@@ -46,10 +47,7 @@ def play(
             field, [i for i, _ in piece], [asked[j] for _, j in piece], conditions, seed, number
         )
         for name, controller in controllers.items():
-            if isinstance(controller, Periodic):
-                parts[name].append(play_periodic(controller=controller, **lanes))
-            else:
-                parts[name].append(run(controller=controller, jobs=jobs, **lanes)[0])
+            parts[name].append(run(lanes, controller, jobs)[0])
     shape = (field.count, len(asked))
     return {
         n: Result(*(np.concatenate([getattr(r, m) for r in of]).reshape(shape) for m in METRICS))
@@ -59,20 +57,18 @@ def play(
 
 def lanes_for(
     field: Field, which: list[int], asked: list[Task], conditions: Conditions, seed: int, chunk: int
-) -> dict[str, Any]:
-    """What `design.contest.run.run` takes beside the controller, for plants and tasks lane by lane."""
+) -> Lanes:
+    """Plants and tasks lane by lane."""
     wrist = lanes_of(field.wrist, np.array(which, dtype=np.intp))
     state = rests(wrist, [t.start for t in asked], [t.angle for t in asked])
     loads = {
         "load-step.shift": np.array([t.load for t in asked]),
         "load-step.moment": np.array([t.judged_from for t in asked]),
     }
-    rows = round(DURATION / SAMPLE_TIME) // HOLD
+    rows = round(asked[0].duration / wrist.rig.sample_time) // HOLD
     noise = generator(seed, chunk, NOISE).standard_normal((rows, len(which)))
-    return {
-        "wrist": wrist.with_values(**loads), "state": state, "asked": course(asked),
-        "sensor": sensor(conditions.noise, conditions.quantum), "noise": noise,
-    }  # fmt: skip
+    lanes = batch(wrist.with_values(**loads), state, asked)
+    return replace(lanes, sensor=sensor(conditions.noise, conditions.quantum), noise=noise)
 
 
 def by_plant(played: Result, tasks_: list[int]) -> dict[str, Array]:
@@ -86,7 +82,7 @@ def by_plant(played: Result, tasks_: list[int]) -> dict[str, Array]:
 
 def both_motions(
     pair: tuple[Controller | Periodic, Controller | Periodic],
-    lanes: tuple[dict[str, Any], dict[str, Any]],
+    lanes: tuple[Lanes, Lanes],
     jobs: int | None,
 ) -> tuple[Result, Result]:
     """What two controllers of one kind make of two motions that move each other."""

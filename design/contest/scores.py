@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.contest import statistics
-from design.contest.periodic import Periodic
 from design.contest.plants import (
     COUPLING,
     PLANTS,
@@ -24,14 +23,14 @@ from design.contest.plants import (
 from design.contest.play import WORST, both_motions, by_plant, lanes_for, play
 from design.contest.run import METRICS, Result, lanes_of
 from design.contest.statistics import FEWEST, Interval
-from design.contest.tasks import DURATION, FAMILIES, Task, tasks
 from design.controllers.controller import Controller
-from design.metrics import SETTLING_BAND
+from design.evaluation.tasks import Task, families, lasts, side_by_side
 from design.robustness.samples.conditions import Conditions
-from design.robustness.samples.noisy_loop import HOLD
-from design.tasks import STEP
 from plants.quantities import ParameterSet
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
+from plants.rig import Rig
+from plants.simulation.periodic import Periodic
+from plants.simulation.sensor import HOLD
+from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 Tell = Callable[[str, float], None]
@@ -69,7 +68,8 @@ class Score:
 @dataclass(frozen=True)
 class Contest:
     """Scores, the name of the reference controller, what the sensor was like, plants set aside by motion
-    and field, the share of the spread from day to day that each motion's plants have, and the seed."""
+    and field, the share of the spread from day to day that each motion's plants
+    have, the seed, and the rig."""
 
     scores: tuple[Score, ...]
     reference: str
@@ -78,6 +78,7 @@ class Contest:
     spread: Mapping[str, float]
     plants: int
     seed: int
+    rig: Rig
 
     def of(self, motion: str, field: str, family: str) -> list[Score]:
         """The scores of one table, in the order of the controllers."""
@@ -112,7 +113,7 @@ def contest(
     conditions, scores, aside = Conditions(dead_time=0.0, load=0.0), list[Score](), {}
     fields: dict[str, Field] = {m: perturbed(p, count, seed) for m, p in plants.items()}
     for number, (motion, drawn) in enumerate(fields.items()):
-        given = tasks()
+        given = side_by_side(plants[motion].rig)
         steps = [t for t in given if t.family == "steps"]
         slow = (periodic or {}).get(motion, {})
         declared = nominal(Wrist.of(plants[motion]))
@@ -140,7 +141,9 @@ def contest(
             }
             scores += coupled_scores(few, every, conditions, reference, seed, jobs, BESIDE)
     spread = {m: day_to_day(p)[1] for m, p in plants.items()}
-    return Contest(tuple(scores), reference, conditions, aside, spread, count, seed)
+    return Contest(
+        tuple(scores), reference, conditions, aside, spread, count, seed, next(iter(plants.values())).rig
+    )
 
 
 def scored(
@@ -179,7 +182,7 @@ def coupled_scores(
     one, two = fields
     count = min(f.count for f in fields.values())
     pick = np.arange(0, count, SHARE)
-    virgin = [t for t in tasks() if t.family == "steps" and t.start == "virgin"]
+    virgin = [t for t in side_by_side(fields[one].wrist.rig) if t.family == "steps" and t.start == "virgin"]
     pairs = [(i, a, b) for i in range(pick.size) for a in (0, 1) for b in (0, 1)]
     lanes = []
     for me, motion in enumerate((one, two)):
@@ -201,7 +204,7 @@ def coupled_scores(
 
 def contest_record(found: Contest) -> dict[str, Any]:
     """A contest for JSON: how it was played, and every score flat."""
-    scores = []
+    scores, rig = [], found.rig
     for s in found.scores:
         record = {n: getattr(s, n) for n in ("motion", "field", "family", "controller", "plants")}
         record |= {**s.mean, "settling_q95_s": s.settling_q95}
@@ -215,12 +218,13 @@ def contest_record(found: Contest) -> dict[str, Any]:
         "reference": found.reference,
         "interval": f"paired, {100 * statistics.LEVEL:g} % BCa bootstrap of the mean over plants; ranks "
         "hold together at this level (Bonferroni over the pairs of a table)",
-        "plants_drawn": found.plants, "seed": found.seed, "duration_s": DURATION,
-        "band_deg": SETTLING_BAND * STEP, "sample_s": SAMPLE_TIME, "command_range_V": list(COMMAND_RANGE),
-        "sensor": {"noise_deg": found.conditions.noise, "noise_held_s": HOLD * SAMPLE_TIME,
+        "plants_drawn": found.plants, "seed": found.seed, "duration_s": lasts("side by side", rig),
+        "band_deg": rig.task.band * rig.task.step, "sample_s": rig.sample_time,
+        "command_range_V": list(rig.command_range),
+        "sensor": {"noise_deg": found.conditions.noise, "noise_held_s": HOLD * rig.sample_time,
                    "quantum_deg": found.conditions.quantum},
         "share_of_the_day_to_day_spread": dict(found.spread),
-        "families": dict(FAMILIES), "rigs": RIGS, "coupling_deg_per_kPa": COUPLING,
+        "families": families(rig), "rigs": RIGS, "coupling_deg_per_kPa": COUPLING,
         "set_aside": [{"motion": m, "field": f, "plants": n} for (m, f), n in found.set_aside.items() if n],
         "scores": scores,
     }  # fmt: skip

@@ -3,41 +3,30 @@
 A module of this package that holds a controller has
 
     a frozen dataclass, a `Controller`      its settings, floats or arrays of lanes
-    class State(NamedTuple)                 what it remembers
+    class State(NamedTuple)                 what it remembers, with units by `remembers`
     class Sampled(NamedTuple)               its coefficients for one sample time, a `SampledController`
     def step(state, measured, c)            one sample, which `act` hands on to; NumPy ufuncs only
 
-so that the loop in `design.loop` can be simulated in plain Python, compiled,
+so that the loop in `plants.simulation.closed_loop` can be simulated in plain Python, compiled,
 differentiated and exported from the same lines.  `design.controllers.pi` is the first one (its step
 takes the error alone), `design.controllers.lqi` another, which uses angle and pressure as well.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
+from plants.kernel import pytrees
+from plants.simulation.sensor import Measured
 from plants.wrist import SAMPLE_TIME
+
+__all__ = ["ControlLaw", "Controller", "Measured", "SampledController", "stacked"]
 
 Number = Any
 ControlLaw = Callable[[Any, Number, Any], tuple[Any, Number]]
 """``(state, measured or error [deg], coefficients) -> (state, command [V])``, once a sample, before the
 plant moves."""
-
-
-class Measured(NamedTuple):
-    """What a controller sees in one sample: error of the angle that the sensor shows and that angle
-    [deg], and the pressure [kPa]."""
-
-    error: Number
-    angle: Number
-    pressure: Number
-
-    @property
-    def reference(self) -> Number:
-        """The angle [deg] that is asked for."""
-        return self.error + self.angle
 
 
 class SampledController(Protocol):
@@ -56,6 +45,16 @@ class Controller(Protocol):
         """What the controller knows of the regulator [kPa/V]."""
         ...
 
+    @property
+    def low(self) -> Number:
+        """Least command [V]."""
+        ...
+
+    @property
+    def high(self) -> Number:
+        """Largest command [V]."""
+        ...
+
     def sampled(self, dt: float = SAMPLE_TIME) -> Any:
         """Coefficients for a sample time [s], a `SampledController`."""
         ...
@@ -70,9 +69,30 @@ class Controller(Protocol):
         ...
 
 
+MEANINGS: dict[tuple[type, str], tuple[str, str]] = {}
+"""Unit and meaning of the fields of states, for who takes a law to a target."""
+
+_State = TypeVar("_State", bound=type)
+
+
+def remembers(**fields: tuple[str, str]) -> Callable[[_State], _State]:
+    """Decorator of a state: unit and meaning of its fields, which exported code gives by name."""
+
+    def told(state: _State) -> _State:
+        MEANINGS.update({(state, name): known for name, known in fields.items()})
+        return state
+
+    return told
+
+
 def stacked(controllers: Sequence[Any], repeat: int = 1) -> Any:
     """Controllers of one kind, whose settings are floats, as one with arrays of lanes, each `repeat` times
     in a row."""
-    kind = type(controllers[0])
-    names = [f.name for f in fields(kind)]
-    return kind(**{n: np.repeat([float(getattr(c, n)) for c in controllers], repeat) for n in names})
+    rows = zip(*(pytrees.leaves(c) for c in controllers), strict=True)
+    return pytrees.like(controllers[0], [np.repeat(np.array(row, float), repeat) for row in rows])
+
+
+def settings_of(controller: Any) -> dict[str, float]:
+    """The settings of a controller or an observer by name, those of its model included."""
+    declared = getattr(controller, "settings", None)
+    return {n: float(v) for n, v in (vars(controller) if declared is None else declared).items()}

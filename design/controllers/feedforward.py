@@ -6,19 +6,19 @@ of the model less the one that is measured (two degrees of freedom: Astrom & Hag
 2006).  Both start from the memory that angle and pressure tell (`controllers.memory_estimator`).
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from design.controllers.controller import Measured
+from design.controllers.controller import Measured, remembers
 from design.controllers.feedforward_course import Course, SampledCourse, no_inverse, proceed
 from design.controllers.memory_estimator import memory_at_rest, pressure_at_rest
 from design.controllers.pi import PI
 from plants import delay
 from plants.delay import DelayLine, SampledDelay
+from plants.effects.effect import dead_time_of
 from plants.errors import InputError
-from plants.quantities import KINDS
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Number, State, Wrist
 
 SPEED = 25.0
@@ -27,43 +27,36 @@ SPEED = 25.0
 
 @dataclass(frozen=True)
 class Feedforward:
-    """The model's parameters, by the names that they have in a wrist, and the rate of the reference filter,
-    speed [1/s]; floats or arrays of lanes.
+    """The model, a wrist without effects, and the rate of the reference filter, speed [1/s]; floats or
+    arrays of lanes.
 
     low and high [V] bound the command.  Raises ValueError for a setting that is not finite, a speed that is
-    not positive, and a model that has no inverse: a transit that is not less steep than both lines, lines
-    that cross within the range of pressure, a regulator whose rate falls as the error grows.
+    not positive, and a model that has no inverse: a loop that runs backwards within the range of pressure,
+    a regulator whose rate falls as the error grows.
     """
 
-    gain: Number
-    k_fast: Number
-    k_slow: Number
-    e0: Number
-    a1: Number
-    w1: Number
-    a2: Number
-    w2: Number
-    s: Number
-    rest_pressure: Number
-    Tw: Number
+    model: Wrist
     speed: Number = SPEED
     low: Number = COMMAND_RANGE[0]
     high: Number = COMMAND_RANGE[1]
 
     def __post_init__(self) -> None:
-        v = {f.name: np.asarray(getattr(self, f.name), float) for f in fields(self)}
+        v = {n: np.asarray(x, float) for n, x in self.settings.items()}
         if not all(np.isfinite(x).all() for x in v.values()):
             raise ValueError("settings of a feedforward must be finite")
-        if not all((v[n] > 0.0).all() for n in ("gain", "k_fast", "k_slow", "a1", "a2", "Tw", "speed")):
-            raise ValueError("gain, k_fast, k_slow, a1, a2, Tw and speed must be positive")
-        if np.any(v["s"] < 0.0) or np.any(v["s"] >= np.minimum(v["a1"], v["a2"])):
-            raise ValueError("a loop with s not below a1 and a2 runs backwards and has no inverse; use a PI")
+        if not all((v[n] > 0.0).all() for n in ("gain", "k_fast", "k_slow", "Tw", "speed")):
+            raise ValueError("gain, k_fast, k_slow, Tw and speed must be positive")
         if np.any(v["k_slow"] > v["k_fast"]):
             raise ValueError("a regulator with k_slow above k_fast may have no inverse; use a PI")
-        for volts in (v["low"], v["high"]):
-            gap = (v["a2"] - v["a1"]) * (volts * v["gain"] - v["rest_pressure"]) + v["w1"] + v["w2"]
-            if np.any(gap <= 0.0):
-                raise ValueError("a loop whose lines cross within the range has no inverse; use a PI")
+        loop = self.model.hysteresis
+        names = [*loop.values, "low", "high", "gain"]
+        lanes = np.array(np.broadcast_arrays(*(v[n] for n in names))).reshape(len(names), -1)
+        for lane in np.unique(lanes, axis=1).T:  # of thousands most are the same
+            of = dict(zip(names, map(float, lane), strict=True))
+            one = loop.from_values(of)
+            problem = one.problem(of["low"] * of["gain"], of["high"] * of["gain"])
+            if problem:
+                raise ValueError(f"a loop without an inverse: {problem}; use a PI")
 
     @classmethod
     def of(cls, plant: Wrist, **settings: Number) -> Any:
@@ -75,19 +68,26 @@ class Feedforward:
         refusal = no_inverse(plant)
         if refusal:
             raise InputError(refusal)
-        declared = {n: plant.values[n] for n in KINDS}
-        return cls(**declared, **settings)
+        low, high = plant.rig.command_range
+        return cls(replace(plant, effects=()), **{"low": low, "high": high, **settings})
 
     @property
-    def _course(self) -> Wrist:
-        """The model."""
-        return Wrist.from_values(vars(self))
+    def gain(self) -> Number:
+        """The regulator's, as the model has it [kPa/V]."""
+        return self.model.regulator.gain
+
+    @property
+    def settings(self) -> dict[str, Number]:
+        """All settings by name, the model's by those that they have in a wrist."""
+        own = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "model"}
+        return {**self.model.values, **own}
 
     def _sampled_course(self, dt: float) -> SampledCourse:
-        lead = self.Tw * self.speed - 1.0
+        lead = self.model.Tw * self.speed - 1.0
+        air = self.model.regulator
         return SampledCourse(
-            self._course.sampled(dt), self.k_fast, self.k_slow, self.Tw, lead, self.low, self.high
-        )  # fmt: skip
+            self.model.sampled(dt), air.k_fast, air.k_slow, self.model.Tw, lead, self.low, self.high
+        )
 
     def sampled(self, dt: float = SAMPLE_TIME) -> Any:
         """Coefficients for a sample time `dt` [s]."""
@@ -96,7 +96,7 @@ class Feedforward:
     def _begin(self, pressure: Number, seen: Measured | None) -> tuple[Course, Number]:
         """The model at rest at what is seen, and by how much [kPa] the pressure lies beside the model's."""
         seen = Measured(0.0, 0.0, pressure) if seen is None else seen
-        loop = self._course.hysteresis
+        loop = self.model.hysteresis
         there = pressure_at_rest(seen.angle, pressure, loop)
         memory = memory_at_rest(seen.angle, there, loop)
         # At rest: a model whose angle were not its static angle would begin to move.
@@ -118,6 +118,9 @@ class Feedforward:
         return (state.course.model.pressure + state.trim) / self.gain
 
 
+@remembers(
+    trim=("kPa", "pressure needed beside the model's to hold still at the start"),
+)
 class FeedforwardState(NamedTuple):
     """What the controller remembers: its model, and the pressure [kPa] that was needed beside the model's
     to hold still at the start."""
@@ -157,8 +160,7 @@ class FeedforwardPI(Feedforward):
 
         Raises InputError as `Feedforward.of`.
         """
-        late = {e.NAME: e.values.get("dead-time.delay", 0.0) for e in plant.effects}
-        return super().of(plant, **{"dead_time": late.get("dead-time", 0.0), **settings})
+        return super().of(plant, **{"dead_time": dead_time_of(plant.effects), **settings})
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -168,7 +170,7 @@ class FeedforwardPI(Feedforward):
     @property
     def pi(self) -> PI:
         """The PI, whose margins are those of the loop: the feedforward stands outside of it."""
-        return PI(self.Kp, self.Ki, self.gain, self.rest_pressure, self.low, self.high)
+        return PI(self.Kp, self.Ki, self.gain, self.model.hysteresis.rest_pressure, self.low, self.high)
 
     def sampled(self, dt: float = SAMPLE_TIME) -> "SampledFeedforwardPI":
         """Coefficients for a sample time `dt` [s]."""
@@ -182,6 +184,9 @@ class FeedforwardPI(Feedforward):
         return FeedforwardPIState(course, trim, delay.at_rest(course.model.angle))
 
 
+@remembers(
+    trim=("kPa", "integral part of the command, gain included"),
+)
 class FeedforwardPIState(NamedTuple):
     """What the controller remembers: its model, the integral part of its PI [kPa], called `trim` as in a
     feedforward, and the angles of the model that a known dead time holds back."""

@@ -23,12 +23,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from design.controllers.controller import remembers
 from plants import inverse, wrist
 from plants.errors import InputError, InputWarning
-from plants.quantities import loop_problem
-from plants.wrist import COMMAND_RANGE, Number, SampledWrist, State, Wrist
+from plants.wrist import Number, SampledWrist, State, Wrist
 
 
+@remembers(
+    outside=("", "samples in which the reference was out of reach and the nearest was taken"),
+)
 class Course(NamedTuple):
     """The model, which runs ahead of the wrist, and in how many samples the reference was out of reach."""
 
@@ -51,11 +54,9 @@ class SampledCourse(NamedTuple):
 def at_return(m: State, r: Number, c: SampledCourse) -> Number:
     """Angle [deg] of the model when its static angle is back at `r` [deg], the brake being full from now on;
     its angle now if the static angle is not beyond."""
-    loop, up = c.wrist.loop, m.angle < r
-    end = inverse.pressure_for(m.memory, m.pressure, r, loop)
-    met = inverse.corner_pressure(m.memory, m.pressure, m.angle >= r, loop)
-    corner = np.where(up, np.maximum(met, end), np.minimum(met, end))
-    h = m.memory.h + loop.s * (1.0 - m.memory.virgin) * (corner - m.pressure)
+    loop, up = c.wrist.hysteresis, m.angle < r
+    end = loop.pressure_for(m.memory, m.pressure, r)
+    corner, h = loop.turn(m.memory, m.pressure, end, m.angle >= r)
     brake = c.wrist.regulator.gain * np.where(up, c.low, c.high)
     y = _after(m.angle, m.memory.h, h, _time(m.pressure, corner, brake, c), c)
     y = _after(y, h, r, _time(corner, end, brake, c), c)
@@ -84,22 +85,22 @@ def proceed(s: Course, reference: Number, c: SampledCourse) -> tuple[Course, Num
 
     A reference out of reach of the command's range is taken for the nearest within, and counted.
     """
-    m, loop, regulator = s.model, c.wrist.loop, c.wrist.regulator
+    m, loop, regulator = s.model, c.wrist.hysteresis, c.wrist.regulator
     reach = c.low * regulator.gain, c.high * regulator.gain
-    r = inverse.clamped(reference, loop, *reach)
+    r = loop.clamped(reference, *reach)
     y, off = at_return(m, r, c), m.memory.h - r
     # The way gone until the return grows about with the square of `off`: what h_d asks for now is
     # taken back by what it does to y, at that slope, or h_d would be met and missed in turns.
     slope = 2.0 * (y - m.angle) / np.where(off == 0.0, 1.0, off)
     wanted = m.memory.h + (r + c.lead * (r - y) - m.memory.h) / (1.0 + np.abs(c.lead) * slope)
-    wanted = inverse.clamped(wanted, loop, *reach)
-    pressure = inverse.pressure_for(m.memory, m.pressure, wanted, loop)
+    wanted = loop.clamped(wanted, *reach)
+    pressure = loop.pressure_for(m.memory, m.pressure, wanted)
     command = inverse.command_for(m.pressure, pressure, regulator)
     command = np.minimum(np.maximum(command, c.low), c.high)
     return Course(wrist.step(m, command, c.wrist), s.outside + np.where(r == reference, 0.0, 1.0)), command
 
 
-def no_inverse(plant: Wrist, low: float = COMMAND_RANGE[0], high: float = COMMAND_RANGE[1]) -> str | None:
+def no_inverse(plant: Wrist) -> str | None:
     """Why a wrist has no inverse, and what to do, in one line; None for one that has.
 
     A dead time needs none: it only makes the wrist late, which `FeedforwardPI.dead_time` allows for.
@@ -108,25 +109,24 @@ def no_inverse(plant: Wrist, low: float = COMMAND_RANGE[0], high: float = COMMAN
     >>> no_inverse(Wrist.flexion() + Creep(0.1, 4.0))
     'no inverse of the effect creep: invert the wrist without it (replace effects by ()), or use a PI'
     """
-    stubborn = [e.NAME for e in plant.effects if (e.NAME, e.FORM) != ("dead-time", "transport")]
+    stubborn = [e.NAME for e in plant.effects if not e.only_delays]
     if stubborn:
         words = f"the effect{'s' * (len(stubborn) > 1)} {', '.join(stubborn)}"
         return f"no inverse of {words}: invert the wrist without it (replace effects by ()), or use a PI"
-    problem = loop_problem(plant.values, low * plant.regulator.gain, high * plant.regulator.gain)
+    problem = plant.hysteresis.problem(*(v * plant.regulator.gain for v in plant.rig.command_range))
     if problem:
         return f"no inverse of the loop: {problem}; correct the parameters, or use a PI"
     return None
 
 
-def reachable(
-    plant: Wrist, low: float = COMMAND_RANGE[0], high: float = COMMAND_RANGE[1]
-) -> tuple[float, float]:
-    """Angles [deg] that commands from `low` to `high` [V] reach whatever the wrist's memory.
+def reachable(plant: Wrist) -> tuple[float, float]:
+    """Angles [deg] that commands within the rig's range reach whatever the wrist's memory.
 
     >>> [round(angle, 2) for angle in reachable(Wrist.flexion())]
     [-30.0, 29.14]
     """
-    found = inverse.reachable(plant.hysteresis, low * plant.regulator.gain, high * plant.regulator.gain)
+    low, high = (v * plant.regulator.gain for v in plant.rig.command_range)
+    found = plant.hysteresis.reachable(low, high)
     return float(found[0]), float(found[1])
 
 

@@ -26,12 +26,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from design.controllers.controller import Measured
+from design.controllers.controller import Measured, remembers
 from design.controllers.double_pole import double_pole
 from plants import lag
+from plants.quantities import built_in
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
 
 Number = Any
+_PAPER = built_in("flexion").values
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,7 @@ class LQI:
     Tw: Number
     bandwidth: Number
     washout: Number = 0.3
-    gain: Number = 49.4
+    gain: Number = _PAPER["gain"]
     low: Number = COMMAND_RANGE[0]
     high: Number = COMMAND_RANGE[1]
 
@@ -94,6 +96,14 @@ class LQI:
         return state.target / self.gain
 
 
+@remembers(
+    target=("kPa", "pressure that is commanded"),
+    static_angle=("deg", "static angle as observed"),
+    angle=("deg", "angle as observed"),
+    pressure=("kPa", "pressure of the sample before"),
+    lack=("kPa", "mean of commanded less measured pressure"),
+    reference=("deg", "reference of the sample before"),
+)
 class LQIState(NamedTuple):
     """What the controller remembers: pressure that it commands [kPa], static and measured angle as
     observed [deg], pressure of the sample before [kPa], mean of the lack q [kPa], reference [deg]."""

@@ -18,13 +18,15 @@ given up when the angle leaves what it predicts by more than `doubt`.
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from design.controllers.controller import remembers
 from design.controllers.double_pole import double_pole
-from plants import hysteresis, lag
-from plants.hysteresis import Hysteresis, Memory
+from plants import lag
+from plants.hysteresis import HysteresisLaw
+from plants.kernel import pytrees
 from plants.wrist import SAMPLE_TIME, Number, Wrist
 
 NEAR_ANGLE = 0.3
@@ -34,12 +36,13 @@ NEAR_PRESSURE = 1.5
 """Pressure [kPa] from that of rest up to which a wrist at rest may be virgin.  Assumed."""
 
 
-def memory_at_rest(angle: Number, pressure: Number, p: Hysteresis) -> Memory:
+def memory_at_rest(angle: Number, pressure: Number, p: HysteresisLaw) -> Any:
     """The memory of a loop that rests at a measured angle [deg] and pressure [kPa].
 
     What noise has put outside the loop is projected onto it: the angle moves to the nearest line.
 
-    >>> loop = Hysteresis(a1=0.36, w1=6.0, a2=0.36, w2=6.0, s=0.08)
+    >>> from plants.hysteresis import FourSegment
+    >>> loop = FourSegment(a1=0.36, w1=6.0, a2=0.36, w2=6.0, s=0.08)
     >>> [float(x) for x in memory_at_rest(0.1, 100.4, loop)]      # as good as never moved
     [0.0, 1.0]
     >>> [float(x) for x in memory_at_rest(11.9, 150.0, loop)]     # below line 1, by noise
@@ -47,38 +50,34 @@ def memory_at_rest(angle: Number, pressure: Number, p: Hysteresis) -> Memory:
     """
     near = np.where(np.abs(angle) < NEAR_ANGLE, 1.0, 0.0)
     virgin = near * np.where(np.abs(pressure - p.rest_pressure) < NEAR_PRESSURE, 1.0, 0.0)
-    low, high = hysteresis.line1(pressure, p), hysteresis.line2(pressure, p)
-    return Memory(np.where(virgin > 0.5, 0.0, np.minimum(np.maximum(angle, low), high)), virgin)
+    recalled = p.recalled(angle, pressure)
+    pairs = zip(pytrees.leaves(p.initial()), pytrees.leaves(recalled), strict=True)
+    return pytrees.like(recalled, [np.where(virgin > 0.5, a, b) for a, b in pairs])
 
 
-def pressure_at_rest(angle: Number, pressure: Number, p: Hysteresis) -> Number:
+def pressure_at_rest(angle: Number, pressure: Number, p: HysteresisLaw) -> Number:
     """The pressure [kPa] nearest to the one measured at which the loop can rest at the angle [deg]: the other
     projection onto the loop, for one who trusts the angle more."""
-    low, high = hysteresis.line2_pressure(angle, p), hysteresis.line1_pressure(angle, p)
+    low, high = p.descending_pressure(angle), p.ascending_pressure(angle)
     return np.minimum(np.maximum(pressure, low), high)
 
 
 @dataclass(frozen=True)
 class MemoryObserver:
-    """The observer's idea of the loop, a1, w1, a2, w2, s, rest_pressure as in a wrist, and of the lag, Tw
-    [s]; bandwidth [rad/s] of its correction; doubt [deg].
+    """The observer's idea of the hysteresis, and of the lag, Tw [s]; bandwidth [rad/s] of its correction;
+    doubt [deg].
 
     Floats or arrays of lanes.  Raises ValueError for a setting that is not finite, for a bandwidth that is
     negative, and for a Tw or a doubt that is not positive.
     """
 
-    a1: Number
-    w1: Number
-    a2: Number
-    w2: Number
-    s: Number
-    rest_pressure: Number
+    hysteresis: HysteresisLaw
     Tw: Number
     bandwidth: Number = 15.0
     doubt: Number = 0.5
 
     def __post_init__(self) -> None:
-        if not all(np.isfinite(np.asarray(v, float)).all() for v in vars(self).values()):
+        if not all(np.isfinite(np.asarray(v, float)).all() for v in pytrees.leaves(self)):
             raise ValueError("settings of a memory observer must be finite")
         if np.any(np.asarray(self.bandwidth) < 0.0):
             raise ValueError("bandwidth must not be negative")
@@ -88,7 +87,12 @@ class MemoryObserver:
     @classmethod
     def of(cls, wrist: Wrist, bandwidth: Number = 15.0, doubt: Number = 0.5) -> "MemoryObserver":
         """The observer that believes what a wrist declares; its effects take no part."""
-        return cls(**vars(wrist.hysteresis), Tw=wrist.Tw, bandwidth=bandwidth, doubt=doubt)
+        return cls(wrist.hysteresis, wrist.Tw, bandwidth, doubt)
+
+    @property
+    def settings(self) -> dict[str, Number]:
+        """All settings by name."""
+        return {**self.hysteresis.values, "Tw": self.Tw, "bandwidth": self.bandwidth, "doubt": self.doubt}
 
     def sampled(self, dt: float = SAMPLE_TIME) -> "SampledObserver":
         """Coefficients for a sample time `dt` [s]."""
@@ -97,16 +101,17 @@ class MemoryObserver:
         pole = np.exp(-np.asarray(self.bandwidth, float) * dt)
         corrects = np.where(np.asarray(self.bandwidth) > 0.0, 1.0, 0.0)
         correct_y, correct_h = (corrects * gain for gain in double_pole(c.keep, pole))
-        return SampledObserver(
-            self.a1, self.w1, self.a2, self.w2, self.s, self.rest_pressure, c,
-            correct_h, correct_y, self.doubt,
-        )  # fmt: skip
+        return SampledObserver(self.hysteresis, c, correct_h, correct_y, self.doubt)
 
 
+@remembers(
+    angle=("deg", "angle as observed"),
+    pressure=("kPa", "pressure of the sample before"),
+)
 class ObserverState(NamedTuple):
     """What the observer believes: the loop's memory, the angle [deg]; and the pressure seen last [kPa]."""
 
-    memory: Memory
+    memory: Any
     angle: Number
     pressure: Number
 
@@ -114,26 +119,16 @@ class ObserverState(NamedTuple):
 class SampledObserver(NamedTuple):
     """Coefficients of the observer for one sample time."""
 
-    a1: Number
-    w1: Number
-    a2: Number
-    w2: Number
-    s: Number
-    rest_pressure: Number
+    hysteresis: HysteresisLaw
     lag: lag.SampledLag
     correct_h: Number
     correct_y: Number
     doubt: Number
 
-    @property
-    def loop(self) -> Hysteresis:
-        """The parameters of the hysteresis."""
-        return Hysteresis(self.a1, self.w1, self.a2, self.w2, self.s, self.rest_pressure)
-
 
 def init(angle: Number, pressure: Number, c: SampledObserver) -> ObserverState:
     """The observer of a wrist that rests at a measured angle [deg] and pressure [kPa]."""
-    return ObserverState(memory_at_rest(angle, pressure, c.loop), angle, pressure)
+    return ObserverState(memory_at_rest(angle, pressure, c.hysteresis), angle, pressure)
 
 
 def step(s: ObserverState, angle: Number, pressure: Number, c: SampledObserver) -> ObserverState:
@@ -144,12 +139,9 @@ def step(s: ObserverState, angle: Number, pressure: Number, c: SampledObserver) 
     >>> float(after.memory.h), float(after.memory.virgin)       # in the dead zone
     (0.0, 1.0)
     """
-    loop = c.loop
-    ahead = hysteresis.step(s.memory, s.pressure, pressure, loop)
+    loop = c.hysteresis
+    ahead = loop.step(s.memory, s.pressure, pressure)
     predicted = lag.step(s.angle, s.memory.h, ahead.h, c.lag)
     off = angle - predicted
-    virgin = np.where(np.abs(off) > c.doubt, 0.0, ahead.virgin)
-    corrected = ahead.h + (1.0 - virgin) * c.correct_h * off
-    low, high = hysteresis.line1(pressure, loop), hysteresis.line2(pressure, loop)
-    memory = Memory(np.minimum(np.maximum(corrected, low), high), virgin)
+    memory = loop.moved(loop.doubted(ahead, np.abs(off) > c.doubt), c.correct_h * off, pressure)
     return ObserverState(memory, predicted + c.correct_y * off, pressure)

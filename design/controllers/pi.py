@@ -15,10 +15,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from design.controllers.controller import Measured
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
+from design.controllers.controller import Measured, remembers
+from plants.quantities import built_in
+from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
 
 Number = Any
+_PAPER = built_in("flexion").values
 
 
 @dataclass(frozen=True)
@@ -26,14 +28,15 @@ class PI:
     """Gains of the controller: Kp [kPa/deg], Ki [kPa/(deg s)]; floats or arrays of lanes.
 
     gain [kPa/V] and rest_pressure [kPa] are what the controller knows of the
-    regulator; low and high [V] bound the command.  Raises ValueError for gains
+    regulator, those of the built-in wrist where not given; low and high [V] bound the
+    command.  Raises ValueError for gains
     that are negative or not finite.
     """
 
     Kp: Number
     Ki: Number
-    gain: Number = 49.4
-    rest_pressure: Number = 100.0
+    gain: Number = _PAPER["gain"]
+    rest_pressure: Number = _PAPER["rest_pressure"]
     low: Number = COMMAND_RANGE[0]
     high: Number = COMMAND_RANGE[1]
 
@@ -41,6 +44,21 @@ class PI:
         gains = np.concatenate([np.ravel(self.Kp), np.ravel(self.Ki)])
         if not (np.isfinite(gains).all() and (gains >= 0.0).all()):
             raise ValueError("gains must be finite and not negative")
+
+    @property
+    def pi(self) -> "PI":
+        """The PI that closes the loop: itself."""
+        return self
+
+    @classmethod
+    def of(cls, wrist: Wrist, Kp: Number, Ki: Number) -> "PI":
+        """The controller that knows of a wrist its regulator, its rest and the range of its command.
+
+        >>> PI.of(Wrist.flexion(), 3.1, 10.4) == PI(3.1, 10.4)
+        True
+        """
+        low, high = wrist.rig.command_range
+        return cls(Kp, Ki, wrist.regulator.gain, wrist.hysteresis.rest_pressure, low, high)
 
     def sampled(self, dt: float = SAMPLE_TIME) -> "SampledPI":
         """Coefficients for a sample time `dt` [s]."""
@@ -71,6 +89,9 @@ class SampledPI(NamedTuple):
         return step(state, seen.error, self)
 
 
+@remembers(
+    integral=("kPa", "integral part of the command, gain included"),
+)
 class PIState(NamedTuple):
     """What the controller remembers: its integral part [kPa], gain included."""
 

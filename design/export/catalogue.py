@@ -10,12 +10,13 @@ from design.controllers.feedforward import Feedforward, FeedforwardPI
 from design.controllers.lqi import LQI
 from design.controllers.memory_estimator import MemoryObserver
 from design.controllers.pi import PI
+from design.controllers.registry import REGISTERED
 from design.export.mpc import of_linear_mpc
 from design.export.part import Part, of_controller, of_observer
 from design.mpc.problem import Problem, nominal, robust
 from plants.delay import LONGEST
 from plants.errors import InputError
-from plants.wrist import SAMPLE_TIME, Wrist
+from plants.wrist import Wrist
 
 Numbers = tuple[float, ...]
 
@@ -38,14 +39,26 @@ def _pi(wrist: Wrist, g: Numbers) -> Controller:
     Kp, Ki = g
     if Kp == Ki == 0.0:
         raise ValueError("Kp and Ki are both 0, which controls nothing")
-    return PI(Kp, Ki, wrist.regulator.gain, wrist.hysteresis.rest_pressure)
+    return PI.of(wrist, Kp, Ki)
 
 
 def _lqi(wrist: Wrist, g: Numbers) -> Controller:
     p = wrist.hysteresis
     Ke, Kd, Kq, jump, bandwidth = g
-    slope = 0.5 * float(p.a1 + p.a2)  # as `design.alternatives.lqi_design` completes a feedback
-    return LQI(Ke, Kd, Kq, jump, slope, float(wrist.Tw), bandwidth, gain=float(wrist.regulator.gain))
+    slope = 0.5 * float(sum(p.steepness))  # as `design.alternatives.lqi_design` completes a feedback
+    low, high = wrist.rig.command_range
+    return LQI(
+        Ke,
+        Kd,
+        Kq,
+        jump,
+        slope,
+        float(wrist.Tw),
+        bandwidth,
+        gain=float(wrist.regulator.gain),
+        low=low,
+        high=high,
+    )
 
 
 def _feedforward(wrist: Wrist, g: Numbers) -> Controller:
@@ -53,8 +66,9 @@ def _feedforward(wrist: Wrist, g: Numbers) -> Controller:
 
 
 def _feedforward_pi(wrist: Wrist, g: Numbers) -> Controller:
-    if g[2] > (LONGEST - 1) * SAMPLE_TIME:
-        raise ValueError(f"a dead time of {g[2]:g} s is longer than {(LONGEST - 1) * SAMPLE_TIME:g} s")
+    longest = (LONGEST - 1) * wrist.rig.sample_time
+    if g[2] > longest:
+        raise ValueError(f"a dead time of {g[2]:g} s is longer than {longest:g} s")
     return FeedforwardPI.of(wrist, Kp=g[0], Ki=g[1], dead_time=g[2])  # type: ignore[no-any-return]
 
 
@@ -125,7 +139,7 @@ CATALOGUE: Mapping[str, Entry] = {
 
 
 def part(kind: str, axis: str, wrist: Wrist, gains: Numbers | None = None) -> Part:
-    """The part of C of a controller of the catalogue, for a wrist.
+    """The part of C of a controller of the catalogue, or one that is registered, for a wrist.
 
     Raises InputError for an unknown controller, gains that it cannot have, and a wrist that it cannot
     control.
@@ -133,9 +147,14 @@ def part(kind: str, axis: str, wrist: Wrist, gains: Numbers | None = None) -> Pa
     >>> part("pi", "flexion", Wrist.flexion(), (3.1, 10.4)).name
     'flexion_pi'
     """
-    if kind not in CATALOGUE:
-        raise InputError(f"no controller {kind!r} to export; one of {', '.join(CATALOGUE)}")
-    entry = CATALOGUE[kind]
+    own = {
+        name: Entry(r.title, (), "", (), _controlled(lambda w, _, make=r.make: make(w)), "")  # type: ignore[misc]
+        for name, r in REGISTERED.items()
+    }
+    known = {**CATALOGUE, **own}
+    if kind not in known:
+        raise InputError(f"no controller {kind!r} to export; one of {', '.join(known)}")
+    entry = known[kind]
     given = entry.default if gains is None else gains
     wanted = (
         f"{kind} takes {', '.join(entry.gains)}, such as --gains {entry.example}"
@@ -152,7 +171,7 @@ def part(kind: str, axis: str, wrist: Wrist, gains: Numbers | None = None) -> Pa
         raise
     except ValueError as error:
         raise InputError(f"--gains: {error}; {wanted}") from None
-    return replace(made, notes=(*made.notes, entry.at_the_ends))
+    return replace(made, notes=(*made.notes, *filter(None, [entry.at_the_ends])))
 
 
 def identifier(text: str) -> str:
@@ -167,10 +186,6 @@ def identifier(text: str) -> str:
 
 def record(made: Part, kind: str, files: list[str]) -> dict[str, Any]:
     """What ``--json`` says: files, layout of the structs with units, settings."""
-    from design.export.header import ring_fields
-
-    state = [f for _, f in made.kept] + [f for row, _ in made.delays for f in ring_fields(made, row)]
-    last = made.output._replace(name=f"last_{made.output.name}", meaning="output of the last good sample")
 
     def layout(fields: Any) -> list[dict[str, Any]]:
         return [
@@ -180,7 +195,7 @@ def record(made: Part, kind: str, files: list[str]) -> dict[str, Any]:
 
     return {
         "controller": kind, "name": made.name, "period_s": made.period, "files": files,
-        "state": layout([*state, last]), "measured": layout(made.inputs),
+        "state": layout(made.members), "measured": layout(made.inputs),
         "output": {**layout([made.output])[0], "lowest": made.low, "highest": made.high},
         "settings": dict(made.settings), "tolerance": made.tolerance,
     }  # fmt: skip

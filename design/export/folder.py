@@ -3,11 +3,9 @@
 from dataclasses import replace
 from pathlib import Path
 
-from design.export.header import header
 from design.export.part import Part
-from design.export.readme import readme
-from design.export.source import source
-from design.export.vectors import STEPS, csv, program, vector
+from design.export.rendering import render
+from design.export.vectors import STEPS, csv, vector
 from plants.errors import InputError
 from plants.files import write_atomically
 from plants.wrist import Wrist
@@ -19,13 +17,13 @@ def contents(part: Part, wrist: Wrist, steps: int = STEPS) -> dict[str, str]:
     n = part.name
     found = vector(part, replace(wrist, effects=()), steps)
     return {
-        f"{n}.h": header(part),
-        f"{n}.c": part.source or source(part),
+        f"{n}.h": render("law.h.jinja", part),
+        f"{n}.c": render(part.template, part, **part.constants),
         f"{n}_law.c": part.code,
         f"{n}_vector.csv": csv(part, found),
-        "test_vector.c": program(part, found),
-        "Makefile": makefile(part),
-        "README.md": readme(part),
+        "test_vector.c": render("test_vector.c.jinja", part, found=found),
+        "Makefile": render("Makefile.jinja", part),
+        "README.md": render("README.md.jinja", part),
     }
 
 
@@ -42,24 +40,3 @@ def write(part: Part, wrist: Wrist, folder: Path) -> list[Path]:
     for name, text in made.items():
         write_atomically(folder / name, text)
     return [folder / name for name in made]
-
-
-def makefile(part: Part) -> str:
-    """``make check`` replays the test vector with the compiler of the machine."""
-    n = part.name
-    return f"""\
-# make check: replays the test vector on this machine.
-CC ?= cc
-CFLAGS ?= -O2
-
-.PHONY: check clean
-
-check: test_vector
-	./test_vector {n}_vector.csv
-
-test_vector: test_vector.c {n}.c {n}_law.c {n}.h
-	$(CC) -std=c99 -Wall -Werror $(CFLAGS) -o $@ test_vector.c {n}.c {n}_law.c -lm
-
-clean:
-	rm -f test_vector
-"""

@@ -13,7 +13,6 @@ whose compiled loops and daqp the test vector comes from.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -22,12 +21,12 @@ from numpy.typing import NDArray
 
 from design.controllers.controller import Measured
 from design.export.fields import COMMAND, Field, described
-from design.export.mpc_source import mpc_source
 from design.export.part import SEEN, Part, Seen
 from design.mpc import linear, observer
 from design.mpc.prediction import coefficients
 from design.mpc.problem import Believed, Problem
-from plants import hysteresis, inverse, tree, wrist
+from plants import tree, wrist
+from plants.hysteresis import FourSegment
 from plants.kernel.graphs import baked, c_source, graph
 from plants.wrist import SampledWrist, State
 
@@ -103,9 +102,14 @@ def of_linear_mpc(name: str, title: str, problem: Problem) -> Part:
         "high": problem.high, "rate": problem.rate,
     }  # fmt: skip
     begin, step = _python(problem, planner, g)
-    part = Part(
+    constants = {
+        "steps": problem.horizon, "rate": planner.rate, "lowest": problem.low, "highest": problem.high,
+        "change": problem.rate, "gain": float(problem.wrist.regulator.gain),
+        "lack": [f.name for f in state].index("lack"), "tables": {"T": T.tolist(), "G": G.tolist()},
+    }  # fmt: skip
+    return Part(
         name, title, problem.period, SEEN, state, COMMAND, problem.low, problem.high, settings, code,
-        begin, step, tolerance=1e-6, lost=LOST, takes_lost=True,
+        begin, step, tolerance=1e-6, template="mpc.c.jinja", constants=constants, lost=LOST, takes_lost=True,
         notes=(
             f"The QP (horizon {problem.horizon}, range and rate of the command bounded) is solved by a dual "
             f"active-set method with a bound on its iterations; its matrices are about "
@@ -115,14 +119,13 @@ def of_linear_mpc(name: str, title: str, problem: Problem) -> Part:
             f"of fallbacks that Python has below that is the caller's.",
         ),
     )  # fmt: skip
-    return replace(part, source=mpc_source(part, problem, planner.rate, T, G))
 
 
 def after_period(pressure: Number, command: Number, c: SampledWrist, substeps: int) -> list[Number]:
     """Pressures [kPa] at the start of a period and after each of its substeps."""
     path = [pressure]
     for _ in range(substeps):
-        at = State(path[-1], hysteresis.Memory(0.0, 0.0), 0.0)
+        at = State(path[-1], None, 0.0)
         path.append(wrist.press(at, command, c)[0])
     return path
 
@@ -152,11 +155,12 @@ def believed_after(b: Believed, command: Number, seen: Given, c: SampledWrist, g
 
 def parameters(m: Memory, command: Number, reference: Number, c: SampledWrist, problem: Problem) -> Any:
     """theta, and the bounds [deg] on u: what `design.mpc.linear.plan` hands to its solver."""
-    b, loop, gain = m.believed, c.loop, c.regulator.gain
+    b, loop, gain = m.believed, c.hysteresis, c.regulator.gain
+    assert isinstance(loop, FourSegment)
     memory, P = b.plant.memory, b.plant.pressure
 
     def static(v: Number) -> Number:
-        return hysteresis.step(memory, P, gain * v + b.lack, loop).h
+        return loop.step(memory, P, gain * v + b.lack).h
 
     least, most = static(problem.low), static(problem.high)
     was = np.where(m.planned > 0.5, m.u, static(command))
@@ -177,7 +181,7 @@ def pressure_wanted(b: Believed, u: Number, c: SampledWrist, of: linear.Planner)
     still = np.where(memory.virgin > 0.5, 1.0, 0.0) * np.where(
         np.abs(angle - memory.h) < linear.STILL, 1.0, 0.0
     )
-    return inverse.pressure_for(memory, b.plant.pressure, np.where(still > 0.5, memory.h, angle), c.loop)
+    return c.hysteresis.pressure_for(memory, b.plant.pressure, np.where(still > 0.5, memory.h, angle))
 
 
 def condensed(of: linear.Planner) -> tuple[Array, Array]:

@@ -6,17 +6,17 @@ are another export.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from design.controllers.controller import Controller, Measured
+from design.controllers.controller import Controller, Measured, settings_of
 from design.controllers.memory_estimator import MemoryObserver, init
 from design.controllers.memory_estimator import step as observe
 from design.export.fields import ANGLE, COMMAND, PRESSURE, REFERENCE, Field, described, lines_of
-from plants import tree
 from plants.delay import SampledDelay
+from plants.kernel import pytrees
 from plants.kernel.graphs import baked, c_source, graph, used
 from plants.wrist import SAMPLE_TIME
 
@@ -35,6 +35,44 @@ class Seen(NamedTuple):
 SEEN = (REFERENCE, ANGLE, PRESSURE)
 
 
+class Line(NamedTuple):
+    """A delay line on the target: a ring.  Place of its first leaf in the state, numbers that it holds, and
+    what it holds."""
+
+    near: int
+    size: int
+    holds: Field
+
+    @property
+    def far(self) -> int:
+        """Place of what was put in one sample before `near`."""
+        return self.near + 1
+
+    @property
+    def newest(self) -> int:
+        """Place of what is put in."""
+        return self.near + 2
+
+    @property
+    def fields(self) -> tuple[Field, Field]:
+        """Members that keep it: the ring, and the place of the oldest in it."""
+        name = self.holds.name.removesuffix("_near")
+        return (
+            Field(f"{name}_line", self.holds.unit, "what the delay holds, a ring", self.size),
+            Field(f"{name}_oldest", "", "place of the oldest in the ring", counts=True),
+        )
+
+    @property
+    def ring(self) -> str:
+        """The ring's member; one of a single number is declared without brackets."""
+        return self.fields[0].member
+
+    @property
+    def oldest(self) -> str:
+        """The member that counts."""
+        return self.fields[1].member
+
+
 @dataclass(frozen=True)
 class Part:
     """A law as C shows it.
@@ -45,9 +83,9 @@ class Part:
     NAME_init_law and NAME_step_law; begin and step: the law in Python, ``begin(pressure, angle) -> (state,
     output)`` and ``step(state, seen) -> (state, output)``, a state whose delay lines the caller fills;
     delays: where in the state's leaves each delay line begins, and of how many whole samples it is; notes
-    for people; tolerance: how far C may be from Python, in the unit of the output; source: NAME.c where it is
-    not the one of `design.export.source`; lost: what happens where a measurement is not finite, in words;
-    takes_lost: whether `step` is given such a measurement, rather than held.
+    for people; tolerance: how far C may be from Python, in the unit of the output; template: of NAME.c, and
+    constants: what it needs; lost: what happens where a measurement is not finite, in words; takes_lost:
+    whether `step` is given such a measurement, rather than held.
     """
 
     name: str
@@ -65,7 +103,8 @@ class Part:
     delays: tuple[tuple[int, int], ...] = ()
     notes: tuple[str, ...] = ()
     tolerance: float = 1e-9
-    source: str = ""
+    template: str = "law.c.jinja"
+    constants: Mapping[str, Any] = field(default_factory=dict)
     lost: str = "the state is left as it was and the output is that of the last good sample"
     takes_lost: bool = False
 
@@ -75,6 +114,27 @@ class Part:
         from it anew in every sample."""
         read = {row + i for row, _ in self.delays for i in (0, 1)}
         return [(i, f) for i, f in enumerate(self.state) if i not in read]
+
+    @property
+    def read(self) -> list[tuple[int, Field]]:
+        """The inputs, with their places in `SEEN`."""
+        return [(SEEN.index(f), f) for f in self.inputs]
+
+    @property
+    def lines(self) -> list["Line"]:
+        """The delay lines."""
+        return [Line(row, samples + 1, self.state[row]) for row, samples in self.delays]
+
+    @property
+    def members(self) -> list[Field]:
+        """Members of the struct of the state: what is kept, the rings of the delay lines, the last output."""
+        last = self.output._replace(name=f"last_{self.output.name}", meaning="output of the last good sample")
+        return [*(f for _, f in self.kept), *(f for line in self.lines for f in line.fields), last]
+
+    @property
+    def set_to(self) -> list[str]:
+        """The settings, a line each."""
+        return [f"  {name} = {value!r}" for name, value in self.settings.items()]
 
 
 def of_controller(name: str, title: str, controller: Controller, period: float = SAMPLE_TIME) -> Part:
@@ -95,7 +155,7 @@ def of_controller(name: str, title: str, controller: Controller, period: float =
         return coefficients.act(state, measured)  # type: ignore[no-any-return]
 
     low, high = (float(getattr(controller, n)) for n in ("low", "high"))
-    settings = {f.name: float(getattr(controller, f.name)) for f in fields(controller)}  # type: ignore[arg-type]
+    settings = settings_of(controller)
     return _part(name, title, period, begin, law, c, COMMAND, low, high, settings)
 
 
@@ -112,7 +172,7 @@ def of_observer(name: str, title: str, observer: MemoryObserver, period: float =
         return after, after.memory.h
 
     output = Field("static_angle", "deg", "static angle as observed")
-    settings = {f.name: float(getattr(observer, f.name)) for f in fields(observer)}
+    settings = settings_of(observer)
     return _part(name, title, period, begin, law, c, output, None, None, settings)
 
 
@@ -128,18 +188,18 @@ def _part(
     high: float | None,
     settings: Mapping[str, float],
 ) -> Part:
-    c = tree.like(c, [float(x) for x in tree.leaves(c)])
+    c = pytrees.like(c, [float(x) for x in pytrees.leaves(c)])
 
     def started(at: tuple[Number, Number]) -> tuple[Any, Number]:
         return begin(*at)
 
     def python_begin(pressure: float, angle: float) -> tuple[Any, float]:
         state, out = begin(pressure, angle)
-        return tree.like(state, [float(x) for x in tree.leaves(state)]), float(out)
+        return pytrees.like(state, [float(x) for x in pytrees.leaves(state)]), float(out)
 
     def python_step(state: Any, seen: Seen) -> tuple[Any, float]:
         after, out = law(state, seen, c)
-        return tree.like(after, [float(x) for x in tree.leaves(after)]), float(out)
+        return pytrees.like(after, [float(x) for x in pytrees.leaves(after)]), float(out)
 
     example, _ = python_begin(100.0, 0.0)
     seen = Seen(0.0, 0.0, 0.0)
@@ -156,5 +216,5 @@ def _part(
 
 def _samples(c: Any) -> list[int]:
     """Whole samples of each delay among coefficients."""
-    flat = tree.leaves(c)
-    return [int(np.rint(flat[i])) for i in tree.places(c, SampledDelay)]
+    flat = pytrees.leaves(c)
+    return [int(np.rint(flat[i])) for i in pytrees.places(c, SampledDelay)]

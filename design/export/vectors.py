@@ -118,7 +118,7 @@ def vector(part: Part, wrist: Wrist, steps: int = STEPS, seed: int = 0) -> Vecto
 def _open_loop(wrist: Wrist, reference: float) -> float:
     """The command [V] at which the middle of the loop stands at the reference, within the range."""
     p = wrist.hysteresis
-    pressure = p.rest_pressure + reference / (0.5 * (p.a1 + p.a2))
+    pressure = p.rest_pressure + reference / (0.5 * sum(p.steepness))
     return float(np.clip(pressure / wrist.regulator.gain, 0.0, 4.0))
 
 
@@ -132,54 +132,3 @@ def csv(part: Part, found: Vector) -> str:
             yield ",".join(repr(float(x)) for x in (*row[columns], row[3]))
 
     return head + "\n" + "\n".join(lines()) + "\n"
-
-
-def program(part: Part, found: Vector) -> str:
-    """test_vector.c: replays the table against the C and says how far they are apart."""
-    n, out, count = part.name, part.output.member, len(part.inputs)
-    read = "\n".join(f"        measured.{f.member} = x[{i}];" for i, f in enumerate(part.inputs))
-    return f"""\
-/* Replays {n}_vector.csv: ./test_vector [file].
-   Exit code 0 where no output differs by more than {part.tolerance:g} {part.output.unit}. */
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-
-#include "{n}.h"
-
-int main(int argc, char **argv)
-{{
-    FILE *file = fopen(argc > 1 ? argv[1] : "{n}_vector.csv", "r");
-    {n}_state state;
-    {n}_measured measured;
-    char line[512];
-    double worst = 0.0;
-    long rows = 0, held = 0;
-    if (file == NULL || fgets(line, sizeof line, file) == NULL) {{
-        fprintf(stderr, "{n}_vector.csv: cannot be read\\n");
-        return 2;
-    }}
-    if ({n}_init(&state, {found.pressure!r}, {found.angle!r}) != {n.upper()}_OK) {{
-        return 2;
-    }}
-    while (fgets(line, sizeof line, file) != NULL) {{
-        double x[{count + 1}], {out} = 0.0, off;
-        char *at = line;
-        int i;
-        for (i = 0; i < {count + 1}; i++) {{
-            x[i] = strtod(at, &at);
-            at += *at == ',';
-        }}
-{read}
-        held += {n}_step(&state, &measured, &{out}) != {n.upper()}_OK;
-        off = fabs({out} - x[{count}]);
-        if (!(off <= worst)) {{ /* also where it is not a number */
-            worst = off;
-        }}
-        rows++;
-    }}
-    fclose(file);
-    printf("%ld steps, %ld held, largest difference %.3g {part.output.unit}\\n", rows, held, worst);
-    return rows == {len(found.rows)} && worst <= {part.tolerance!r} ? 0 : 1;
-}}
-"""

@@ -12,13 +12,14 @@ from typing import Any
 
 import numpy as np
 
+from design.evaluation.tasks import Task, comparison_tasks
 from design.limit.bound import Bound, bound
 from design.limit.optimal import optimal
 from design.limit.replay import Array, Replay, replay
 from design.metrics import Metrics
-from design.tasks import STEP, Scenario
+from design.tasks import Scenario
 from plants.errors import InputError
-from plants.wrist import STARTS, State, Wrist
+from plants.wrist import State, Wrist
 
 __all__ = ["Bound", "Limit", "Ratios", "Replay", "bound", "limit", "limits_of", "optimal", "ratios", "replay"]
 
@@ -102,13 +103,13 @@ def limit(
 
 
 def limits_of(wrist: Wrist, trajectory: bool = False) -> dict[str, Limit]:
-    """Limits of the tasks that `design.compare` runs, by their names there: the 15 degree steps from every
+    """Limits of the tasks of a comparison, by their ids: the 15 degree steps from every
     starting memory, and the returns, which start here from rest on the line that was arrived on.
 
     Kept for the next call with the same wrist.  Raises InputError as `limit` does.
 
     >>> list(limits_of(Wrist.flexion()))[0]
-    '0 to +15 deg, virgin'
+    'step+virgin'
     """
     if any(np.ndim(v) for v in wrist.values.values()):
         raise InputError("limit: the wrist has arrays as parameters; ask for one lane at a time")
@@ -117,13 +118,15 @@ def limits_of(wrist: Wrist, trajectory: bool = False) -> dict[str, Limit]:
 
 @cache
 def _limits_of(wrist: Wrist, trajectory: bool) -> dict[str, Limit]:
-    tasks = {}
-    for sign in (1, -1):
-        for start in STARTS:
-            tasks[f"0 to {sign * STEP:+g} deg, {start}"] = Scenario(start, 0.0, sign * STEP, wrist)
-    tasks[f"return from {STEP:+g} to 0 deg"] = Scenario("line1", STEP, 0.0, wrist)
-    tasks[f"return from {-STEP:+g} to 0 deg"] = Scenario("line2", -STEP, 0.0, wrist)
-    return {name: limit(scenario, trajectory) for name, scenario in tasks.items()}
+    return {t.id: limit(_scenario(t, wrist), trajectory) for t in comparison_tasks(wrist.rig)}
+
+
+def _scenario(task: Task, wrist: Wrist) -> Scenario:
+    """The last step of a task, from rest where the one before has led."""
+    *before, last = task.references
+    if not before:
+        return Scenario(task.start, task.angle, last, wrist)
+    return Scenario("line1" if before[-1] > 0.0 else "line2", before[-1], last, wrist)
 
 
 def ratios(metrics: Metrics, of: Limit) -> Ratios:

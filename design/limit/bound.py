@@ -32,21 +32,18 @@ Quantisation, delay, noise and a controller's own sampling restrict the commands
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from design.limit.braking import knows, settles_after
-from design.limit.monotone import claimed, driven, relaxed, without
-from design.limit.replay import DURATION, Array, signals
+from design.limit.monotone import claimed, driven, prompt, relaxed
+from design.limit.replay import DURATION, Array
 from design.metrics import SETTLING_BAND
-from plants import tree
-from plants.effects.effect import Around
 from plants.errors import InputError
-from plants.hysteresis import Memory
-from plants.simulate import run_lanes
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
-from plants.wrist import step as wrist_step
+from plants.kernel import pytrees as tree
+from plants.kernel.batches import run_lanes
+from plants.simulation.open_loop import OpenLoop, SampledOpenLoop, law, surroundings
+from plants.wrist import State, Wrist
 
 
 @dataclass(frozen=True)
@@ -75,7 +72,7 @@ def bound(wrist: Wrist, reference: float, state: State | None = None, begin: flo
     size = float(reference - state.angle)
     if size == 0.0 or not np.isfinite(size):
         raise InputError(f"limit: a step from {state.angle:g} to {reference:g} deg has no size; give another")
-    sign, samples = float(np.sign(size)), round(DURATION / SAMPLE_TIME)
+    sign, samples = float(np.sign(size)), round(DURATION / wrist.rig.sample_time)
     fastest = _envelope(wrist, state, sign, samples, begin)
     left = sign * (reference - fastest.angle)
     band = SETTLING_BAND * abs(size)
@@ -85,8 +82,8 @@ def bound(wrist: Wrist, reference: float, state: State | None = None, begin: flo
         pressure, static = fastest.pressure, fastest.memory.h
         entry = settles_after(wrist, entry, float(state.angle), reference, band, pressure, static)
     return Bound(
-        float("inf") if entry is None else entry * SAMPLE_TIME,
-        float(np.maximum(left, 0.0).sum()) * SAMPLE_TIME,
+        float("inf") if entry is None else entry * wrist.rig.sample_time,
+        float(np.maximum(left, 0.0).sum()) * wrist.rig.sample_time,
         np.asarray(fastest.angle, float),
     )
 
@@ -94,43 +91,41 @@ def bound(wrist: Wrist, reference: float, state: State | None = None, begin: flo
 def _envelope(wrist: Wrist, state: State, sign: float, samples: int, begin: float) -> State:
     """Pressure, static angle and angle that no command passes in the direction of `sign`, (samples,)."""
     monotone, start = relaxed(wrist, state)
-    ahead, back = (COMMAND_RANGE[1], COMMAND_RANGE[0]) if sign > 0 else COMMAND_RANGE
+    ahead, back = wrist.rig.command_range[::-1] if sign > 0 else wrist.rig.command_range
     straight, _ = _throttle(monotone, start, ahead, samples, begin)
     static, angle = sign * straight.memory.h, sign * straight.angle
-    if start.memory.virgin:
+    if monotone.hysteresis.DEAD_ZONE and start.memory.virgin:
         dip, _ = _throttle(monotone, start, back, samples, begin)
         left = np.flatnonzero(dip.memory.virgin < 0.5)
         if len(left):
             m = int(left[0])
             _, ready = _throttle(monotone, start, back, m - 1, begin)
             # Its z is that of line 2 at the pressure of sample m, which is past the one where that is met.
-            raised = monotone.hysteresis.s * (
+            raised = monotone.hysteresis.flattest * (
                 driven(monotone, ready.pressure) - driven(monotone, dip.pressure[m])
             )
-            prompt, ready = without(monotone, ready, ("dead-time",))
-            ready = ready._replace(memory=Memory(float(raised), 0.0))
-            later = begin + (m - 1) * SAMPLE_TIME
-            dipped, _ = _throttle(prompt, ready, ahead, samples - m + 1, later)
+            ready_to_go, ready = prompt(monotone, ready)
+            left_it = monotone.hysteresis.doubted(ready.memory, True)
+            ready = ready._replace(memory=left_it._replace(h=float(raised)))
+            later = begin + (m - 1) * wrist.rig.sample_time
+            dipped, _ = _throttle(ready_to_go, ready, ahead, samples - m + 1, later)
             static[m - 1 :] = np.maximum(static[m - 1 :], sign * dipped.memory.h)
             angle[m - 1 :] = np.maximum(angle[m - 1 :], sign * dipped.angle)
     until = claimed(wrist)
     if until is not None:
         angle[until:] = np.inf
-    return State(straight.pressure, Memory(sign * static, 0.0), sign * angle)
-
-
-def _step(state: State, inputs: tuple[Any, ...], c: Any) -> State:
-    command, *time = inputs
-    return wrist_step(state, command, c, Around(*time))
+    return State(straight.pressure, straight.memory._replace(h=sign * static), sign * angle)
 
 
 def _throttle(wrist: Wrist, state: State, command: float, samples: int, begin: float) -> tuple[State, State]:
     """The wrist before each of some samples of one command [V], as a state of arrays (samples,), of which
     pressure, loop and angle are filled; and after the last."""
-    given = signals(wrist, np.full(samples, command), begin)
+    given = {"command": np.full(samples, command), **surroundings(wrist, samples, begin)}
     last, rows = run_lanes(
-        _step, state, wrist.sampled(), samples, given, inputs=tuple(given), every=1,
-        record=("pressure", "memory.h", "memory.virgin", "angle"), jobs=1,
+        law(tuple(given)), OpenLoop(state), SampledOpenLoop(wrist.sampled()), samples, given,
+        inputs=tuple(given), every=1,
+        record=tuple(f"plant.{n}" for n in tree.names(state) if not n.startswith("effects")), jobs=1,
     )  # fmt: skip
-    P, h, virgin, y = rows[:, :-1, 0]
-    return State(P, Memory(h, virgin), y), tree.like(last, [float(x[0]) for x in tree.leaves(last)])
+    bare = state._replace(effects=())
+    ends = tree.like(last.plant, [float(x[0]) for x in tree.leaves(last.plant)])
+    return tree.like(bare, list(rows[:, :-1, 0])), ends

@@ -26,9 +26,9 @@ from typing import Any
 import numpy as np
 
 from design.limit.replay import Array
-from plants import hysteresis, regulator
-from plants.hysteresis import Hysteresis
-from plants.wrist import COMMAND_RANGE, SampledWrist, State, Wrist
+from plants import regulator
+from plants.hysteresis import FourSegment
+from plants.wrist import SampledWrist, State, Wrist
 
 AFTER = (4, 6, 8, 11, 15, 20, 26, 33, 41, 50, 62)
 """Samples n after T at which the angle is asked to be inside the band still; any will do."""
@@ -44,15 +44,16 @@ LATEST = 60
 
 
 def knows(wrist: Wrist, state: State, reference: float, sign: float) -> bool:
-    """Whether the claim is made for a wrist and its start: no effect but a dead time, which only makes
-    braking later; no virgin curve beyond the reference; and lines that do not cross within the
-    pressures of the commands, since the loop has no inside beyond that."""
+    """Whether the claim is made for a wrist and its start: four straight segments; no effect but a dead
+    time, which only makes braking later; no virgin curve beyond the reference; and lines that do not cross
+    within the pressures of the commands, since the loop has no inside beyond that."""
     p, gain = wrist.hysteresis, wrist.regulator.gain
-    ends = np.array([float(state.pressure), *(gain * v for v in COMMAND_RANGE)])
+    ends = np.array([float(state.pressure), *(gain * v for v in wrist.rig.command_range)])
     return (
-        all(e.NAME == "dead-time" for e in wrist.effects)
+        isinstance(p, FourSegment)
+        and all(e.DELAY for e in wrist.effects)
         and not (bool(state.memory.virgin) and sign * reference < 0.0)
-        and bool(np.all(hysteresis.line1(ends, p) <= hysteresis.line2(ends, p)))
+        and bool(np.all(p.ascending(ends) <= p.descending(ends)))
     )
 
 
@@ -65,7 +66,8 @@ def settles_after(
     and static [deg], (samples,): what no command passes in the direction of the step.
     """
     c, p, sign = wrist.sampled(), wrist.hysteresis, float(np.sign(reference - start))
-    back = COMMAND_RANGE[0] if sign > 0 else COMMAND_RANGE[1]
+    assert isinstance(p, FourSegment)
+    back = wrist.rig.command_range[0] if sign > 0 else wrist.rig.command_range[1]
     last = first + LATEST
     if last + AFTER[-1] >= len(static):
         return first
@@ -105,15 +107,11 @@ def _fallen(c: SampledWrist, back: float, pressure: Array, samples: int) -> Arra
     return out
 
 
-def _risen(c: SampledWrist, p: Hysteresis, sign: float, back: float, goal: Array, samples: int) -> Array:
+def _risen(c: SampledWrist, p: FourSegment, sign: float, back: float, goal: Array, samples: int) -> Array:
     """The static angle on the braking line [deg], times `sign`, that is brought to `goal` by so many
     samples of throttle backwards, (samples + 1, goals)."""
-    line, inverse = (
-        (hysteresis.line2, hysteresis.line2_pressure)
-        if sign > 0
-        else (hysteresis.line1, hysteresis.line1_pressure)
-    )
-    target: Any = inverse(sign * goal, p)
+    line, inverse = (p.descending, p.descending_pressure) if sign > 0 else (p.ascending, p.ascending_pressure)
+    target: Any = inverse(sign * goal)
     out = np.full((samples + 1, len(goal)), np.inf)
     out[0] = goal
     for k in range(1, samples + 1):
@@ -121,5 +119,5 @@ def _risen(c: SampledWrist, p: Hysteresis, sign: float, back: float, goal: Array
         for _ in range(4):  # the step is nearly the identity: each round gains two digits
             before = before + target - regulator.step(before, back, c.regulator)
         target = before
-        out[k] = sign * line(target, p)
+        out[k] = sign * line(target)
     return out

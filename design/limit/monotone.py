@@ -14,40 +14,24 @@ Khalil, Nonlinear Systems, 3rd ed., section 3.4).  Stage by stage, for one sampl
 The virgin curve is not such a stage: a dip below the dead zone leaves a memory that a straight rise
 does not.  `design.limit.bound` treats that dip apart.
 
-Effects are of four kinds:
-
-- kept, being monotone: dead time, fill/exhaust asymmetry, branch curvature (as far as the grid agrees),
-  cross coupling (the other motion rests), load step, creep that goes on in the same direction, end
-  stops, and all that sits in the sensor, which the judge does not look through;
-- taken away, where the wrist without it goes at least as far at every time: a dead band of the
-  regulator, supply droop, and a loop that widens with the rate.  The bound then holds, and is weaker;
-- inertia with linear damping: its impulse response is positive for ever where its poles are real, and
-  for the first half period where it rings, so that the envelope is claimed that long;
-- refused: softening, creep backwards, a loop that narrows with the rate, inertia with drag or
-  stiffening or against a stop, and a commanded pressure capped by a supply that may sag below zero.
+Each effect declares what the bound makes of it (`plants.effects.effect`): it is kept, being monotone (branch
+curvature as far as the grid agrees, cross coupling while the other motion rests, all that sits in the
+sensor, which the judge does not look through), or taken away, where the wrist without it goes at least as
+far at every time: the bound then holds, and is weaker.  For all others, and for values at which it is not
+so, the bound is refused with the effect's own reason.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from plants import hysteresis
 from plants.effects import Effect
-from plants.effects.dead_time import DeadTime, TubeDeadTime
 from plants.effects.effect import Around
-from plants.effects.inertia import NULL, Inertia
 from plants.errors import InputError
+from plants.hysteresis import FourSegment
 from plants.regulator import Regulator
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist, press
-
-KEPT = (
-    "dead-time", "fill-exhaust-asymmetry", "branch-curvature", "cross-coupling", "load-step", "creep",
-    "end-stop", "gyro-drift", "periodic-disturbance", "inertia",
-)  # fmt: skip
-"""Effects whose wrist is simulated as it is."""
-
-TAKEN_AWAY = ("regulator-deadband", "supply-droop", "rate-dependence")
-"""Effects without which the wrist goes at least as far."""
+from plants.wrist import State, Wrist, press
 
 POINTS = 201
 """Points of the grids of pressures and of commands."""
@@ -56,11 +40,16 @@ ROUNDING = 1e-9
 """By how much a map may fall from one point of a grid to the next [kPa, deg]."""
 
 
-def without(wrist: Wrist, state: State, names: tuple[str, ...]) -> tuple[Wrist, State]:
+def without(wrist: Wrist, state: State, left_out: Callable[[Effect], bool]) -> tuple[Wrist, State]:
     """A wrist and its state without some effects."""
-    kept = [i for i, e in enumerate(wrist.effects) if e.NAME not in names]
+    kept = [i for i, e in enumerate(wrist.effects) if not left_out(e)]
     bare = Wrist(wrist.regulator, wrist.hysteresis, wrist.Tw, tuple(wrist.effects[i] for i in kept))
     return bare, state._replace(effects=tuple(state.effects[i] for i in kept))
+
+
+def prompt(wrist: Wrist, state: State) -> tuple[Wrist, State]:
+    """A wrist and its state without what delays and smooths its command."""
+    return without(wrist, state, lambda effect: effect.DELAY is not None)
 
 
 def relaxed(wrist: Wrist, state: State) -> tuple[Wrist, State]:
@@ -71,12 +60,12 @@ def relaxed(wrist: Wrist, state: State) -> tuple[Wrist, State]:
     if np.ndim(state.pressure) or any(np.ndim(v) for v in wrist.values.values()):
         raise InputError("limit: the wrist has arrays as parameters or state; ask for one lane at a time")
     for effect in wrist.effects:
-        reason = _refusal(effect, wrist)
+        reason = effect.no_bound(wrist)
         if reason:
             raise InputError(
                 f"limit: no bound is known for {effect.NAME} ({effect.FORM}): {reason}; leave the effect out"
             )
-    bare, left = without(wrist, state, TAKEN_AWAY)
+    bare, left = without(wrist, state, lambda effect: effect.BOUND == "taken away")
     _check_pressure(bare, left)
     _check_lines(bare, left)
     return bare, left
@@ -84,35 +73,13 @@ def relaxed(wrist: Wrist, state: State) -> tuple[Wrist, State]:
 
 def claimed(wrist: Wrist) -> int | None:
     """For how many samples the envelope is one; None: for ever."""
-    for effect in wrist.effects:
-        if isinstance(effect, Inertia) and effect.inertia > NULL and wrist.Tw < 2.0 * effect.inertia:
-            m = effect.inertia**2
-            ringing = np.sqrt(4.0 * m - wrist.Tw**2) / (2.0 * m)  # rad/s
-            return max(int(np.pi / ringing / SAMPLE_TIME) - 1, 0)
-    return None
-
-
-def _refusal(effect: Effect, wrist: Wrist) -> str | None:
-    v = {n.split(".")[1]: x for n, x in effect.values.items()}
-    if effect.NAME == "creep" and min(v["gain"], v.get("gain_late", 0.0)) < 0.0:
-        return "what creeps backwards undoes a fast move"
-    if effect.NAME == "rate-dependence" and v["widening"] < 0.0:
-        return "a loop that narrows with the rate rewards haste and slowness alike"
-    if effect.NAME == "supply-droop" and "capped" in effect.FORM and v.get("deepest", 0.0) > v["supply"]:
-        return "the supply may sag below zero and pull the commanded pressure with it"
-    if effect.NAME == "inertia":
-        if not isinstance(effect, Inertia):
-            return "only linear damping has an impulse response"
-        if any(e.NAME == "end-stop" for e in wrist.effects):
-            return "a stop within a second-order transient is no monotone map"
-    if effect.NAME not in KEPT + TAKEN_AWAY:
-        return "its wrist is not a monotone cascade"
-    return None
+    ends = [t for e in wrist.effects if (t := e.bound_ends(wrist)) is not None]
+    return max(int(min(ends) / wrist.rig.sample_time) - 1, 0) if ends else None
 
 
 def _pressures(wrist: Wrist, state: State) -> Any:
     """Pressures [kPa] that the wrist may come to, (POINTS,)."""
-    ends = [wrist.regulator.gain * v for v in COMMAND_RANGE] + [float(state.pressure)]
+    ends = [wrist.regulator.gain * v for v in wrist.rig.command_range] + [float(state.pressure)]
     return np.linspace(min(ends), max(ends), POINTS)
 
 
@@ -121,10 +88,10 @@ def _check_pressure(wrist: Wrist, state: State) -> None:
 
     The tube's delay and lag are monotone by their form, and left out.
     """
-    valve, _ = without(wrist, state, ("dead-time",))
+    valve, _ = prompt(wrist, state)
     c, grid = valve.sampled(), _pressures(wrist, state)
     start = valve.rest()._replace(pressure=grid[:, None])
-    after, _ = press(start, np.linspace(*COMMAND_RANGE, POINTS)[None, :], c)
+    after, _ = press(start, np.linspace(*wrist.rig.command_range, POINTS)[None, :], c)
     if min(np.diff(after, axis=0).min(), np.diff(after, axis=1).min()) < -ROUNDING:
         r: Regulator = wrist.regulator
         raise InputError(
@@ -138,12 +105,14 @@ def _check_lines(wrist: Wrist, state: State) -> None:
     c, loop, grid, quiet = wrist.sampled(), wrist.hysteresis, _pressures(wrist, state), Around()
     rest = wrist.rest().effects
     acting = driven(wrist, grid)
-    low, high = hysteresis.line1(acting, loop), hysteresis.line2(acting, loop)
+    low, high = loop.ascending(acting), loop.descending(acting)
     for i, effect in c.at("bend"):
         _, down, up, _ = effect(rest[i], acting, acting, loop, quiet)
         low, high = low + down, high + up
-    rises = [np.diff(acting).min(), *(np.diff(x - loop.s * acting).min() for x in (low, high))]
-    if min(rises) < -ROUNDING or loop.s < 0.0:
+    # A sum of plays whose weights are not negative rises anyhow: only what bends it has to be looked at.
+    flattest = loop.flattest if isinstance(loop, FourSegment) else 0.0
+    rises = [np.diff(acting).min(), *(np.diff(x - flattest * acting).min() for x in (low, high))]
+    if min(rises) < -ROUNDING or loop.flattest < 0.0:
         raise InputError(
             "limit: a line of the loop is flatter somewhere than the transit: a larger pressure does not "
             "always give a larger angle later; check a1, a2 and s, and the curvature"
@@ -156,9 +125,3 @@ def driven(wrist: Wrist, pressure: Any) -> Any:
     for i, effect in wrist.sampled().at("drive"):
         _, _, acting = effect(rest[i], acting, acting, Around())
     return acting
-
-
-def delay_of(wrist: Wrist) -> float:
-    """Transport delay of the wrist [s], the lag of its tube left out."""
-    found = [e.delay for e in wrist.effects if isinstance(e, DeadTime | TubeDeadTime)]
-    return float(found[0]) if found else 0.0

@@ -25,13 +25,15 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from design.limit.bound import Bound
-from design.limit.monotone import delay_of, without
+from design.limit.monotone import prompt
 from design.limit.replay import Replay, replay
 from design.metrics import SETTLING_BAND
-from plants import hysteresis, lag, regulator
+from plants import lag, regulator
+from plants.effects.effect import dead_time_of
 from plants.errors import InputError
+from plants.hysteresis import FourSegment
 from plants.kernel.graphs import graph
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, SampledWrist, State, Wrist
+from plants.wrist import SampledWrist, State, Wrist
 
 Goal = Literal["settling", "iae"]
 
@@ -84,9 +86,20 @@ class Problem:
     bound: int
 
     @property
+    def range(self) -> tuple[float, float]:
+        """Least and largest command [V]."""
+        return self.wrist.rig.command_range
+
+    @property
+    def loop(self) -> FourSegment:
+        """The hysteresis, whose order of branches is known."""
+        assert isinstance(self.wrist.hysteresis, FourSegment)
+        return self.wrist.hysteresis
+
+    @property
     def nodes(self) -> int:
         """Nodes of the horizon."""
-        return -(-(self.bound + round(TAIL / SAMPLE_TIME)) // HOLD)
+        return -(-(self.bound + round(TAIL / self.wrist.rig.sample_time)) // HOLD)
 
     @property
     def band(self) -> float:
@@ -95,15 +108,15 @@ class Problem:
 
     def ahead(self, pressure: Any) -> Any:
         """Static angle [deg] before the turn."""
-        p, m = self.wrist.hysteresis, self.state.memory
-        line = (hysteresis.line1 if self.sign > 0 else hysteresis.line2)(pressure, p)
+        p, m = self.loop, self.state.memory
+        line = (p.ascending if self.sign > 0 else p.descending)(pressure)
         transit = m.h + p.s * (1.0 - m.virgin) * (pressure - self.state.pressure)
         return self.sign * _larger(self.sign * transit, self.sign * line)
 
     def braking(self, pressure: Any, turn: Any) -> Any:
         """Static angle [deg] after the turn at a pressure `turn` [kPa]."""
-        p = self.wrist.hysteresis
-        line = (hysteresis.line2 if self.sign > 0 else hysteresis.line1)(pressure, p)
+        p = self.loop
+        line = (p.descending if self.sign > 0 else p.ascending)(pressure)
         transit = self.ahead(turn) + p.s * (pressure - turn)
         return -self.sign * _larger(-self.sign * transit, -self.sign * line)
 
@@ -120,14 +133,19 @@ def optimal(wrist: Wrist, reference: float, state: State, found: Bound, goal: Go
     `found`: its bound.  Raises InputError for a wrist with other effects, and for a step that the
     bound says, or the range of the commands, that it cannot be held.
     """
-    if any(e.NAME != "dead-time" or getattr(e, "lag", 0.0) for e in wrist.effects):
+    if not isinstance(wrist.hysteresis, FourSegment):
+        raise InputError(
+            f"limit: no trajectory for the hysteresis law {wrist.hysteresis.NAME!r}, only for "
+            f"{FourSegment.NAME!r}; ask for the bound alone"
+        )
+    if not all(e.only_delays for e in wrist.effects):
         names = ", ".join(f"{e.NAME} ({e.FORM})" for e in wrist.effects)
         raise InputError(f"limit: no trajectory for a wrist with {names}; ask for the bound alone")
     if not np.isfinite(found.settling_s):
         raise InputError(f"limit: {reference:g} deg is out of reach, no trajectory settles; ask for less")
-    delay = int(delay_of(wrist) / SAMPLE_TIME + 1e-9)
-    bare, start = without(wrist, state, ("dead-time",))
-    reached = max(round(found.settling_s / SAMPLE_TIME) - delay, 1)
+    delay = int(float(dead_time_of(wrist.effects)) / wrist.rig.sample_time + 1e-9)
+    bare, start = prompt(wrist, state)
+    reached = max(round(found.settling_s / wrist.rig.sample_time) - delay, 1)
     problem = Problem(bare, start, reference, float(np.sign(reference - state.angle)), reached)
     _check_hold(problem)
 
@@ -157,12 +175,12 @@ def _best(score: Callable[[int], Any], problem: Problem, of: Callable[[int], Rep
 def _check_hold(problem: Problem) -> None:
     """InputError where no command in the range holds the reference after a turn."""
     p, gain = problem.wrist.hysteresis, problem.wrist.regulator.gain
-    pressures = (hysteresis.line2_pressure, hysteresis.line1_pressure)
-    volts = [line(problem.reference, p) / gain for line in pressures]
-    if max(volts) < COMMAND_RANGE[0] or min(volts) > COMMAND_RANGE[1]:
+    pressures = (p.descending_pressure, p.ascending_pressure)
+    volts = [pressure(problem.reference) / gain for pressure in pressures]
+    if max(volts) < problem.range[0] or min(volts) > problem.range[1]:
         raise InputError(
             f"limit: holding {problem.reference:g} deg needs {min(volts):.3g} to {max(volts):.3g} V, outside "
-            f"the range of {COMMAND_RANGE[0]:g} to {COMMAND_RANGE[1]:g} V; ask for less"
+            f"the range of {problem.range[0]:g} to {problem.range[1]:g} V; ask for less"
         )
 
 
@@ -170,11 +188,11 @@ def _commands(problem: Problem, turn: int, goal: Goal) -> Any:
     """Commands [V], one per sample, the last of which holds the pressure that was come to."""
     levels, _, _ = _solve(problem, turn, goal)
     c = problem.wrist.sampled()
-    v = np.repeat(np.clip(levels, *COMMAND_RANGE), HOLD)
+    v = np.repeat(np.clip(levels, *problem.range), HOLD)
     pressure = float(problem.state.pressure)
     for command in v:
         pressure = float(regulator.step(pressure, command, c.regulator))
-    return np.append(v, np.clip(pressure / c.regulator.gain, *COMMAND_RANGE))
+    return np.append(v, np.clip(pressure / c.regulator.gain, *problem.range))
 
 
 def _laws(problem: Problem) -> tuple[Any, Any]:
@@ -218,7 +236,8 @@ def _solve(problem: Problem, turn: int, goal: Goal) -> tuple[Any, Any, Any]:
     left = sign * (r - angles)  # deg, positive before the reference
     last = x[:, n - 1]
     size = ca.sqrt(left**2 + 1e-4)
-    cost = SAMPLE_TIME * ca.sum1(size) + problem.wrist.Tw * ca.sqrt((last[1] - r) ** 2 + 1e-4)
+    dt = problem.wrist.rig.sample_time
+    cost = dt * ca.sum1(size) + problem.wrist.Tw * ca.sqrt((last[1] - r) ** 2 + 1e-4)
 
     moves = sign * (x[0, :] - before[0, :])
     constraints = [
@@ -237,8 +256,8 @@ def _solve(problem: Problem, turn: int, goal: Goal) -> tuple[Any, Any, Any]:
     nlp = {"x": w, "f": cost, "g": ca.vertcat(*(g for g, _, _ in constraints))}
     limits = [np.concatenate([np.full(g.numel(), c[i]) for g, *c in constraints]) for i in (0, 1)]
     solver = ca.nlpsol("limit", "ipopt", nlp, _OPTIONS)
-    low = np.concatenate([np.full(n, COMMAND_RANGE[0]), np.full(2 * n, -np.inf), np.zeros(late.numel())])
-    high = np.concatenate([np.full(n, COMMAND_RANGE[1]), np.full(2 * n + late.numel(), np.inf)])
+    low = np.concatenate([np.full(n, problem.range[0]), np.full(2 * n, -np.inf), np.zeros(late.numel())])
+    high = np.concatenate([np.full(n, problem.range[1]), np.full(2 * n + late.numel(), np.inf)])
     guess = np.concatenate([_guess(problem, turn), np.zeros(late.numel())])
     solution = solver(x0=guess, lbx=low, ubx=high, lbg=limits[0], ubg=limits[1])
     found = np.array(solution["x"]).ravel()
@@ -249,7 +268,7 @@ def _solve(problem: Problem, turn: int, goal: Goal) -> tuple[Any, Any, Any]:
 def _guess(problem: Problem, turn: int) -> Any:
     """Full throttle until the turn, full throttle back until the loop is at the reference, then hold."""
     c, sign = problem.wrist.sampled(), problem.sign
-    low, high = COMMAND_RANGE if sign > 0 else COMMAND_RANGE[::-1]
+    low, high = problem.range if sign > 0 else problem.range[::-1]
     node, top, levels, nodes = Node(problem.state.pressure, problem.state.angle), 0.0, [], []
     for k in range(problem.nodes):
         top = node.pressure if k == turn else top

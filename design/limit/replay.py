@@ -1,44 +1,21 @@
 """Commands judged: the exact simulator runs them, `design.metrics` says what they were worth."""
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from design import metrics
-from design.metrics import Metrics, Tally, Yardstick
-from plants import wrist as plant
-from plants.effects.effect import Around
+from design.metrics import Metrics
 from plants.errors import InputError
-from plants.simulate import run_lanes
-from plants.wrist import SAMPLE_TIME, SampledWrist, State, Wrist
+from plants.simulation.closed_loop import ClosedLoop, SampledClosedLoop, advance, clock
+from plants.simulation.reference_profile import ReferenceProfile
+from plants.wrist import SAMPLE_TIME, State, Wrist
 
 Array = NDArray[np.float64]
 DURATION = 10.0
 """How long a task lasts [s], as in `design.loop.run`."""
-
-
-class Judged(NamedTuple):
-    """A wrist, and the tally of its angle."""
-
-    plant: State
-    tally: Tally
-
-
-class SampledJudged(NamedTuple):
-    """Coefficients of the wrist and of the judge."""
-
-    plant: SampledWrist
-    yardstick: Yardstick
-
-
-def step(s: Judged, inputs: tuple[Any, ...], c: SampledJudged) -> Judged:
-    """One sample: judge the true angle and the command, then move; as `design.loop.step` without a
-    controller.  `inputs`: index of the sample, command [V], and the time [s] of a wrist with effects."""
-    sample, command, *time = inputs
-    tally = metrics.update(s.tally, sample, s.plant.angle, command, c.yardstick)
-    return Judged(plant.step(s.plant, command, c.plant, Around(*time)), tally)
 
 
 @dataclass(frozen=True)
@@ -51,18 +28,12 @@ class Replay:
     static_angle: Array
     angle: Array
     metrics: Metrics
+    dt: float = SAMPLE_TIME
 
     @property
     def time(self) -> Array:
         """Time of each sample [s]."""
-        return np.asarray(np.arange(len(self.commands)) * SAMPLE_TIME, float)
-
-
-def signals(wrist: Wrist, commands: Array, begin: float) -> dict[str, Array]:
-    """The signals that `step` needs: the command, and for a wrist with effects the time [s]."""
-    if not wrist.effects:
-        return {"command": commands}
-    return {"command": commands, "time": np.asarray(begin + np.arange(len(commands)) * SAMPLE_TIME, float)}
+        return np.asarray(np.arange(len(self.commands)) * self.dt, float)
 
 
 def replay(wrist: Wrist, commands: Any, reference: float, state: State, begin: float = 0.0) -> Replay:
@@ -77,16 +48,17 @@ def replay(wrist: Wrist, commands: Any, reference: float, state: State, begin: f
     >>> float(held.metrics.settling_time_s), round(float(held.angle[256]), 1)
     (inf, 14.8)
     """
-    samples = round(DURATION / SAMPLE_TIME)
+    samples = round(DURATION / wrist.rig.sample_time)
     v = np.asarray(commands, float)
     if v.ndim != 1 or not 0 < len(v) <= samples or not np.isfinite(v).all():
         raise InputError(f"commands: need 1 to {samples} finite numbers of volts, one per sample of 1 ms")
     v = np.concatenate([v, np.full(samples - len(v), v[-1])])
-    given = signals(wrist, v, begin)
-    c = SampledJudged(wrist.sampled(), metrics.yardstick(state.angle, reference))
-    last, rows = run_lanes(
-        step, Judged(state, metrics.begin(v[0])), c, samples, given, inputs=("sample", *given), every=1,
+    judge, c = metrics.of_step(state.angle, reference, wrist.rig.sample_time), wrist.sampled()
+    first = ClosedLoop(state, judge=judge.begin(v[0]))
+    last, rows = advance(
+        first, SampledClosedLoop(c, (), ReferenceProfile((reference,)), judge), samples,
+        {"command": v, **clock(wrist, samples, begin)}, every=1,
         record=("plant.pressure", "plant.memory.h", "plant.angle"), jobs=1,
     )  # fmt: skip
     P, h, y = rows[:, :-1, 0]
-    return Replay(v, P, h, y, metrics.finish(last.tally, samples)[0])
+    return Replay(v, P, h, y, judge.finish(last.judge, samples)[0], wrist.rig.sample_time)

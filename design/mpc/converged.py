@@ -29,7 +29,6 @@ from design.mpc.linear import plan as linear_plan
 from design.mpc.prediction import linearise, start_of
 from design.mpc.problem import Believed, Problem
 from design.mpc.real_time import RealTimeMPC, real_time_mpc
-from plants import hysteresis
 
 Array = NDArray[np.float64]
 
@@ -150,10 +149,10 @@ class ConvergedMPC:
     def _throttled(self, believed: Believed, before: float, reference: float) -> list[Array]:
         """Full throttle towards the reference for some periods, back for some, then a line's pressure:
         plans [V] of (forth, N), for each time of throttling back and each line."""
-        N, p, loop = self.problem.horizon, self.problem, self.problem.wrist.hysteresis
+        N, p, loop = self.problem.horizon, self.problem, self.problem.loop
         aim = reference - believed.shift
         to, back = (p.high, p.low) if aim > believed.plant.memory.h else (p.low, p.high)
-        pressures = (hysteresis.line1_pressure(aim, loop), hysteresis.line2_pressure(aim, loop))
+        pressures = (loop.ascending_pressure(aim), loop.descending_pressure(aim))
         families = []
         for k in range(min(N, BACK) + 1):
             for pressure in pressures:

@@ -93,7 +93,7 @@ def solve(
     from scipy.sparse import csr_matrix
 
     effort, p, P0 = effort or Effort(), problem.wrist, float(believed.plant.pressure)
-    if not p.hysteresis.s < min(p.hysteresis.a1, p.hysteresis.a2):
+    if not problem.loop.s < min(problem.loop.a1, problem.loop.a2):
         raise InputError("hybrid MPC: the transit is not flatter than the lines: give a smaller slope s")
     pressures = [P0, *(p.regulator.gain * v + believed.lack for v in (problem.low, problem.high))]
     law = piecewise(problem, max(pressures) - min(pressures), effort.pieces)
@@ -202,7 +202,7 @@ class _Milp:
         on1: Array, along: Array, on2: Array,
     ) -> None:  # fmt: skip
         """h after a period, and whether the wrist is on the virgin curve still."""
-        p, one = self.problem.wrist.hysteresis, self.one
+        p, one = self.problem.loop, self.one
         line1 = p.a1 * P1 - (p.a1 * p.rest_pressure + p.w1) * one
         line2 = p.a2 * P1 - (p.a2 * p.rest_pressure - p.w2) * one
         at = np.array([self.problem.low, self.problem.high]) * self.problem.wrist.regulator.gain

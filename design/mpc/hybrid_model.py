@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.mpc.problem import Problem
-from plants import hysteresis, lag, regulator
+from plants import lag, regulator
 from plants.errors import InputError
 from plants.hysteresis import Memory
 from plants.wrist import State
@@ -135,7 +135,7 @@ def move(problem: Problem, law: Piecewise, state: State, command: float, lack: f
     else as the module says.  With `gained` in its place only the lag would be approximate."""
     p, P = problem.wrist, float(state.pressure)
     after = P + float(law(p.regulator.gain * command + lack - P))
-    memory = hysteresis.step(state.memory, P, after, p.hysteresis)
+    memory = p.hysteresis.step(state.memory, P, after)
     angle = lag.step(state.angle, state.memory.h, memory.h, sampled_lag(problem, float(law.knots[-1])))
     return State(after, Memory(float(memory.h), float(memory.virgin)), float(angle))
 

@@ -14,7 +14,7 @@ approximate:
   pressures of the range, and the rate limit bounds changes of u through the slope of the steeper line,
   so that the plan may still ask for more than the rate on a transit: the command is clipped to both.
 
-The plan h_1, h_2, ... becomes commands by `plants.inverse.pressure_for` and the regulator's exact law.
+The plan h_1, h_2, ... becomes commands by the inverse of the hysteresis law and the regulator's exact law.
 """
 
 from collections.abc import Callable
@@ -29,11 +29,11 @@ from design.controllers.controller import Measured
 from design.mpc import observer, qp
 from design.mpc.fallback import Attempt, Fallback, Info, begin, step
 from design.mpc.fallback import State as MPCState
-from design.mpc.prediction import STATES, coefficients, indented, inlined, plain
+from design.mpc.prediction import STATES, coefficients, plain
 from design.mpc.problem import Believed, Problem
-from plants import hysteresis, inverse, tree, wrist
-from plants.hysteresis import Memory
-from plants.kernel.cache import load
+from plants import tree, wrist
+from plants.hysteresis import FourSegment, Memory
+from plants.kernel.inlining import compiled, inlined, scalars, unpacked
 from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
@@ -42,21 +42,15 @@ STILL = 0.01
 """Change of the static angle [deg] in a period below which a wrist on the virgin curve is left alone:
 any more would send it through its dead zone."""
 
-_TEMPLATE = '''"""Emitted code: commands that follow static angles. Do not edit; it is made anew."""
-import math
-import numpy as np
-from numba import njit
-from plants.kernel.selection import select
-
-@njit(nogil=True, cache=True, error_model="numpy", fastmath={{"contract", "nsz", "arcp"}})
+_LOOP = """\
 def run(start, angles, still, lowest, highest, rate, before, push, c, substeps, commands):
-{coefficients}
+    {coefficients}
     {state} = start[0], start[1], start[2], start[3]
     for k in range(angles.shape[0]):
         u_angle = angles[k]
         if x_virgin > 0.5 and abs(u_angle - x_h) < still:
             u_angle = x_h
-{inverse}
+        {inverse}
         low, high = max(lowest, before - rate), min(highest, before + rate)
         # Illinois variant of false position: the pressure after a period rises with the command.
         pressure = x_pressure
@@ -71,7 +65,7 @@ def run(start, angles, still, lowest, highest, rate, before, push, c, substeps, 
             u_command = value + push
             x_pressure = pressure
             for i in range(substeps):
-{press}
+                {press}
             missed = x_pressure - wanted
             x_pressure = pressure
             if j == 0:
@@ -97,12 +91,12 @@ def run(start, angles, still, lowest, highest, rate, before, push, c, substeps, 
         commands[k] = before = value
         u_command = value + push
         for i in range(substeps):
-{body}
-'''
+            {body}
+"""
 
 
 def _inverse(state: State, angle: Any, c: Any) -> Any:
-    return inverse.pressure_for(state.memory, state.pressure, angle[0], c.loop)
+    return c.hysteresis.pressure_for(state.memory, state.pressure, angle[0])
 
 
 def _press(state: State, command: Any, c: Any) -> Any:
@@ -114,20 +108,15 @@ def _kernel() -> Callable[..., None]:
     example = Wrist.flexion()
     c, state = example.sampled(), example.rest()
     x = [f"x_{n}" for n in STATES]
-    names = [f"c_{n.replace('.', '_')}" for n in tree.names(c)]
+    names = scalars("c", c)
     command: Any = (state, ("command",), c)
     parts = {
         "inverse": inlined(_inverse, [*command], [x, ["u_angle"], names], ["wanted"]),
         "press": inlined(_press, [*command], [x, ["u_command"], names], ["x_pressure"]),
         "body": inlined(plain, [*command], [x, ["u_command"], names], x),
     }
-    by = {"inverse": 8, "press": 16, "body": 12}
-    return load(
-        _TEMPLATE.format(
-            coefficients=indented([f"{n} = c[{i}]" for i, n in enumerate(names)], 4),
-            state=", ".join(x),
-            **{name: indented(lines, by[name]) for name, lines in parts.items()},
-        )
+    return compiled(
+        "commands that follow static angles", _LOOP, coefficients=unpacked(names, "c"), state=x, **parts
     )
 
 
@@ -165,7 +154,7 @@ def planner(problem: Problem, c: Array) -> Planner:
             forced[i, :, j] = answer[i - j]
         answer.append(A @ answer[-1])
     # A change of the command by 1 V moves u by so many degrees, on a line.
-    per_volt = float(max(p.hysteresis.a1, p.hysteresis.a2) * p.regulator.gain)
+    per_volt = float(max(p.hysteresis.steepness) * p.regulator.gain)
     move = problem.weights.move / per_volt**2
     weights, D = problem.angle_hessian, problem.differences
     J = forced[:, 1]
@@ -189,7 +178,7 @@ def plan(
     that of the period before, and `before` [deg] what u was then (that of the command where not given)."""
     N, gain = of.problem.horizon, of.problem.wrist.regulator.gain
     memory, P = believed.plant.memory, believed.plant.pressure
-    loop = of.problem.wrist.hysteresis
+    loop = of.problem.loop
     least, most, was = (
         _static(memory, P, gain * v + believed.lack, loop) for v in (of.problem.low, of.problem.high, command)
     )
@@ -212,8 +201,8 @@ def plan(
     return of.static_free @ x + of.static_forced @ solution.x, solution
 
 
-def _static(memory: Memory, before: float, after: float, p: hysteresis.Hysteresis) -> float:
-    """`hysteresis.step(...).h` of plain floats: the ufuncs cost more than the rest of a plan."""
+def _static(memory: Memory, before: float, after: float, p: FourSegment) -> float:
+    """`FourSegment.step(...).h` of plain floats: the ufuncs cost more than the rest of a plan."""
     inside = memory.h + p.s * (1.0 - memory.virgin) * (after - before)
     low = p.a1 * (after - p.rest_pressure) - p.w1
     high = p.a2 * (after - p.rest_pressure) + p.w2

@@ -26,11 +26,11 @@ from numpy.typing import NDArray
 from design.controllers.controller import Measured
 from design.controllers.double_pole import double_pole
 from design.controllers.memory_estimator import memory_at_rest
-from design.mpc.prediction import STATES, indented, inlined
+from design.mpc.prediction import STATES
 from design.mpc.problem import Believed, Problem
 from plants import tree, wrist
 from plants.hysteresis import Memory
-from plants.kernel.cache import load
+from plants.kernel.inlining import compiled, inlined, scalars, unpacked
 from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
@@ -42,30 +42,24 @@ MOST_MISSED = 0.3
 """Miss of the pressure [kPa] in a period that is counted at most: a constant disturbance is missed by
 little at a time, a dead time by much."""
 
-_TEMPLATE = '''"""Emitted code: a period of the wrist, of measured pressure. Do not edit; it is made anew."""
-import math
-import numpy as np
-from numba import njit
-from plants.kernel.selection import select
-
-@njit(nogil=True, cache=True, error_model="numpy", fastmath={{"contract", "nsz", "arcp"}})
+_LOOP = """\
 def run(start, command, measured, c, substeps, after):
-{coefficients}
+    {coefficients}
     {state} = start[0], start[1], start[2], start[3]
     u_command = command
     path = np.empty(substeps + 1)
     path[0] = x_pressure
     for i in range(substeps):
-{press}
+        {press}
         path[i + 1] = x_pressure
     missed = measured - path[substeps] if math.isfinite(measured) else 0.0
     after[4] = path[substeps]
     x_pressure = start[0]
     for i in range(substeps):
         u_pressure = path[i + 1] + missed * ((i + 1.0) / substeps)
-{bend}
+        {bend}
     after[0], after[1], after[2], after[3] = {state}
-'''
+"""
 
 
 def _press(state: State, command: Any, c: Any) -> Any:
@@ -81,17 +75,13 @@ def _kernel() -> Callable[..., None]:
     example = Wrist.flexion()
     c, state = example.sampled(), example.rest()
     x = [f"x_{n}" for n in STATES]
-    coefficients = [f"c_{n.replace('.', '_')}" for n in tree.names(c)]
+    coefficients = scalars("c", c)
     press = inlined(_press, [state, ("command",), c], [x, ["u_command"], coefficients], ["x_pressure"])
     bend = inlined(_bend, [state, ("pressure",), c], [x, ["u_pressure"], coefficients], x)
-    return load(
-        _TEMPLATE.format(
-            coefficients=indented([f"{n} = c[{i}]" for i, n in enumerate(coefficients)], 4),
-            state=", ".join(x),
-            press=indented(press, 8),
-            bend=indented(bend, 8),
-        )
-    )
+    return compiled(
+        "a period of the wrist, of measured pressure", _LOOP,
+        coefficients=unpacked(coefficients, "c"), state=x, press=press, bend=bend,
+    )  # fmt: skip
 
 
 class Gains(NamedTuple):

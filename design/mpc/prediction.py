@@ -16,9 +16,7 @@ from numpy.typing import NDArray
 
 from design.mpc.problem import Believed, Problem
 from plants import tree, wrist
-from plants.kernel.cache import load
-from plants.kernel.emitter import statements
-from plants.kernel.graphs import graph
+from plants.kernel.inlining import compiled, inlined, scalars, unpacked
 from plants.wrist import QUIET, State, Wrist
 
 Array = NDArray[np.float64]
@@ -67,16 +65,10 @@ def carried(state: State, s: Sensitivities, command: Any, c: Any) -> tuple[State
     )
 
 
-_TEMPLATE = '''"""Emitted code: the wrist over a horizon, with derivatives. Do not edit; it is made anew."""
-import math
-import numpy as np
-from numba import njit
-from plants.kernel.selection import select
-
-@njit(nogil=True, cache=True, error_model="numpy", fastmath={{"contract", "nsz", "arcp"}})
+_HORIZON = """\
 def run(start, commands, c, substeps, weights, swing, moves, states, outputs, by_command, by_start, hessian):
     N = commands.shape[0]
-{coefficients}
+    {coefficients}
     {state} = start[0], start[1], start[2], start[3]
     m = np.zeros((3, N))
     g = np.zeros((3, 4))
@@ -85,7 +77,7 @@ def run(start, commands, c, substeps, weights, swing, moves, states, outputs, by
         u_command = commands[k]
         {seeds} = 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0
         for i in range(substeps):
-{body}
+            {body}
         for j in range(k):
             P, h, y = m[0, j], m[1, j], m[2, j]
             m[0, j] = s_PP * P
@@ -121,19 +113,7 @@ def run(start, commands, c, substeps, weights, swing, moves, states, outputs, by
     for i in range(N):
         for j in range(i):
             hessian[j, i] = hessian[i, j]
-'''
-
-
-def inlined(
-    law: Callable[..., Any], arguments: list[Any], names: list[list[str]], targets: list[str]
-) -> list[str]:
-    """Statements in scalar Python of a law on trees like `arguments`, whose leaves are called `names`."""
-    return statements(graph(law, *arguments), names, targets)
-
-
-def indented(lines: list[str], by: int) -> str:
-    """Lines of code, indented."""
-    return "\n".join(" " * by + line for line in lines)
+"""
 
 
 @cache
@@ -141,15 +121,14 @@ def _horizon_kernel() -> Callable[..., None]:
     example = Wrist.flexion()
     c, state = example.sampled(), example.rest()
     x, s = [f"x_{n}" for n in STATES], [f"s_{n}" for n in CARRIED]
-    coefficients = [f"c_{n.replace('.', '_')}" for n in tree.names(c)]
+    coefficients = scalars("c", c)
     body = inlined(
         carried, [state, Sensitivities(*CARRIED), ("command",), c], [x, s, ["u_command"], coefficients], x + s
     )
-    source = _TEMPLATE.format(
-        coefficients=indented([f"{n} = c[{i}]" for i, n in enumerate(coefficients)], 4),
-        state=", ".join(x), seeds=", ".join(s), body=indented(body, 12),
+    return compiled(
+        "the wrist over a horizon, with derivatives", _HORIZON,
+        coefficients=unpacked(coefficients, "c"), state=x, seeds=s, body=body,
     )  # fmt: skip
-    return load(source)
 
 
 def coefficients(model: Wrist) -> Array:
@@ -196,22 +175,16 @@ def linearise(
     return made
 
 
-_ROLL = '''"""Emitted code: the wrist over a horizon. Do not edit; it is made anew."""
-import math
-import numpy as np
-from numba import njit
-from plants.kernel.selection import select
-
-@njit(nogil=True, cache=True, error_model="numpy", fastmath={{"contract", "nsz", "arcp"}})
+_ROLL = """\
 def run(start, commands, c, substeps, states):
-{coefficients}
+    {coefficients}
     {state} = start[0], start[1], start[2], start[3]
     for k in range(commands.shape[0]):
         u_command = commands[k]
         for i in range(substeps):
-{body}
+            {body}
         states[k, 0], states[k, 1], states[k, 2], states[k, 3] = {state}
-'''
+"""
 
 
 def plain(state: State, command: Any, c: Any) -> State:
@@ -224,13 +197,11 @@ def _roll_kernel() -> Callable[..., None]:
     example = Wrist.flexion()
     c, state = example.sampled(), example.rest()
     x = [f"x_{n}" for n in STATES]
-    coefficients = [f"c_{n.replace('.', '_')}" for n in tree.names(c)]
+    coefficients = scalars("c", c)
     body = inlined(plain, [state, ("command",), c], [x, ["u_command"], coefficients], x)
-    source = _ROLL.format(
-        coefficients=indented([f"{n} = c[{i}]" for i, n in enumerate(coefficients)], 4),
-        state=", ".join(x), body=indented(body, 12),
-    )  # fmt: skip
-    return load(source)
+    return compiled(
+        "the wrist over a horizon", _ROLL, coefficients=unpacked(coefficients, "c"), state=x, body=body
+    )
 
 
 def roll(problem: Problem, c: Array, start: Array, lack: float, plan: Array) -> Array:

@@ -21,7 +21,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from design.controllers.controller import remembers
 from plants.errors import InputError
+from plants.hysteresis import FourSegment
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
 
 Array = NDArray[np.float64]
@@ -116,8 +118,19 @@ class Problem:
         if self.wrist.effects:
             names = ", ".join(e.NAME for e in self.wrist.effects)
             raise InputError(f"the MPC's model is the declared wrist: leave out its effects ({names})")
+        if not isinstance(self.wrist.hysteresis, FourSegment):
+            raise InputError(
+                f"the MPC's model has four straight segments, not {self.wrist.hysteresis.NAME!r}: "
+                "give a plant with those"
+            )
         if any(np.ndim(v) for v in self.wrist.values.values()):
             raise InputError("the MPC plans for one wrist at a time: give parameters that are numbers")
+
+    @property
+    def loop(self) -> FourSegment:
+        """The hysteresis that is believed in."""
+        assert isinstance(self.wrist.hysteresis, FourSegment)
+        return self.wrist.hysteresis
 
     @property
     def substeps(self) -> int:
@@ -166,6 +179,10 @@ class Problem:
         return np.eye(self.horizon) - np.eye(self.horizon, k=-1)
 
 
+@remembers(
+    lack=("kPa", "what the regulator lacks of the pressure that is commanded"),
+    shift=("deg", "shift of the angle, such as by a load"),
+)
 class Believed(NamedTuple):
     """What a plan starts from: the wrist's state, the angle being that without the shift, and the
     disturbances lack [kPa] and shift [deg]."""

@@ -27,8 +27,10 @@ from design.robustness.samples import monte_carlo as carlo
 from design.robustness.samples.adversary import worst_case
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.monte_carlo import Samples
+from design.robustness.samples.statements import statements as of_samples
 from design.robustness.samples.worst import Worst
-from design.robustness.statement import Statement
+from design.robustness.statement import Reason, Statement
+from design.status import BY_PROOF, Status
 from design.tasks import STEP
 from plants.effects.load_step import LoadStep
 from plants.errors import InputError
@@ -40,6 +42,13 @@ DEAD_TIMES = (0.0, 0.050)
 
 BUDGET = 20_000
 """Runs of the search for the worst case; twice as many where no limit is found to be broken."""
+
+
+@dataclass(frozen=True)
+class UnstableCentre(Reason):
+    """The loop is unstable at the centre of the box; what the computation said, in a line."""
+
+    said: str
 
 
 @dataclass(frozen=True)
@@ -128,13 +137,13 @@ def assess(
     )  # fmt: skip
     tell("done", 1.0)
     left_out = LoopModel.of(wrist, controller).left_out
-    proved = [s for s in fixed if s.kind == "certificate"]
-    predicted = [s for s in fixed if s.kind == "prediction"]
+    proved = [s for s in fixed if s.status in BY_PROOF]
+    predicted = [s for s in fixed if s.status is Status.PREDICTED]
     return Assessment(
         box, controller, limits, conditions,
         (*of_ladder(rungs, left_out), *of_step(rungs, STEP), *_virgin(wrist, controller), *proved),
         (*margins.statements(rows, limits), *cycles.statements(found, swings), *predicted),
-        tuple(carlo.statements(cases)),
+        tuple(of_samples(cases)),
         tuple(rungs), word, tuple(rows), tuple(found), cases, worst,
     )  # fmt: skip
 
@@ -162,7 +171,7 @@ def _constant(box: Box, controller: PI) -> list[Statement]:
         try:
             found += constant.statements(constant.robust_stability_everywhere(box, controller, dead_time))
         except InputError as unstable:
-            claim = "stable for every constant slope, rate and Tw within the box"
-            found.append(Statement("certificate", claim, False, None, because=str(unstable)))
+            claim = constant.StableWhileConstant(False, 0.0)
+            found.append(Statement(Status.DISPROVED, claim, False, None, UnstableCentre(str(unstable))))
             break
     return found

@@ -1,4 +1,4 @@
-"""What a plant may be: an interval for each parameter that is uncertain, with the reason for it.
+"""What a plant may be: an interval for each parameter that is uncertain, and where it comes from.
 
 A box is where certificates about parameters are to hold, where samples are drawn and where the
 worst case is searched for.
@@ -11,9 +11,12 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from design.status import Status
 from design.tasks import Spread
 from plants.errors import InputError
-from plants.quantities import Assumed, Fitted, Parameter, ParameterSet, kind_of, loop_problem
+from plants.hysteresis import Role
+from plants.linear import branch_slopes
+from plants.quantities import Assumed, Fitted, Parameter, ParameterSet
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -24,22 +27,55 @@ RATES = 0.2
 """Half-width of the intervals of an assumed regulator (its rates and e0), as a share; assumed."""
 
 
-TOGETHER = {"slopes": ("a1", "a2", "s"), "widths": ("w1", "w2")}
-"""Parameters that nobody measured vary together by one factor: drawn apart, lines 1 and 2 would cross."""
+TOGETHER: Mapping[str, tuple[Role, ...]] = {"slopes": ("outer", "inner"), "widths": ("width",)}
+"""Roles of parameters that, where nobody measured them, vary together by one factor: drawn apart, the
+branches of the loop would cross."""
+
+
+@dataclass(frozen=True)
+class Given:
+    """An interval that was asked for."""
+
+
+@dataclass(frozen=True)
+class StandardErrors:
+    """An interval of so many standard errors either way of a value that was fitted to data."""
+
+    count: float
+    data: str
+
+
+@dataclass(frozen=True)
+class AssumedShare:
+    """An interval of a share of the value either way; together: parameters that vary by one factor; fitted:
+    the value was, without a standard error."""
+
+    share: float
+    together: tuple[str, ...] = ()
+    fitted: bool = False
+
+
+Origin = Given | StandardErrors | AssumedShare
+"""Where an interval comes from."""
 
 
 @dataclass(frozen=True)
 class Interval:
-    """Bounds of a parameter, low < high, in its unit, and where they come from in words; or, where
-    `scaled` names parameters, of the factor by which these differ from the plant's."""
+    """Bounds of a parameter, low < high, in its unit, and where they come from; or, where `scaled` names
+    parameters, of the factor by which these differ from the plant's."""
 
     name: str
     low: float
     nominal: float
     high: float
     unit: str
-    why: str
+    origin: Origin
     scaled: tuple[str, ...] = ()
+
+    @property
+    def status(self) -> Status | None:
+        """Assumed, where nobody measured how far the parameter may lie off and nobody gave it."""
+        return Status.ASSUMED if isinstance(self.origin, AssumedShare) else None
 
 
 @dataclass(frozen=True)
@@ -78,6 +114,22 @@ class Box:
         """
         return self.wrist.with_values(**self.values(shares))
 
+    def loops(self) -> list[Wrist]:
+        """The wrists at the corners of the box that the loop's parameters span, the others in the middle."""
+        own = {n for names in _together(self.plant).values() for n in names}
+        ends = [(0.0, 1.0) if own & {i.name, *i.scaled} else (0.5,) for i in self.intervals]
+        return [self.at(np.array(corner)) for corner in product(*ends)]
+
+    def slopes(self, branch: str) -> tuple[float, float]:
+        """Least and largest slope [deg/kPa] of a branch of the hysteresis in the box.
+
+        >>> from plants.quantities import built_in
+        >>> [round(s, 3) for s in box_of(built_in("flexion")).slopes("line1")]
+        [0.324, 0.396]
+        """
+        found = [branch_slopes(wrist)[branch] for wrist in self.loops()]
+        return min(found), max(found)
+
     def bounds(self, name: str) -> tuple[float, float]:
         """Least and largest value of a parameter in the box; the plant's own where it is certain."""
         for i in self.intervals:
@@ -105,50 +157,62 @@ def box_of(
     unknown = [n for n in given if n not in plant.parameters]
     if unknown:
         raise InputError(f"box: no parameter {unknown[0]!r}; one of {', '.join(plant.parameters)}")
-    shares = _shares(spread or Spread())
+    shares = shares_of(plant, spread or Spread())
+    together = _together(plant)
     found: list[Interval] = []
     groups: dict[str, tuple[str, ...]] = dict.fromkeys(TOGETHER, ())
+    kinds, inner = plant.kinds, plant.law.roles(plant.parameters)["inner"]
     for name, p in plant.parameters.items():
-        kind = kind_of(name, plant.effects)
+        kind = kinds[name]
         if name in given:
             low, high = given[name]
             _refuse(name, low, high, kind.low, kind.high, p)
-            found.append(Interval(name, low, p.value, high, p.unit, "given"))
+            found.append(Interval(name, low, p.value, high, p.unit, Given()))
             continue
-        half, why = _half_width(name, p, shares, sigmas)
-        group = next((g for g, of in TOGETHER.items() if name in of), None)
-        if group and why.startswith("assumed"):
+        half, origin = _half_width(name, p, shares, sigmas, name in inner)
+        group = next((g for g, of in together.items() if name in of), None)
+        if group and isinstance(origin, AssumedShare):
             groups[group] += (name,)
             continue
         low, high = max(p.value - half, kind.low), min(p.value + half, kind.high)
-        if low < high:
-            found.append(Interval(name, low, p.value, high, p.unit, why))
+        if origin is not None and low < high:
+            found.append(Interval(name, low, p.value, high, p.unit, origin))
     for group, names in groups.items():
         share = shares[names[0]] if names else 0.0
         if share > 0.0:
-            why = f"assumed: {', '.join(names)} within {100 * share:g} %, together"
-            found.append(Interval(group, 1.0 - share, 1.0, 1.0 + share, "1", why, names))
+            origin = AssumedShare(share, names)
+            found.append(Interval(group, 1.0 - share, 1.0, 1.0 + share, "1", origin, names))
     box = Box(plant, tuple(found))
     _refuse_backwards(box)
     return box
 
 
-def _shares(spread: Spread) -> dict[str, float]:
-    slopes = dict.fromkeys(("a1", "a2", "s"), spread.slope)
-    widths = dict.fromkeys(("w1", "w2"), spread.width)
+def _together(plant: ParameterSet) -> dict[str, tuple[str, ...]]:
+    """Names of the parameters of each group."""
+    roles = plant.law.roles(plant.parameters)
+    return {group: tuple(n for role in of for n in roles[role]) for group, of in TOGETHER.items()}
+
+
+def shares_of(plant: ParameterSet, spread: Spread) -> dict[str, float]:
+    groups = _together(plant)
+    slopes, widths = (
+        dict.fromkeys(groups["slopes"], spread.slope),
+        dict.fromkeys(groups["widths"], spread.width),
+    )
     return slopes | widths | {"Tw": spread.lag} | dict.fromkeys(("k_fast", "k_slow", "e0"), RATES)
 
 
-def _half_width(name: str, p: Parameter, shares: Mapping[str, float], sigmas: float) -> tuple[float, str]:
-    """Half-width of the interval of a parameter, 0 where it has none, and why it is that wide."""
+def _half_width(
+    name: str, p: Parameter, shares: Mapping[str, float], sigmas: float, scales: bool
+) -> tuple[float, Origin | None]:
+    """Half-width of the interval of a parameter and where it comes from; 0 and None where it has none.
+    `scales`: with the outer branches, even if stated."""
+    share, fitted = shares.get(name, 0.0), isinstance(p.provenance, Fitted)
     if isinstance(p.provenance, Fitted) and p.provenance.std_error is not None:
-        return sigmas * p.provenance.std_error, f"{sigmas:g} standard errors, {p.provenance.data}"
-    share = shares.get(name, 0.0)
-    if isinstance(p.provenance, Fitted):
-        return share * abs(p.value), f"assumed: {100 * share:g} % of the value, fitted without standard error"
-    if isinstance(p.provenance, Assumed) or name == "s":
-        return share * abs(p.value), f"assumed: {100 * share:g} % of the value"
-    return 0.0, ""
+        return sigmas * p.provenance.std_error, StandardErrors(sigmas, p.provenance.data)
+    if fitted or isinstance(p.provenance, Assumed) or scales:
+        return share * abs(p.value), AssumedShare(share, fitted=fitted)
+    return 0.0, None
 
 
 def _refuse(name: str, low: float, high: float, least: float, most: float, p: Parameter) -> None:
@@ -165,10 +229,8 @@ def _refuse(name: str, low: float, high: float, least: float, most: float, p: Pa
 
 def _refuse_backwards(box: Box) -> None:
     """Raises InputError where the loop runs backwards at a corner of the box."""
-    loop = ("slopes", "widths", "a1", "a2", "s", "w1", "w2")
-    ends = [(0.0, 1.0) if i.name in loop else (0.5,) for i in box.intervals]
-    for corner in product(*ends):
-        values = {n: float(v) for n, v in box.values(np.array(corner)).items()}
-        words = loop_problem({**box.plant.values, **values})
+    low, high = (v * box.wrist.regulator.gain for v in box.wrist.rig.command_range)
+    for wrist in box.loops():
+        words = wrist.hysteresis.problem(low, high)
         if words:
             raise InputError(f"box: {words} at a corner of the box; give a smaller one")

@@ -7,7 +7,7 @@ While the command is not clipped and the reference stands still, with
     dx/dt = a x + b(slope) k(q) q,     q = x[2],     k(q) between k_slow and k_fast,
 
 whatever the pressure, the offsets of the lines and the memory: only the slope of the branch that the
-wrist is on is left of the hysteresis.  On the virgin curve the slope is 0 (`BRANCHES` leaves it out).
+wrist is on is left of the hysteresis.  In a dead zone the slope is 0 (`branch_slopes` leaves it out).
 Sampled at 1 ms, by the laws that the simulator steps (`plants.regulator`, `plants.lag`),
 
     x+ = sampled_a x + sampled_b(slope) share q,      share between share_slow and share_fast.
@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 
 from design.controllers.pi import PI
 from plants import lag, regulator
-from plants.linear import BRANCHES, branch_slope
+from plants.effects.effect import dead_time_of
+from plants.linear import branch_slopes
 from plants.wrist import SAMPLE_TIME, Wrist
 
 Array = NDArray[np.float64]
@@ -37,7 +38,8 @@ class LoopModel:
 
     Kp [kPa/deg], Ki [kPa/(deg s)] as they act on the plant; slopes [deg/kPa] by branch; k_slow, k_fast
     [1/s]; Tw [s]; dead_time [s]: of the plant's own tube, 0 for a declared wrist; left_out: effects of
-    the plant that this model knows nothing of, so that what is proved of it is not proved of the plant.
+    the plant that this model knows nothing of, so that what is proved of it is not
+    proved of the plant; dt: sample time [s].
     """
 
     Kp: float
@@ -48,6 +50,7 @@ class LoopModel:
     Tw: float
     dead_time: float = 0.0
     left_out: tuple[str, ...] = ()
+    dt: float = SAMPLE_TIME
 
     @classmethod
     def of(cls, wrist: Wrist, controller: PI) -> "LoopModel":
@@ -59,16 +62,16 @@ class LoopModel:
         {'transit': 0.0803, 'line1': 0.36, 'line2': 0.36}
         """
         ratio = float(wrist.regulator.gain / controller.gain)
-        effects = {n: float(v) for e in wrist.effects for n, v in e.values.items()}
         return cls(
             ratio * float(controller.Kp),
             ratio * float(controller.Ki),
-            {b: branch_slope(wrist, b) for b in BRANCHES},
+            branch_slopes(wrist),
             float(wrist.regulator.k_slow),
             float(wrist.regulator.k_fast),
             float(wrist.Tw),
-            effects.get("dead-time.delay", 0.0),
-            tuple(e.NAME for e in wrist.effects if (e.NAME, e.FORM) != ("dead-time", "transport")),
+            float(dead_time_of(wrist.effects)),
+            tuple(e.NAME for e in wrist.effects if not e.only_delays),
+            wrist.rig.sample_time,
         )
 
     @property
@@ -99,22 +102,23 @@ class LoopModel:
         """The linear loop dx/dt = matrix x on one branch at one rate [1/s], shape (3, 3)."""
         return self.a + rate * np.outer(self.b(slope), [0.0, 0.0, 1.0])
 
-    def share(self, rate: float, dt: float = SAMPLE_TIME) -> float:
+    def share(self, rate: float) -> float:
         """Share of q that a sample takes away at a rate [1/s]."""
-        return float(-np.expm1(-rate * dt))
+        return float(-np.expm1(-rate * self.dt))
 
-    def sampled_matrix(self, slope: float, rate: float, dt: float = SAMPLE_TIME) -> Array:
+    def sampled_matrix(self, slope: float, rate: float) -> Array:
         """The sampled linear loop x+ = matrix x on one branch at one rate [1/s], shape (3, 3)."""
-        c, gone = lag.sampled(self.Tw, dt), self.share(rate, dt)
+        dt = self.dt
+        c, gone = lag.sampled(self.Tw, dt), self.share(rate)
         error = np.array([1.0, -(1.0 - c.keep), -c.after * slope * gone])
         ahead = np.array([0.0, c.keep, (1.0 - c.after) * slope * gone])
         lack = np.array([0.0, 0.0, 1.0 - gone])
         lack += self.Kp * (error - np.array([1.0, 0.0, 0.0])) + np.array([self.Ki * dt, 0.0, 0.0])
         return np.array([error, ahead, lack])
 
-    def sampled_shares(self, dt: float = SAMPLE_TIME) -> tuple[float, float]:
+    def sampled_shares(self) -> tuple[float, float]:
         """Least and largest share of q that the simulator's regulator takes away in a sample: those of
         the two rates, with what its second-order term adds."""
-        c = regulator.sampled(regulator.Regulator(1.0, self.k_fast, self.k_slow, 1.0), dt)
+        c = regulator.sampled(regulator.Regulator(1.0, self.k_fast, self.k_slow, 1.0), self.dt)
         shares = regulator.share(np.append(0.0, np.geomspace(1e-4, 1e6, 20_001)), c)
         return float(np.min(shares)), float(np.max(shares))

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from design.controllers.pi import PI
 from design.margins import BranchResponse, gain_crossings, margins
-from plants.wrist import SAMPLE_TIME
 
 Array = NDArray[np.float64]
 
@@ -49,8 +48,8 @@ def branch_margins(branches: Sequence[BranchResponse], controller: PI) -> tuple[
     """
     found = []
     for b in branches:
-        z = np.exp(1j * b.omega * SAMPLE_TIME)
-        c = (controller.Kp + controller.Ki * (SAMPLE_TIME / (z - 1.0))) / controller.gain
+        z = np.exp(1j * b.omega * b.dt)
+        c = (controller.Kp + controller.Ki * (b.dt / (z - 1.0))) / controller.gain
         loop = c * b.response
         _, _, beyond = gain_crossings(b.omega, loop[None])
         both = margins([b], controller)

@@ -9,7 +9,7 @@ from design.requirements import Limits, Problem
 from design.sequence import batch
 from design.tasks import tuning_scenarios
 from design.tuner.setting import DELAY, Setting, plant, trouble
-from plants.wrist import COMMAND_RANGE, Wrist
+from plants.wrist import Wrist
 
 COARSE = 200
 """Frequencies at which the map looks at each branch; a picture of one pair of gains looks at four times
@@ -40,7 +40,7 @@ def case(wrist: Wrist, setting: Setting, limits: Limits | None = None, jobs: int
     10
     """
     here = plant(wrist, setting)
-    wrong = trouble(here.values)
+    wrong = trouble(here)
     if wrong is not None:
         return Case(None, None, wrong)
     scenarios = tuple(s for s in tuning_scenarios(here) if s.plant == "nominal")
@@ -49,12 +49,12 @@ def case(wrist: Wrist, setting: Setting, limits: Limits | None = None, jobs: int
     # The state at rest in closed form where the wrist has no effects of its own: those of `Scenario` take
     # ten times as long, which a drag would feel.
     own = DELAY in wrist.values
-    bare = here if own else Wrist.from_values(here.values, wrist.forms)
+    bare = here if own else wrist.made_of(here.values)
     rest = batch(
         bare, [s.start for s in scenarios], angles, references[None], np.ones((1, lanes)),
         None if own else setting.dead_time,
     )  # fmt: skip
-    stacked = Wrist.from_values({n: np.full(lanes, v) for n, v in here.values.items()}, here.forms)
+    stacked = here.made_of({n: np.full(lanes, v) for n, v in here.values.items()})
     problem = Problem(
         here, scenarios, limits or Limits(), "iae", tuple(branch_responses(here)),
         (stacked, rest.state, references), 10.0, jobs,
@@ -79,7 +79,8 @@ def out_of_reach(problem: Problem) -> str | None:
             if words is not None:
                 return f"{words} keeps the wrist from holding {s.reference:+g} deg"
         command = needed / problem.wrist.regulator.gain
-        found.append((max(COMMAND_RANGE[0] - command, command - COMMAND_RANGE[1]), s))
+        low, high = problem.wrist.rig.command_range
+        found.append((max(low - command, command - high), s))
     lack, scenario = max(found, key=lambda pair: pair[0])
     if lack <= 0.0:
         return None

@@ -13,6 +13,7 @@ from design.tuner.picture import SAMPLES, Held, Picture, Series
 from design.tuner.regions import Regions, outline
 from design.tuner.setting import Slider
 from design.tuning import Region
+from plants.hysteresis import Role, law_of
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
 
 
@@ -85,11 +86,12 @@ def plant_words(values: Mapping[str, float]) -> dict[str, str]:
     >>> plant_words(Wrist.flexion().values)["lines"]
     'a1 0.36, a2 0.36 deg/kPa'
     """
-    v = {name: number(value) for name, value in values.items()}
+    law = law_of(values)
+    kinds, roles = law.kinds(values), law.roles(values)
+    sliders: dict[str, Role] = {"width": "width", "lines": "outer", "transit": "inner"}
     return {
-        "width": f"w1 {v['w1']}, w2 {v['w2']} deg",
-        "lines": f"a1 {v['a1']}, a2 {v['a2']} deg/kPa",
-        "transit": f"s {v['s']} deg/kPa",
+        slider: f"{', '.join(f'{n} {number(values[n])}' for n in roles[role])} {kinds[roles[role][0]].unit}"
+        for slider, role in sliders.items()
     }
 
 

@@ -1,19 +1,18 @@
 """What the sliders say, and the wrist that it makes of the user's own."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import NamedTuple
 
 from design.rules import PAPER_GAINS
 from design.tuning import Region
 from plants.effects.dead_time import DeadTime
-from plants.quantities import loop_problem
-from plants.wrist import COMMAND_RANGE, Wrist
+from plants.hysteresis import Role
+from plants.wrist import Wrist
 
 REGION = Region(Kp=(0.5, 20.0), Ki=(0.5, 100.0))
 """Gains that the sliders reach where none are given: what holds 15 degrees in either motion, and around."""
 
-DELAY = "dead-time.delay"
+DELAY = f"{DeadTime.NAME}.{DeadTime.DELAY}"
 
 
 @dataclass(frozen=True)
@@ -90,20 +89,18 @@ def plant(wrist: Wrist, setting: Setting) -> Wrist:
     >>> moved.hysteresis.w1, moved.values["dead-time.delay"]
     (3.0, 0.02)
     """
-    p = wrist.hysteresis
-    loop = {
-        "w1": p.w1 * setting.width, "w2": p.w2 * setting.width,
-        "a1": p.a1 * setting.lines, "a2": p.a2 * setting.lines, "s": p.s * setting.transit,
-    }  # fmt: skip
+    v, roles = wrist.values, wrist.hysteresis.roles(wrist.hysteresis.values)
+    factors: dict[Role, float] = {"width": setting.width, "outer": setting.lines, "inner": setting.transit}
+    loop = {n: v[n] * factor for role, factor in factors.items() for n in roles[role]}
     late = wrist if DELAY in wrist.values else wrist + DeadTime()
     return late.with_values(**loop, **{DELAY: setting.dead_time})
 
 
-def trouble(values: Mapping[str, float]) -> str | None:
+def trouble(wrist: Wrist) -> str | None:
     """Why the parameters of a wrist make no loop within the range of the command, in one line, or None.
 
-    >>> trouble(plant(Wrist.flexion(), Setting(lines=0.5, transit=3.0)).values)
+    >>> trouble(plant(Wrist.flexion(), Setting(lines=0.5, transit=3.0)))
     'transit slope s = 0.2409 is not below a1 = 0.18, so the loop runs backwards'
     """
-    low, high = (values["gain"] * volts for volts in COMMAND_RANGE)
-    return loop_problem(values, low, high)
+    low, high = (wrist.regulator.gain * v for v in wrist.rig.command_range)
+    return wrist.hysteresis.problem(low, high)

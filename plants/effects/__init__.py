@@ -3,8 +3,11 @@
 ``wrist + Creep(gain=0.1)`` is a wrist.  Each effect acts at a port of the wrist
 (`plants.effects.effect` lists them), has its own parameters and state, and
 vanishes at its null.  Where rigs differ, one name has two or three functional
-forms; a new effect is a new file, a line here and a test.
+forms; a new effect is a new file, a line here and a test.  What only one of your
+rigs has need not stand here: `register` makes it known for as long as Python runs.
 """
+
+from inspect import isabstract
 
 from plants.effects.branch_curvature import Bow, Curve, Polynomial, Saturation
 from plants.effects.creep import Creep, LogCreep, TwoTimeCreep
@@ -21,26 +24,30 @@ from plants.effects.rate_dependence import PowerWidening, RememberedRate, Satura
 from plants.effects.regulator_deadband import Latch, Play, ValveOverlap
 from plants.effects.softening import Mullins, SofteningByWork, Warming
 from plants.effects.supply_droop import CappedPressure, CappedTarget, LimitedFlow, SaturatingSag
+from plants.errors import InputError
 
 EFFECTS: dict[str, tuple[type[Effect], ...]] = {
-    "dead-time": (DeadTime, TubeDeadTime),
-    "regulator-deadband": (Latch, Play, ValveOverlap),
-    "fill-exhaust-asymmetry": (TwoRates, PressureDependentRates, OrificeExhaust),
-    "supply-droop": (CappedPressure, CappedTarget, SaturatingSag, LimitedFlow),
-    "branch-curvature": (Polynomial, Saturation, Bow, Curve),
-    "cross-coupling": (Coupling, QuadraticCoupling, PressureCoupling),
-    "rate-dependence": (Viscous, PowerWidening, SaturatingWidening, RememberedRate),
-    "softening": (SofteningByWork, Warming, Mullins),
-    "load-step": (LoadStep, GradualLoad),
-    "creep": (Creep, TwoTimeCreep, LogCreep),
-    "inertia": (Inertia, DraggedInertia, StiffeningInertia),
-    "end-stop": (HardStop, GivingStop, SpringStop, PadStop, CompliantStop),
-    "gyro-drift": (Drift, WarmingDrift),
-    "periodic-disturbance": (Hum, HarmonicHum),
+    forms[0].NAME: forms
+    for forms in (
+        (DeadTime, TubeDeadTime),
+        (Latch, Play, ValveOverlap),
+        (TwoRates, PressureDependentRates, OrificeExhaust),
+        (CappedPressure, CappedTarget, SaturatingSag, LimitedFlow),
+        (Polynomial, Saturation, Bow, Curve),
+        (Coupling, QuadraticCoupling, PressureCoupling),
+        (Viscous, PowerWidening, SaturatingWidening, RememberedRate),
+        (SofteningByWork, Warming, Mullins),
+        (LoadStep, GradualLoad),
+        (Creep, TwoTimeCreep, LogCreep),
+        (Inertia, DraggedInertia, StiffeningInertia),
+        (HardStop, GivingStop, SpringStop, PadStop, CompliantStop),
+        (Drift, WarmingDrift),
+        (Hum, HarmonicHum),
+    )
 }
 """The forms of each effect, by name, in the order in which effects of a wrist act."""
 
-__all__ = ["EFFECTS", "Around", "Effect", "form_of"]
+__all__ = ["EFFECTS", "Around", "Effect", "form_of", "register"]
 
 
 def form_of(name: str, form: str) -> type[Effect]:
@@ -52,3 +59,32 @@ def form_of(name: str, form: str) -> type[Effect]:
         if form == effect.FORM:
             return effect
     raise KeyError(f"{name} has no form {form!r}; one of {', '.join(e.FORM for e in EFFECTS[name])}")
+
+
+def register(form: type[Effect], after: str | None = None) -> type[Effect]:
+    """Make a form of an effect known to parameter files, traces and wrists, and return it.
+
+    after: name of the effect behind which it acts where they share a port; behind all others where not
+    given.  A further form of an effect that is known has that one's place.  Registering a form again puts
+    the new class in the old one's stead, as when a cell of a notebook is run twice.
+
+    Raises InputError for a class that lacks what an effect has to say, and for an `after` that is not known
+    or that the effect, being known, does not act behind.
+    """
+    lacking = [n for n in ("NAME", "FORM", "STAGE", "HAPPENS") if not hasattr(form, n)]
+    if lacking or isabstract(form):
+        what = ", ".join(lacking) or ", ".join(sorted(form.__abstractmethods__))
+        raise InputError(f"effect {form.__name__}: lacks {what}; see plants.effects.effect")
+    if after is not None and after not in EFFECTS:
+        raise InputError(f"effect {form.NAME}: no effect {after!r} to act after; one of {', '.join(EFFECTS)}")
+    names = list(EFFECTS)
+    behind = names[names.index(after) + 1 :] if after is not None else []
+    if form.NAME in EFFECTS:
+        if after is not None and form.NAME not in behind:
+            raise InputError(f"effect {form.NAME}: acts before {after} already; leave `after` out")
+        EFFECTS[form.NAME] = (*(f for f in EFFECTS[form.NAME] if f.FORM != form.FORM), form)
+        return form
+    EFFECTS[form.NAME] = (form,)
+    for name in behind:  # a dictionary keeps the order in which it was filled
+        EFFECTS[name] = EFFECTS.pop(name)
+    return form

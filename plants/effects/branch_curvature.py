@@ -6,7 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plants.effects.effect import Around, Effect, Linear, Nothing, Number, parameter
+from plants.hysteresis import SIDES
 
+OUTER = SIDES[:2]
 SPAN = 100.0
 """Pressure from rest [kPa] at which the coefficients of the polynomials count in full."""
 
@@ -37,16 +39,24 @@ class SampledWarp(NamedTuple):
         return pressure + SPAN * x * x * (self.quadratic + self.cubic * x)
 
 
+class _Curved(Effect):
+    """What the forms share; whether the lines stay at least as steep as the transit is looked at by who
+    makes a bound."""
+
+    NAME = "branch-curvature"
+    STAGE = "wrist"
+    HAPPENS = "The branches of the loop are curved"
+    BOUND = "kept"
+
+
 @dataclass(frozen=True)
-class Polynomial(Effect):
+class Polynomial(_Curved):
     """The pressure acts through a cubic: x (1 + quadratic x + cubic x^2), x = (P - rest) / 100 kPa.
 
     One curve for both branches and the transit.
     """
 
-    NAME = "branch-curvature"
     FORM = "cubic of the pressure"
-    STAGE = "wrist"
 
     quadratic: Number = parameter("1", "share of the quadratic term", -0.45, 1.0, 0.0, (0.0, -0.1, 0.1))
     cubic: Number = parameter("1", "share of the cubic term", -0.33, 2.0, 0.0, (-0.15, 0.15))
@@ -57,7 +67,7 @@ class Polynomial(Effect):
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         x = _from_rest(wrist, reach)
         slope = _least_and_largest(1.0 + x * (2.0 * self.quadratic + 3.0 * self.cubic * x))
-        return Linear(slopes=dict.fromkeys(("transit", "line1", "line2"), slope))
+        return Linear(slopes=dict.fromkeys(SIDES, slope))
 
 
 class SampledSaturation(NamedTuple):
@@ -77,12 +87,10 @@ class SampledSaturation(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Saturation(Effect):
+class Saturation(_Curved):
     """The pressure acts through a hyperbolic tangent that saturates at `range` [kPa] from rest."""
 
-    NAME = "branch-curvature"
     FORM = "saturation"
-    STAGE = "wrist"
 
     # Null: at 1e6 kPa the tangent is straight to 1e-9 of the range, far below rounding of a log.
     range: Number = parameter("kPa", "pressure at which the response saturates", 40.0, 1e6, 1e6, (150.0,))
@@ -92,7 +100,7 @@ class Saturation(Effect):
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         slope = _least_and_largest(1.0 - np.tanh(_from_rest(wrist, reach) * SPAN / self.range) ** 2)
-        return Linear(slopes=dict.fromkeys(("transit", "line1", "line2"), slope))
+        return Linear(slopes=dict.fromkeys(SIDES, slope))
 
 
 class SampledBow(NamedTuple):
@@ -112,15 +120,13 @@ class SampledBow(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Bow(Effect):
+class Bow(_Curved):
     """Each line has a bow of its own, and both the same cubic; the transit stays straight.
 
     All in deg at 100 kPa from rest.
     """
 
-    NAME = "branch-curvature"
     FORM = "bow of each line"
-    STAGE = "wrist"
 
     bow1: Number = parameter("deg", "quadratic term of line 1", -15.0, 15.0, 0.0, (-2.0, 2.0))
     bow2: Number = parameter("deg", "quadratic term of line 2", -15.0, 15.0, 0.0, (-2.0, 2.0))
@@ -130,11 +136,12 @@ class Bow(Effect):
         return SampledBow(wrist.hysteresis.rest_pressure, self.bow1, self.bow2, self.cubic)
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
-        p, x = wrist.hysteresis, _from_rest(wrist, reach)
-        slopes = {}
-        for line, bow, straight in (("line1", self.bow1, p.a1), ("line2", self.bow2, p.a2)):
+        x, slopes = _from_rest(wrist, reach), {}
+        for side, bow, straight in zip(
+            OUTER, (self.bow1, self.bow2), wrist.hysteresis.steepness, strict=True
+        ):
             bend = x * (2.0 * bow + 3.0 * self.cubic * x) / SPAN  # deg/kPa
-            slopes[line] = _least_and_largest(1.0 + bend / straight)
+            slopes[side] = _least_and_largest(1.0 + bend / straight)
         return Linear(slopes=slopes)
 
 
@@ -153,20 +160,19 @@ class SampledCurve(NamedTuple):
             lower, here = here, 2.0 * x * here - lower
             # Minus its value at rest, so that a wrist at rest stays at 0.
             curve = curve + share * (here - np.cos(degree * np.pi / 2.0))
-        return s, loop.a1 * SPAN * curve, loop.a2 * SPAN * curve, 1.0
+        up, down = loop.steepness
+        return s, up * SPAN * curve, down * SPAN * curve, 1.0
 
 
 @dataclass(frozen=True)
-class Curve(Effect):
+class Curve(_Curved):
     """Both lines follow one smooth curve, the transit stays straight.
 
     Chebyshev polynomials T2 to T7 of (P - rest) / 100 kPa, as shares of the line's
     rise over 100 kPa.
     """
 
-    NAME = "branch-curvature"
     FORM = "smooth curve of the lines"
-    STAGE = "wrist"
 
     t2: Number = parameter("1", "share of T2", -0.5, 0.5, 0.0, (0.0, 0.05))
     t3: Number = parameter("1", "share of T3", -0.5, 0.5, 0.0, (-0.05, 0.05))
@@ -182,4 +188,4 @@ class Curve(Effect):
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         shares = [0.0, 0.0, self.t2, self.t3, self.t4, self.t5, self.t6, self.t7]
         bend = np.polynomial.Chebyshev(shares).deriv()(np.clip(_from_rest(wrist, reach), -1.2, 1.2))
-        return Linear(slopes=dict.fromkeys(("line1", "line2"), _least_and_largest(1.0 + bend)))
+        return Linear(slopes=dict.fromkeys(OUTER, _least_and_largest(1.0 + bend)))

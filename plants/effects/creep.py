@@ -43,6 +43,16 @@ def _sampled(gains: tuple[Number, ...], times: tuple[Number, ...], dt: float) ->
 class _Creeping(Effect):
     """What the forms share."""
 
+    NAME = "creep"
+    STAGE = "wrist"
+    HAPPENS = "The wrist creeps"
+    BOUND = "kept"
+
+    def no_bound(self, wrist: Any) -> str | None:
+        if min(self.sampled(wrist, 1.0).gains) < 0.0:
+            return "what creeps backwards undoes a fast move"
+        return None
+
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         c = self.sampled(wrist, dt)
         pairs = zip(c.gains, c.shares, strict=True)
@@ -57,9 +67,7 @@ class Creep(_Creeping):
     's'
     """
 
-    NAME = "creep"
     FORM = "one time constant"
-    STAGE = "wrist"
 
     gain: Number = parameter("1", "what creeps, over the static angle", -0.5, 1.0, 0.0, (0.1,))
     time_constant: Number = parameter("s", "time constant", 0.4, 200.0, 5.0, (1.0, 3.0, 10.0, 30.0))
@@ -75,9 +83,7 @@ class Creep(_Creeping):
 class TwoTimeCreep(_Creeping):
     """Two time constants, the second `ratio` times the first."""
 
-    NAME = "creep"
     FORM = "two time constants"
-    STAGE = "wrist"
 
     gain: Number = parameter("1", "what creeps soon, over the static angle", -0.5, 1.0, 0.0, (0.06,))
     time_constant: Number = parameter("s", "first time constant", 0.2, 40.0, 1.5, (0.6, 2.0))
@@ -100,9 +106,7 @@ LOG_RATIO = 4.0
 class LogCreep(_Creeping):
     """Creep with the logarithm of time: five equal lags, each `LOG_RATIO` times as slow as the last."""
 
-    NAME = "creep"
     FORM = "logarithm of time"
-    STAGE = "wrist"
 
     gain: Number = parameter("1", "what creeps in all, over the static angle", -0.5, 1.5, 0.0, (0.12,))
     first: Number = parameter("s", "first time constant", 0.02, 20.0, 0.2, (0.1, 0.4, 1.5))

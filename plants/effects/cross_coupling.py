@@ -1,7 +1,7 @@
 """Cross coupling: the other motion's pressure moves this angle."""
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from plants.effects.effect import Around, Effect, Nothing, Number, parameter
 
@@ -23,13 +23,21 @@ class SampledCoupling(NamedTuple):
         return s, before + shift, after + shift
 
 
-@dataclass(frozen=True)
-class Coupling(Effect):
-    """The static angle shifts by `gain` [deg/kPa] times the other pressure's distance from 100 kPa."""
+class _Coupled(Effect):
+    """What the forms share."""
 
     NAME = "cross-coupling"
-    FORM = "shift of the angle"
     STAGE = "wrist"
+    HAPPENS = "The other motion moves this angle"
+    LOG: ClassVar = {"other_pressure_kPa": "the other motion's pressure"}
+    BOUND = "kept"
+
+
+@dataclass(frozen=True)
+class Coupling(_Coupled):
+    """The static angle shifts by `gain` [deg/kPa] times the other pressure's distance from 100 kPa."""
+
+    FORM = "shift of the angle"
 
     gain: Number = parameter("deg/kPa", "shift per kPa of the other motion", -0.5, 0.5, 0.0, (-0.02, 0.02))
 
@@ -38,12 +46,10 @@ class Coupling(Effect):
 
 
 @dataclass(frozen=True)
-class QuadraticCoupling(Effect):
+class QuadraticCoupling(_Coupled):
     """As `Coupling`, with a quadratic part, in deg at 100 kPa from rest."""
 
-    NAME = "cross-coupling"
     FORM = "shift of the angle, quadratic"
-    STAGE = "wrist"
 
     gain: Number = parameter("deg/kPa", "shift per kPa of the other motion", -0.5, 0.5, 0.0, (-0.02, 0.02))
     quadratic: Number = parameter(
@@ -73,12 +79,10 @@ class SampledPressureCoupling(NamedTuple):
 
 
 @dataclass(frozen=True)
-class PressureCoupling(Effect):
+class PressureCoupling(_Coupled):
     """The other pressure adds to this one before the loop, so that it works the hysteresis too."""
 
-    NAME = "cross-coupling"
     FORM = "offset of the pressure"
-    STAGE = "wrist"
 
     gain: Number = parameter("1", "pressure added per kPa of the other motion", -0.8, 0.8, 0.0, (0.08, -0.08))
 

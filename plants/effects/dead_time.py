@@ -44,17 +44,28 @@ def _transport(z: Any, c: SampledDelay) -> Any:
     return z**-c.samples * (1.0 - c.share + c.share / z)
 
 
+class _Late(Effect):
+    """What the forms share."""
+
+    NAME = "dead-time"
+    STAGE = "regulator"
+    HAPPENS = "The pressure answers the command late"
+    DELAY = "delay"
+    BOUND = "kept"
+
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Tube:
+        return Tube(delay.at_rest(pressure), pressure)
+
+
 @dataclass(frozen=True)
-class DeadTime(Effect):
+class DeadTime(_Late):
     """Pure transport: the regulator sees the command `delay` [s] late.
 
     >>> DeadTime(0.05).values
     {'dead-time.delay': 0.05}
     """
 
-    NAME = "dead-time"
     FORM = "transport"
-    STAGE = "regulator"
 
     delay: Number = parameter("s", "transport delay", 0.0, 0.4, 0.0, (0.01, 0.03, 0.08, 0.15))
 
@@ -64,17 +75,16 @@ class DeadTime(Effect):
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         return Linear(command=_transport(z, delay.sampled(self.delay, dt)))
 
-    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Tube:
-        return Tube(delay.at_rest(pressure), pressure)
+    @property
+    def only_delays(self) -> bool:
+        return True
 
 
 @dataclass(frozen=True)
-class TubeDeadTime(Effect):
+class TubeDeadTime(_Late):
     """Transport and the filling of the tube: a delay, then a first-order lag, both in s."""
 
-    NAME = "dead-time"
     FORM = "transport and tube lag"
-    STAGE = "regulator"
 
     delay: Number = parameter("s", "transport delay", 0.0, 0.4, 0.0, (0.01, 0.05, 0.1))
     lag: Number = parameter("s", "time constant of the tube's filling", 0.0, 0.2, 0.0, (0.01, 0.04))
@@ -86,5 +96,9 @@ class TubeDeadTime(Effect):
         c = self.sampled(wrist, dt)
         return Linear(command=_transport(z, c.delay) * c.share * z / (z - 1.0 + c.share))
 
-    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Tube:
-        return Tube(delay.at_rest(pressure), pressure)
+    @property
+    def only_delays(self) -> bool:
+        return not np.any(self.lag)
+
+    def lags(self, wrist: Any) -> tuple[Number, ...]:
+        return (self.lag,)

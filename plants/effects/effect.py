@@ -19,12 +19,13 @@ its laws; the method's name is the port of the wrist that it acts on.  The wrist
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, fields, replace
 from itertools import product
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple, Protocol
 
-from plants.quantities import Kind
+from plants.hysteresis import Side
+from plants.parameters.spec import Kind
 
 Number = Any
 EffectStage = Literal["regulator", "wrist", "sensor"]
@@ -45,39 +46,91 @@ class Linear:
     command, static: frequency responses, shape of z, in the commanded pressure and in the
     static angle; joint: that from the static angle to the angle, in place of the lag's;
     rates: factors of the regulator's rate that occur; slopes: least and largest factor
-    of the slope of each branch that is changed.
+    of the slope on each side of the loop where it is changed.
     """
 
     command: Any = 1.0
     static: Any = 1.0
     joint: Any = None
     rates: tuple[float, ...] = (1.0,)
-    slopes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    slopes: Mapping[Side, tuple[float, float]] = field(default_factory=dict)
 
 
 class Nothing(NamedTuple):
     """The state of an effect that remembers nothing."""
 
 
+class Evidence(Protocol):
+    """What a log, and what a model without the effect leaves of it, tell of where to try an effect.
+
+    channel: ``pressure_kPa`` or ``angle_deg``; noise: its floor, in its unit.
+    """
+
+    @property
+    def channel(self) -> str: ...
+
+    @property
+    def noise(self) -> float: ...
+
+    def quantiles(self, *shares: float) -> Any:
+        """Quantiles of the channel as it was measured, in its unit."""
+        ...
+
+    def spectral_lines(self) -> list[tuple[float, float, float]]:
+        """Frequencies [Hz] that the remainder has most of, with sine and cosine part over the noise."""
+        ...
+
+    def steps(self) -> list[tuple[float, float]]:
+        """Moments [s] at which a shift explains most of the remainder, with its sign."""
+        ...
+
+
 def parameter(
-    unit: str, meaning: str, low: float, high: float, null: float, trials: tuple[float, ...] = ()
+    unit: str,
+    meaning: str,
+    low: float,
+    high: float,
+    null: float,
+    trials: tuple[float, ...] = (),
+    spread: float | None = None,
 ) -> Any:
     """A parameter of an effect: its unit, meaning and bounds, its value where the effect vanishes (or,
-    for one that has no meaning there, a typical one), and values to try it at when effects are ranked."""
-    return field(default=null, metadata={"kind": Kind(unit, meaning, low, high), "trials": trials or (null,)})
+    for one that has no meaning there, a typical one), and values to try it at when effects are ranked.
+    spread: by how much, in its unit, a trial is moved to refine it; None: by a factor."""
+    kind = Kind(unit, meaning, low, high)
+    return field(default=null, metadata={"kind": kind, "trials": trials or (null,), "spread": spread})
 
 
 @dataclass(frozen=True)
 class Effect(ABC):
-    """Base of all effects.
+    """Base of all effects.  One made without arguments is absent.
 
-    NAME: of the phenomenon, fixed; FORM: which of the functional forms that go
-    under that name; STAGE: where it sits.  An effect made without arguments is absent.
+    What an effect is:
+
+    - NAME: of the phenomenon, fixed; FORM: which of the functional forms that go under that name;
+    - STAGE: where it sits; HAPPENS: what happens on a rig that has it, the beginning of a sentence.
+
+    What others need to know of it, and it alone can say:
+
+    - LOG: what a log needs beside command, pressure and angle for it to show, columns with their meaning;
+    - FROM_REMAINDER: whether `trials_on` takes values from the remainder, which are as small as it is;
+    - WANDERS: whether its sensor wanders besides, which no model foresees;
+    - DELAY: the parameter that is its transport delay [s], for one that delays and smooths the command alone;
+    - STOPS: whether it is a stop that the joint runs into;
+    - BOUND: what the performance bound makes of it: ``kept``, where the wrist is a monotone cascade with it,
+      ``taken away``, where the wrist without it goes at least as far, or None, where no bound is known.
     """
 
     NAME: ClassVar[str]
     FORM: ClassVar[str]
     STAGE: ClassVar[EffectStage]
+    HAPPENS: ClassVar[str]
+    LOG: ClassVar[Mapping[str, str]] = {}
+    FROM_REMAINDER: ClassVar[bool] = False
+    WANDERS: ClassVar[bool] = False
+    DELAY: ClassVar[str | None] = None
+    STOPS: ClassVar[bool] = False
+    BOUND: ClassVar[Literal["kept", "taken away"] | None] = None
 
     @classmethod
     def kinds(cls) -> dict[str, Kind]:
@@ -90,6 +143,16 @@ class Effect(ABC):
         names = [f.name for f in fields(cls)]
         for values in product(*(f.metadata["trials"] for f in fields(cls))):
             yield dict(zip(names, values, strict=True))
+
+    @classmethod
+    def trials_on(cls, log: Evidence) -> Iterable[dict[str, float]]:
+        """Values to try the effect at on a log: the trials, unless the data alone can tell where."""
+        return cls.trials()
+
+    @classmethod
+    def spreads(cls) -> dict[str, float | None]:
+        """By how much each trial value is moved to refine it, in its unit; None: by a factor."""
+        return {f.name: f.metadata["spread"] for f in fields(cls)}
 
     @property
     def values(self) -> dict[str, Number]:
@@ -113,6 +176,43 @@ class Effect(ABC):
         """What is linear of the effect at points z = exp(j omega dt), within pressures `reach` [kPa]."""
         return Linear()
 
+    @property
+    def dead_time(self) -> Number:
+        """Transport delay [s] that it puts between command and pressure."""
+        return getattr(self, self.DELAY) if self.DELAY else 0.0
+
+    def delayed(self, dead_time: Number) -> "Effect":
+        """The same effect with another transport delay [s]; raises TypeError for one that has none."""
+        if self.DELAY is None:
+            raise TypeError(f"{self.NAME} has no dead time")
+        return replace(self, **{self.DELAY: dead_time})
+
+    @property
+    def only_delays(self) -> bool:
+        """Whether it does nothing but delay: what knows of a dead time, an inverse, say, knows all of it."""
+        return False
+
+    def lags(self, wrist: Any) -> tuple[Number, ...]:
+        """Time constants [s] that it puts between command and pressure."""
+        return ()
+
+    def joint_lags(self, wrist: Any) -> tuple[Number, ...] | None:
+        """Time constants [s] of the joint with the effect, None where the wrist's lag stays."""
+        return None
+
+    def no_bound(self, wrist: Any) -> str | None:
+        """Why no performance bound is known of a wrist with the effect, or None."""
+        return None if self.BOUND else "its wrist is not a monotone cascade"
+
+    def bound_ends(self, wrist: Any) -> float | None:
+        """Time [s] up to which a performance bound is claimed, None: for ever."""
+        return None
+
     def obstacle(self, pressure: float, angle: float) -> str | None:
         """What keeps a wrist that needs a pressure [kPa] for it from an angle [deg], in words, or None."""
         return None
+
+
+def dead_time_of(effects: Iterable[Effect]) -> Number:
+    """Transport delay [s] of all effects together."""
+    return sum((e.dead_time for e in effects), 0.0)

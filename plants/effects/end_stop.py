@@ -1,11 +1,13 @@
 """End stop: the joint meets a mechanical stop, hard or with a little give."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, Nothing, Number, parameter
+from plants.effects.effect import Around, Effect, Evidence, Nothing, Number, parameter
 
 
 class _Stops(NamedTuple):
@@ -87,9 +89,24 @@ class _Stop(Effect):
 
     NAME = "end-stop"
     STAGE = "wrist"
+    HAPPENS = "The joint meets a stop"
+    STOPS = True
+    BOUND = "kept"
 
     low: Number = _LOW
     high: Number = _HIGH
+
+    @classmethod
+    def trials_on(cls, log: Evidence) -> Iterator[dict[str, float]]:
+        """Stops at shares of the angles that were reached, on either side or both."""
+        low, high = log.quantiles(0.002, 0.998)
+        shares = (1.0, 0.9, 0.75, 0.6)
+        kinds = cls.kinds()
+        lows = [kinds["low"].low, *(s * min(low, -1.0) for s in shares)]
+        highs = [kinds["high"].high, *(s * max(high, 1.0) for s in shares)]
+        rest = {n: v for n, v in next(cls.trials()).items() if n not in ("low", "high")}
+        for a, b in list(product(lows, highs))[1:]:
+            yield {**rest, "low": float(a), "high": float(b)}
 
     def obstacle(self, pressure: float, angle: float) -> str | None:
         beyond = float(np.clip(angle, self.low, self.high))

@@ -35,6 +35,11 @@ class SampledAsymmetry(NamedTuple):
 class _TwoValves(Effect):
     """What the forms share."""
 
+    NAME = "fill-exhaust-asymmetry"
+    STAGE = "regulator"
+    HAPPENS = "The regulator fills and exhausts at different speeds"
+    BOUND = "kept"
+
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         valve, quiet = self.sampled(wrist, dt).valve, Around()
         # Filling and exhausting, at both ends of the pressures.
@@ -46,9 +51,7 @@ class _TwoValves(Effect):
 class TwoRates(_TwoValves):
     """Exhausting is `ratio` times as fast as filling, at any pressure."""
 
-    NAME = "fill-exhaust-asymmetry"
     FORM = "two rates"
-    STAGE = "regulator"
 
     ratio: Number = parameter("1", "rate of exhausting over rate of filling", 0.1, 5.0, 1.0, (0.7, 1.4))
 
@@ -61,9 +64,7 @@ class PressureDependentRates(_TwoValves):
     """Both speeds change linearly with the pressure: factors 1 + fill x and ratio (1 + exhaust x)
     with x = (P - 100 kPa) / 100 kPa."""
 
-    NAME = "fill-exhaust-asymmetry"
     FORM = "rates that depend on the pressure"
-    STAGE = "regulator"
 
     ratio: Number = parameter("1", "rate of exhausting over rate of filling", 0.1, 5.0, 1.0, (0.7, 1.4))
     fill: Number = parameter("1", "change of the filling rate per 100 kPa", -0.95, 3.0, 0.0, (-0.3, 0.0))
@@ -90,9 +91,7 @@ class SampledOrifice(NamedTuple):
 class OrificeExhaust(_TwoValves):
     """Exhaust through an orifice: its speed goes with a power of the pressure above the outside's."""
 
-    NAME = "fill-exhaust-asymmetry"
     FORM = "exhaust through an orifice"
-    STAGE = "regulator"
 
     ratio: Number = parameter("1", "rate of exhausting over filling, at 100 kPa", 0.1, 5.0, 1.0, (0.7, 1.4))
     exponent: Number = parameter("1", "exponent of the gauge pressure", 0.0, 2.0, 0.0, (0.5, 1.0))

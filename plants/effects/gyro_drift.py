@@ -20,13 +20,21 @@ class SampledDrift(NamedTuple):
         return angle + self.rate * around.time + self.early * decayed
 
 
-@dataclass(frozen=True)
-class Drift(Effect):
-    """A constant bias of the rate [deg/s]: the angle drifts along a straight line."""
+class _Drifting(Effect):
+    """What the forms share: the sensor integrates noise too, so that it wanders besides."""
 
     NAME = "gyro-drift"
-    FORM = "constant rate"
     STAGE = "sensor"
+    HAPPENS = "The angle sensor drifts"
+    WANDERS = True
+    BOUND = "kept"
+
+
+@dataclass(frozen=True)
+class Drift(_Drifting):
+    """A constant bias of the rate [deg/s]: the angle drifts along a straight line."""
+
+    FORM = "constant rate"
 
     rate: Number = parameter("deg/s", "drift of the measured angle", -2.0, 2.0, 0.0, (-0.02, 0.02))
 
@@ -35,12 +43,10 @@ class Drift(Effect):
 
 
 @dataclass(frozen=True)
-class WarmingDrift(Effect):
+class WarmingDrift(_Drifting):
     """A bias that changes as the sensor warms up: `rate` in the end, `early` [deg/s] more at first."""
 
-    NAME = "gyro-drift"
     FORM = "rate that changes while warming up"
-    STAGE = "sensor"
 
     rate: Number = parameter(
         "deg/s", "drift of the measured angle in the end", -2.0, 2.0, 0.0, (-0.02, 0.0, 0.02)

@@ -79,7 +79,20 @@ def _transient(inertia: Number, wrist: Any, dt: float, drag: Number = 0.0) -> Sa
 class _Inert(Effect):
     """What the forms share; small motions show neither drag nor a change of stiffness."""
 
+    NAME = "inertia"
+    STAGE = "wrist"
+    HAPPENS = "The joint has inertia"
+    BOUND = "kept"
+
     inertia: Number = parameter("s", "1 / natural frequency", 0.0, 1.0, 0.0, (0.05, 0.1, 0.18))
+
+    def joint_lags(self, wrist: Any) -> tuple[Number, ...]:
+        """The two poles of the transient, two halves of Tw where it rings."""
+        root = max(wrist.Tw**2 - 4.0 * self.inertia**2, 0.0) ** 0.5
+        return (wrist.Tw + root) / 2, (wrist.Tw - root) / 2
+
+    def no_bound(self, wrist: Any) -> str | None:
+        return "only linear damping has an impulse response"
 
     def rest(self, wrist: Any, pressure: Number, angle: Number) -> Velocity:
         return Velocity(0.0)
@@ -94,14 +107,28 @@ class _Inert(Effect):
 
 @dataclass(frozen=True)
 class Inertia(_Inert):
-    """The joint's inertia with linear damping; `inertia` [s] is 1 / wn."""
+    """The joint's inertia with linear damping; `inertia` [s] is 1 / wn.
 
-    NAME = "inertia"
+    Its impulse response is positive for ever where its poles are real, and for the first half period where
+    it rings, which is how long a performance bound is claimed.
+    """
+
     FORM = "linear damping"
-    STAGE = "wrist"
 
     def sampled(self, wrist: Any, dt: float) -> SampledInertia:
         return _transient(self.inertia, wrist, dt)
+
+    def no_bound(self, wrist: Any) -> str | None:
+        if any(e.STOPS for e in wrist.effects):
+            return "a stop within a second-order transient is no monotone map"
+        return None
+
+    def bound_ends(self, wrist: Any) -> float | None:
+        m = self.inertia**2
+        if self.inertia <= NULL or wrist.Tw >= 2.0 * self.inertia:
+            return None
+        ringing = np.sqrt(4.0 * m - wrist.Tw**2) / (2.0 * m)  # rad/s
+        return float(np.pi / ringing)
 
 
 class SampledStiffening(NamedTuple):
@@ -125,9 +152,8 @@ class SampledStiffening(NamedTuple):
 class StiffeningInertia(_Inert):
     """As `Inertia`, the joint being stiffer the more pressure its muscles are under."""
 
-    NAME = "inertia"
     FORM = "stiffness that changes with the pressure"
-    STAGE = "wrist"
+
     stiffening: Number = parameter("1", "change of stiffness per 100 kPa", -0.9, 2.0, 0.0, (-0.3, 0.3))
 
     def sampled(self, wrist: Any, dt: float) -> SampledStiffening:
@@ -140,9 +166,8 @@ class StiffeningInertia(_Inert):
 class DraggedInertia(_Inert):
     """As `Inertia`, with a drag that grows with the square of the speed."""
 
-    NAME = "inertia"
     FORM = "damping that grows with the speed"
-    STAGE = "wrist"
+
     drag: Number = parameter("1/deg", "drag: deceleration over velocity squared", -0.05, 1.0, 0.0, (0.03,))
 
     def sampled(self, wrist: Any, dt: float) -> SampledInertia:

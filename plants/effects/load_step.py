@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, Nothing, Number, parameter
+from plants.effects.effect import Around, Effect, Evidence, Nothing, Number, parameter
 
 
 class SampledLoad(NamedTuple):
@@ -29,17 +29,31 @@ class SampledLoad(NamedTuple):
 
 _SHIFT = parameter("deg", "shift of the static angle", -30.0, 30.0, 0.0, (1.0,))
 _MOMENT = parameter(
-    "s", "moment of the shift, time_s of every recording", 0.0, 3600.0, 10.0, (5.0, 10.0, 20.0)
-)
+    "s", "moment of the shift, time_s of every recording", 0.0, 3600.0, 10.0, (5.0, 10.0, 20.0), 0.3
+)  # a log is searched every half second, so that about half of that refines it
+
+
+class _Loaded(Effect):
+    """What the forms share."""
+
+    NAME = "load-step"
+    STAGE = "wrist"
+    HAPPENS = "The load on the hand changes"
+    FROM_REMAINDER = True
+    BOUND = "kept"
+
+    @classmethod
+    def trials_on(cls, log: Evidence) -> list[dict[str, float]]:
+        """Shifts of three times the noise at the moments at which the remainder steps."""
+        first, size = next(cls.trials()), 3.0 * log.noise
+        return [{**first, "moment": moment, "shift": size * sign} for moment, sign in log.steps()]
 
 
 @dataclass(frozen=True)
-class LoadStep(Effect):
+class LoadStep(_Loaded):
     """The static angle shifts by `shift` [deg] at a `moment` [s], and stays so."""
 
-    NAME = "load-step"
     FORM = "at once"
-    STAGE = "wrist"
 
     shift: Number = _SHIFT
     moment: Number = _MOMENT
@@ -49,12 +63,10 @@ class LoadStep(Effect):
 
 
 @dataclass(frozen=True)
-class GradualLoad(Effect):
+class GradualLoad(_Loaded):
     """The load comes within a `duration` [s], and may also change the slope of the loop."""
 
-    NAME = "load-step"
     FORM = "gradual, with a change of slope"
-    STAGE = "wrist"
 
     shift: Number = _SHIFT
     moment: Number = _MOMENT

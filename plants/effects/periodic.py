@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, Nothing, Number, parameter
+from plants.effects.effect import Around, Effect, Evidence, Nothing, Number, parameter
 
 
 class SampledHum(NamedTuple):
@@ -30,16 +30,33 @@ def _part(name: str, trial: float) -> Any:
     return parameter("deg", f"{name}, phase 0 at time_s = 0", -20.0, 20.0, 0.0, (0.0, trial) if trial else ())
 
 
-_FREQUENCY = parameter("Hz", "frequency of the hum", 0.05, 50.0, 1.0, (1.0,))
+_FREQUENCY = parameter("Hz", "frequency of the hum", 0.05, 50.0, 1.0, (1.0,), 0.002)
+
+
+class _Humming(Effect):
+    """What the forms share."""
+
+    NAME = "periodic-disturbance"
+    STAGE = "sensor"
+    HAPPENS = "A hum lies on the angle"
+    FROM_REMAINDER = True
+    BOUND = "kept"
+
+    @classmethod
+    def trials_on(cls, log: Evidence) -> list[dict[str, float]]:
+        """The lines of the remainder's spectrum."""
+        first, noise = next(cls.trials()), log.noise
+        return [
+            {**first, "frequency": f, "sine": a * noise, "cosine": b * noise}
+            for f, a, b in log.spectral_lines()
+        ]
 
 
 @dataclass(frozen=True)
-class Hum(Effect):
+class Hum(_Humming):
     """One sinusoid, its amplitude and phase given by a sine and a cosine part [deg]."""
 
-    NAME = "periodic-disturbance"
     FORM = "sinusoid"
-    STAGE = "sensor"
 
     frequency: Number = _FREQUENCY
     sine: Number = _part("sine part", 0.2)
@@ -50,12 +67,10 @@ class Hum(Effect):
 
 
 @dataclass(frozen=True)
-class HarmonicHum(Effect):
+class HarmonicHum(_Humming):
     """A sinusoid and its second harmonic."""
 
-    NAME = "periodic-disturbance"
     FORM = "sinusoid with a second harmonic"
-    STAGE = "sensor"
 
     frequency: Number = _FREQUENCY
     sine: Number = _part("sine part", 0.2)

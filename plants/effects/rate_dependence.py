@@ -50,16 +50,31 @@ class SampledMemory(NamedTuple):
         return Remembered(rate), -extra, extra, 1.0
 
 
+class _Widening(Effect):
+    """What the forms share: a loop that widens with the rate, so that the wrist goes no further than with
+    a loop that does not."""
+
+    NAME = "rate-dependence"
+    STAGE = "wrist"
+    HAPPENS = "The loop is wider when the pressure moves faster"
+    BOUND = "taken away"
+
+    widening: Number
+
+    def no_bound(self, wrist: Any) -> str | None:
+        if self.widening < 0.0:
+            return "a loop that narrows with the rate rewards haste and slowness alike"
+        return None
+
+
 _WIDENING = parameter("deg s/kPa", "widening of each half of the loop per rate", -0.2, 0.5, 0.0, (0.01,))
 
 
 @dataclass(frozen=True)
-class Viscous(Effect):
+class Viscous(_Widening):
     """Each half of the loop widens in proportion to the rate of the pressure."""
 
-    NAME = "rate-dependence"
     FORM = "proportional to the rate"
-    STAGE = "wrist"
 
     widening: Number = _WIDENING
 
@@ -68,12 +83,10 @@ class Viscous(Effect):
 
 
 @dataclass(frozen=True)
-class SaturatingWidening(Effect):
+class SaturatingWidening(_Widening):
     """The widening saturates: rate / (1 + rate / limit), `limit` in kPa/s."""
 
-    NAME = "rate-dependence"
     FORM = "saturating with the rate"
-    STAGE = "wrist"
 
     widening: Number = parameter("deg s/kPa", "widening per rate, at low rates", -0.5, 2.0, 0.0, (0.03,))
     limit: Number = parameter(
@@ -100,12 +113,10 @@ class SampledPower(NamedTuple):
 
 
 @dataclass(frozen=True)
-class PowerWidening(Effect):
+class PowerWidening(_Widening):
     """The widening goes with a power of the rate, as friction of rubber does over decades of it."""
 
-    NAME = "rate-dependence"
     FORM = "power of the rate"
-    STAGE = "wrist"
 
     widening: Number = parameter("deg", "widening of each half at 100 kPa/s", -10.0, 20.0, 0.0, (1.0,))
     exponent: Number = parameter("1", "exponent of the rate", 0.1, 2.0, 0.5, (0.3, 0.6, 1.4))
@@ -115,12 +126,10 @@ class PowerWidening(Effect):
 
 
 @dataclass(frozen=True)
-class RememberedRate(Effect):
+class RememberedRate(_Widening):
     """Friction that remembers: the widening follows the rate behind a lag, and saturates."""
 
-    NAME = "rate-dependence"
     FORM = "friction that remembers the rate"
-    STAGE = "wrist"
 
     widening: Number = parameter("deg s/kPa", "widening per rate, at low rates", -0.5, 2.0, 0.0, (0.02,))
     limit: Number = parameter(

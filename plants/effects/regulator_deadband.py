@@ -52,6 +52,8 @@ class _DeadBand(Effect):
 
     NAME = "regulator-deadband"
     STAGE = "regulator"
+    HAPPENS = "The regulator passes over small changes of the command"
+    BOUND = "taken away"
 
 
 class _Holding(_DeadBand):

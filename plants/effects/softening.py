@@ -32,9 +32,9 @@ class _Coefficients(NamedTuple):
 class _Softening(_Coefficients):
     def _bent(self, amount: Number, after: Number, loop: Any) -> tuple[Worked, Number, Number, Number]:
         share = 1.0 - np.exp(-amount * self.per_scale)
-        x, soft, wide = after - loop.rest_pressure, self.depth * share, self.width * share
-        low = soft * (loop.a1 * x) - wide * loop.w1
-        high = soft * (loop.a2 * x) + wide * loop.w2
+        soft, wide = self.depth * share, self.width * share
+        (up, down), (below, above) = loop.rise(after), loop.halves(after)
+        low, high = soft * up - wide * below, soft * down + wide * above
         return Worked(amount), low, high, 1.0 + self.transit * soft
 
 
@@ -75,6 +75,7 @@ _TRANSIT = parameter("1", "share of the change that the transit's slope takes pa
 class _Form(Effect):
     NAME = "softening"
     STAGE = "wrist"
+    HAPPENS = "The slopes change as the wrist is worked"
 
     depth: Number = _DEPTH
     width: Number = _WIDTH
@@ -87,7 +88,7 @@ class _Form(Effect):
         """Fresh, and fully worked."""
         low, high = sorted((1.0, float(1.0 + self.depth)))
         least, most = sorted((1.0, float(1.0 + self.transit * self.depth)))
-        return Linear(slopes={"line1": (low, high), "line2": (low, high), "transit": (least, most)})
+        return Linear(slopes={"ascending": (low, high), "descending": (low, high), "inner": (least, most)})
 
     def _coefficients(self, scale: Number, dt: float) -> tuple[Number, ...]:
         return self.depth, self.width, self.transit, 1.0 / np.asarray(scale, float), dt

@@ -1,11 +1,12 @@
 """Supply droop: the pressure cannot exceed a supply that sags as air is used and recovers slowly."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, Number, parameter
+from plants.effects.effect import Around, Effect, Evidence, Number, parameter
 
 
 class Supply(NamedTuple):
@@ -66,13 +67,13 @@ _SUPPLY = parameter("kPa", "pressure of the rested supply", 10.0, 400.0, 400.0, 
 _USE = parameter("1", "sag of the supply per kPa filled", 0.0, 2.0, 0.0, (0.05, 0.2))
 _RECOVERY = parameter("s", "time constant of the supply's recovery", 0.3, 100.0, 8.0, (3.0, 12.0))
 
-_DEEPEST = parameter("kPa", "deepest sag of the supply", 2.0, 200.0, 200.0, (30.0,))
-
 
 @dataclass(frozen=True)
 class _Droop(Effect):
     NAME = "supply-droop"
     STAGE = "regulator"
+    HAPPENS = "The supply sags"
+    BOUND = "taken away"
 
     supply: Number = _SUPPLY
     use: Number = _USE
@@ -80,6 +81,18 @@ class _Droop(Effect):
 
     def rest(self, wrist: Any, pressure: Number, angle: Number) -> Supply:
         return Supply(0.0)
+
+    @classmethod
+    def trials_on(cls, log: Evidence) -> Iterator[dict[str, float]]:
+        """The trials, and supplies at shares of the pressure that was reached, for rigs of any size."""
+        yield from cls.trials()
+        if log.channel != "pressure_kPa":
+            return
+        reached, first = float(log.quantiles(0.998)[0]), next(cls.trials())["supply"]
+        for given in cls.trials():
+            if given["supply"] == first:
+                for share in (1.0, 0.97, 0.9):
+                    yield {**given, "supply": share * reached}
 
     def obstacle(self, pressure: float, angle: float) -> str | None:
         if pressure <= float(self.supply):
@@ -101,24 +114,32 @@ class CappedPressure(_Droop):
 
 
 @dataclass(frozen=True)
-class CappedTarget(_Droop):
+class _Saturating(_Droop):
+    """A sag that comes to rest at `deepest` [kPa]."""
+
+    deepest: Number = parameter("kPa", "deepest sag of the supply", 2.0, 200.0, 200.0, (30.0,))
+
+    def no_bound(self, wrist: Any) -> str | None:
+        if self.deepest > self.supply:
+            return "the supply may sag below zero and pull the commanded pressure with it"
+        return None
+
+
+@dataclass(frozen=True)
+class CappedTarget(_Saturating):
     """As `SaturatingSag`, but the commanded pressure is capped, so that the approach is gradual."""
 
     FORM = "the commanded pressure is capped"
-
-    deepest: Number = _DEEPEST
 
     def sampled(self, wrist: Any, dt: float) -> SampledTargetCap:
         return SampledTargetCap(*self._coefficients(dt, 1.0 / np.asarray(self.deepest, float)))
 
 
 @dataclass(frozen=True)
-class SaturatingSag(_Droop):
+class SaturatingSag(_Saturating):
     """As `CappedPressure`, but a sag comes to rest at `deepest` [kPa]: the compressor keeps up."""
 
     FORM = "the pressure is capped, the sag saturates"
-
-    deepest: Number = _DEEPEST
 
     def sampled(self, wrist: Any, dt: float) -> SampledCap:
         return SampledCap(*self._coefficients(dt, 1.0 / np.asarray(self.deepest, float)))

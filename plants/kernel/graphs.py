@@ -47,12 +47,21 @@ def c_source(name: str, *functions: Any) -> str:
     return str(generator.dump())
 
 
-def jacobians(step: Callable[..., Any], *arguments: Any) -> list[np.ndarray]:
-    """Derivatives of the leaves of ``step(*arguments)`` by those of each argument, at that point."""
+def derivatives(step: Callable[..., Any], *arguments: Any) -> Any:
+    """CasADi function of the derivatives of a step's leaves by those of each argument, to be evaluated."""
     import casadi
 
     function = graph(step, *arguments)
     x = [casadi.SX.sym("x", function.size1_in(i)) for i in range(function.n_in())]
-    wrt = casadi.Function("jacobians", x, [casadi.jacobian(function(*x), xi) for xi in x])
-    values = wrt(*(np.array(pytrees.leaves(a), float) for a in arguments))
+    return casadi.Function("jacobians", x, [casadi.jacobian(function(*x), xi) for xi in x])
+
+
+def jacobians(step: Callable[..., Any], *arguments: Any) -> list[np.ndarray]:
+    """Derivatives of the leaves of ``step(*arguments)`` by those of each argument, at that point."""
+    return evaluated(derivatives(step, *arguments), *arguments)
+
+
+def evaluated(function: Any, *arguments: Any) -> list[np.ndarray]:
+    """The results of a function at trees of floats."""
+    values = function(*(np.array(pytrees.leaves(a), float) for a in arguments))
     return [np.array(v) for v in (values if isinstance(values, tuple) else (values,))]

@@ -6,7 +6,8 @@ from typing import Any
 
 
 def _branches(tree: Any) -> dict[str, Any] | None:
-    """Branches of a node by their names, in order; None for a leaf.
+    """Branches of a node by their names, in order; None for a leaf.  A field of a dataclass whose metadata
+    says ``static`` is none: it is the same in every lane, and `like` keeps it.
 
     Raises TypeError for a dataclass that is not frozen: what is a pytree must not change under a kernel.
     """
@@ -16,7 +17,7 @@ def _branches(tree: Any) -> dict[str, Any] | None:
     if is_dataclass(tree) and not isinstance(tree, type):
         if not tree.__dataclass_params__.frozen:  # type: ignore[attr-defined]
             raise TypeError(f"{type(tree).__name__}: a dataclass in a pytree must be frozen")
-        return {f.name: getattr(tree, f.name) for f in fields(tree)}
+        return {f.name: getattr(tree, f.name) for f in fields(tree) if not f.metadata.get("static")}
     return None
 
 
@@ -60,7 +61,8 @@ def _fill(tree: Any, values: Iterator[Any]) -> Any:
     if isinstance(tree, tuple):
         return tuple.__new__(type(tree), filled.values())
     made = object.__new__(type(tree))
-    for name, branch in filled.items():
+    kept = {f.name: getattr(tree, f.name) for f in fields(tree) if f.metadata.get("static")}
+    for name, branch in (kept | filled).items():
         object.__setattr__(made, name, branch)
     return made
 

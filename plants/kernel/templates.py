@@ -11,13 +11,16 @@ from plants.kernel.graphs import graph
 LANES = 16
 """Rollouts that advance together in one loop; batches are padded to a multiple of it."""
 
-_TEMPLATE = '''"""Emitted code: {name}. Do not edit; it is made anew when the law changes."""
+_HEAD = '''"""Emitted code: {name}. Do not edit; it is made anew when the law changes."""
 import math
 import numpy as np
 from numba import njit
 from plants.kernel.selection import select
 
 @njit(nogil=True, cache=True, error_model="numpy", fastmath={{"contract", "nsz", "arcp"}})
+'''
+
+_LANES = """\
 def run(coefficients, state, signals{given}, steps, every, recorded, rows):
     # One array for everything, so that the compiler sees that no two rows overlap.
     m = np.empty({total} * {lanes})
@@ -45,7 +48,12 @@ def run(coefficients, state, signals{given}, steps, every, recorded, rows):
         for j in range({n_state}):
             for l in range({lanes}):
                 state[j, first + l] = m[({n_coefficients} + j) * {lanes} + l]
-'''
+"""
+
+
+def module(name: str, run: str) -> str:
+    """Source of a module whose function `run` is compiled at its first call."""
+    return _HEAD.format(name=name) + run
 
 
 def emit(
@@ -74,13 +82,13 @@ def emit(
     delays = _delays(state, coefficients, n_c)
     signals = [i for i in inputs if i != "sample" and i not in held]
     reads = [f"u_{i} = signals[{j}, k]" for j, i in enumerate(signals)] + ["u_sample = float(k)"]
-    return _TEMPLATE.format(
-        name=name, lanes=LANES, total=n_c + n_s + len(held), n_coefficients=n_c, n_state=n_s,
+    return module(name, _LANES.format(
+        lanes=LANES, total=n_c + n_s + len(held), n_coefficients=n_c, n_state=n_s,
         given=", held, hold, lane" if held else "",
         inputs="\n".join(" " * 12 + r for r in reads + _held_code(rows)),
         body="\n".join(" " * 16 + s for s in body),
         **_delay_code(delays),
-    )  # fmt: skip
+    ))  # fmt: skip
 
 
 def _held_code(rows: dict[str, int]) -> list[str]:

@@ -16,6 +16,7 @@ from plants.measured.cells import one_line, shorten
 from plants.measured.columns import Source, parse_columns
 from plants.measured.recording import Recording, Stage, from_table, required
 from plants.measured.tables import Table, read_table
+from plants.rig import Rig
 
 FILE = "campaign.toml"
 KEYS = ("axis", "stage", "start", "sample_time_s", "fit", "validate", "columns")
@@ -62,8 +63,8 @@ class Declaration:
     columns: Mapping[str, Source]
 
 
-def load_campaign(folder: str | Path) -> Campaign:
-    """The campaign in a folder.
+def load_campaign(folder: str | Path, rig: Rig | None = None) -> Campaign:
+    """The campaign in a folder, of a rig; the built-in one where not given.
 
     Raises InputError, in one line with the file and, where it applies, row and column, for a
     folder without a valid campaign.toml and for recordings that ``from_table`` refuses.
@@ -73,7 +74,7 @@ def load_campaign(folder: str | Path) -> Campaign:
     said = parse_declaration(content, folder / FILE)
     tables = {name: read_table(folder / name) for name in said.fit + said.validate}
     recordings = {
-        name: from_table(table, _sources_in(table, said, tables), said.stage, said.sample_time, name)
+        name: from_table(table, _sources_in(table, said, tables), said.stage, said.sample_time, name, rig)
         for name, table in tables.items()
     }
     fit, validate = (tuple(recordings[n] for n in names) for names in (said.fit, said.validate))
@@ -117,12 +118,13 @@ def load_recording(
     columns: Mapping[str, Any] | None = None,
     stage: Stage = "wrist",
     sample_time: float | None = None,
+    rig: Rig | None = None,
 ) -> Recording:
     """A single recording; `columns` as the ``[columns]`` table of campaign.toml, sample_time in s.
 
     Raises InputError as ``load_campaign`` does.
     """
-    return from_table(read_table(path), parse_columns(columns, str(path)), stage, sample_time)
+    return from_table(read_table(path), parse_columns(columns, str(path)), stage, sample_time, rig=rig)
 
 
 def parse_declaration(content: bytes, path: Path) -> Declaration:

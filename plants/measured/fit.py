@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.errors import InputError, InputWarning
+from plants.hysteresis import with_values
 from plants.measured.campaign import Campaign
 from plants.measured.determined import estimate_determined
 from plants.measured.estimate import Estimate
@@ -21,7 +22,7 @@ from plants.measured.noise import noise_of_campaign
 from plants.measured.playback import Playback
 from plants.measured.problem import Begin, FitProblem, at_rest, first_begin, measured
 from plants.measured.recording import Recording
-from plants.quantities import REGULATOR_NAMES, WRIST_NAMES, ParameterSet, loop_problem
+from plants.quantities import REGULATOR_NAMES, ParameterSet, loop_names
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -123,8 +124,8 @@ def fit_campaign(
     if any(with_pressure):
         plan.append(("regulator", REGULATOR_NAMES, "pressure_kPa"))
     if campaign.stage == "wrist":
-        both = (*REGULATOR_NAMES, *WRIST_NAMES)
-        plan.append(("wrist", WRIST_NAMES if any(with_pressure) else both, "angle_deg"))
+        of_loop = loop_names(start.parameters)
+        plan.append(("wrist", of_loop if any(with_pressure) else (*REGULATOR_NAMES, *of_loop), "angle_deg"))
 
     values: dict[str, float] = dict(start.values)
     errors: Errors = {}
@@ -134,7 +135,8 @@ def fit_campaign(
         tell(stage, number / len(plan))
         used = [i for i, r in enumerate(campaign.fit) if measured(r, channel) is not None]
         problem = FitProblem(
-            tuple(Playback(campaign.fit[i]) for i in used), values, names, channel, noise[channel] or 1.0,
+            tuple(Playback(campaign.fit[i], start.rig.sample_time) for i in used), values, names, channel,
+            noise[channel] or 1.0, start.rig,
             None if begins is None else tuple(begins[i] for i in used),
             () if begins is None else _free(channel, any(with_pressure)),
         )  # fmt: skip
@@ -147,7 +149,12 @@ def fit_campaign(
             for i, begin in zip(used, problem.begins_at(found.x) or (), strict=True):
                 begins[i] = begin
     tell("done", 1.0)
-    trouble = loop_problem(values, 0.0, 4.0 * values["gain"]) if campaign.stage == "wrist" else None
+    loop = with_values(values)
+    trouble = (
+        loop.problem(*(v * values["gain"] for v in start.rig.command_range))
+        if campaign.stage == "wrist"
+        else None
+    )
     if trouble:
         raise InputError(
             f"{campaign.name}: the best fit makes no loop ({trouble}); the data may not be a wrist's"
@@ -224,8 +231,12 @@ def _runs(
     found = []
     for role, recordings, starts in roles:
         for i, recording in enumerate(recordings):
-            state = None if starts is None else starts[i].state()
-            sides = [Playback(recording).play(Wrist.from_values(p.values), state) for p in (fitted, start)]
+            wrists = [Wrist.from_values(p.values, rig=p.rig) for p in (fitted, start)]
+            states = [None if starts is None else starts[i].state(w.hysteresis) for w in wrists]
+            sides = [
+                Playback(recording, start.rig.sample_time).play(w, s)
+                for w, s in zip(wrists, states, strict=True)
+            ]
             angles = [None, None] if campaign.stage == "regulator" else [angle for _, angle in sides]
             found.append(Run(recording, role, sides[0][0], angles[0], sides[1][0], angles[1]))
     return found

@@ -115,7 +115,7 @@ def noise_of_campaign(recordings: Sequence[Recording], channel: str) -> float | 
     """
     from plants.measured.residual.stillness import still_noise, total_noise, without_lines
 
-    logged = [(r, v) for r in recordings if (v := _channel(r, channel)) is not None]
+    logged = [(r, v) for r in recordings if (v := r.channels.get(channel)) is not None]
     white = noise_of([v for _, v in logged])
     if white is None:
         return None
@@ -140,12 +140,3 @@ def is_coloured(stretches: Sequence[Array]) -> bool:
         return False
     ratio = _trimmed(np.concatenate(far)) / _trimmed(np.concatenate(near))
     return bool(ratio > 1.0 + LEAST_COLOUR + SURE * (SCATTER / count) ** 0.5)
-
-
-def _channel(recording: Recording, name: str) -> Array | None:
-    own = {
-        "angle_deg": recording.angle,
-        "pressure_kPa": recording.pressure,
-        "other_pressure_kPa": recording.other_pressure,
-    }
-    return own[name] if name in own else recording.extra.get(name)

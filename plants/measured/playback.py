@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.recording import Recording
-from plants.simulate import open_loop
+from plants.simulation.open_loop import open_loop
 from plants.wrist import SAMPLE_TIME, State, Wrist
 
 Array = NDArray[np.float64]
@@ -24,14 +24,15 @@ SMOOTHED = 11
 
 @dataclass(frozen=True)
 class Playback:
-    """A recording prepared for simulation at 1 ms."""
+    """A recording prepared for simulation at a sample time `dt` [s]."""
 
     recording: Recording
+    dt: float = SAMPLE_TIME
 
     @cached_property
     def rows(self) -> NDArray[np.int64]:
         """Index of the sample of 1 ms that each row falls on, (n,)."""
-        at: NDArray[np.int64] = np.rint((self.recording.time - self.recording.time[0]) / SAMPLE_TIME).astype(
+        at: NDArray[np.int64] = np.rint((self.recording.time - self.recording.time[0]) / self.dt).astype(
             np.int64
         )
         return at

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.hysteresis import Memory
+from plants.hysteresis import HysteresisLaw
+from plants.kernel.batches import default_jobs
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.quantities import ParameterSet
-from plants.simulate import default_jobs
-from plants.wrist import State, Wrist
+from plants.rig import Rig
+from plants.wrist import Number, State, Wrist
 
 Array = NDArray[np.float64]
 BLOCK = 2.0
@@ -34,11 +35,15 @@ class Begin:
     angle: float
     virgin: bool
 
-    def state(self) -> State:
-        """The wrist's state; on the virgin curve the static angle is 0."""
-        return State(
-            self.pressure, Memory(0.0 if self.virgin else self.angle, float(self.virgin)), self.angle
-        )
+    def state(self, loop: HysteresisLaw) -> State:
+        """The state of a wrist with a loop; on the virgin curve the static angle is 0."""
+        return begun(loop, self.pressure, self.angle, self.virgin)
+
+
+def begun(loop: HysteresisLaw, pressure: Number, angle: Number, virgin: bool) -> State:
+    """A wrist at rest at a pressure [kPa] and an angle [deg], on the virgin curve or between the branches."""
+    memory = loop.initial() if virgin else loop.resting("inside", angle, pressure)
+    return State(pressure, memory, angle)
 
 
 def first_begin(recording: Recording, rest_pressure: float) -> Begin:
@@ -79,6 +84,7 @@ class FitProblem:
     names: tuple[str, ...]
     channel: str
     noise: float
+    rig: Rig
     begins: tuple[Begin, ...] | None = None
     free: tuple[str, ...] = ()
 
@@ -106,7 +112,7 @@ class FitProblem:
     def wrist(self, x: Array) -> Wrist:
         """Wrists of vectors (lanes, n)."""
         lanes = {n: np.full(len(x), v) for n, v in self.values.items()}
-        return Wrist.from_values({**lanes, **{n: x[:, i] for i, n in enumerate(self.names)}})
+        return Wrist.from_values({**lanes, **{n: x[:, i] for i, n in enumerate(self.names)}}, rig=self.rig)
 
     def begins_at(self, x: Array) -> tuple[Begin, ...] | None:
         """The starts that one vector (n,) stands for."""
@@ -142,4 +148,4 @@ class FitProblem:
         begin = self.begins[i]
         entries = {n: x[:, offset + j] for j, n in enumerate(self.free)}
         pressure, angle = entries.get("pressure", begin.pressure), entries.get("angle", begin.angle)
-        return State(pressure, Memory(0.0 if begin.virgin else angle, float(begin.virgin)), angle)
+        return begun(self.wrist(x).hysteresis, pressure, angle, begin.virgin)

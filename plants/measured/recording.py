@@ -13,7 +13,7 @@ from plants.errors import InputError, InputWarning
 from plants.measured.cells import Array, Text, first_bad, shorten
 from plants.measured.columns import STANDARD, Source
 from plants.measured.tables import Table
-from plants.wrist import COMMAND_RANGE
+from plants.rig import Rig, built_in_rig
 
 Stage = Literal["wrist", "regulator"]
 
@@ -25,9 +25,6 @@ SAMPLE_TIME_TOLERANCE = 0.05
 
 RADIANS = 1.2
 """An angle [deg] that stays within this while the wrist is worked over half its range is in radians."""
-
-PRESSURE_RANGE = 200.0
-"""Range of the pressure [kPa] that the command range reaches."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +55,18 @@ class Recording:
         """Which rows count when the error is reported, (n,)."""
         return self.time >= self.judged_from
 
+    @property
+    def channels(self) -> dict[str, Array]:
+        """What was logged beside the time, by standard name or, of further channels, by column."""
+        own = {
+            "command_V": self.command,
+            "angle_deg": self.angle,
+            "pressure_kPa": self.pressure,
+            "reference_deg": self.reference,
+            "other_pressure_kPa": self.other_pressure,
+        }
+        return {**self.extra, **{n: v for n, v in own.items() if v is not None}}
+
     def until(self, time: float) -> "Recording":
         """The recording up to a time [s]."""
         kept = self.time < time
@@ -71,10 +80,12 @@ def from_table(
     stage: Stage = "wrist",
     sample_time: float | None = None,
     name: str | None = None,
+    rig: Rig | None = None,
 ) -> Recording:
     """The recording in a table whose columns `sources` maps to the standard names.
 
     sample_time [s]: what the steps of the time are compared with; None to take the file's own.
+    rig: whose ranges the channels are held against, the built-in one where not given.
     Raises InputError, in one line with file, row and column, for a column that
     is missing, cells that are no finite numbers, and a time that repeats, runs
     backwards, has gaps or another sample time.  Warns, with InputWarning, of a
@@ -85,9 +96,10 @@ def from_table(
     time, column = found["time_s"], sources["time_s"].name
     _check_lengths(table, sources, found)
     _check_time(table, column, time, sample_time)
-    _warn_of_command(table, sources["command_V"].name, found["command_V"])
+    rig = built_in_rig() if rig is None else rig
+    _warn_of_command(table, sources["command_V"].name, found["command_V"], rig)
     if "angle_deg" in found:
-        _warn_of_radians(table, sources["angle_deg"].name, found)
+        _warn_of_radians(table, sources["angle_deg"].name, found, rig)
     return Recording(
         name or table.path.name,
         time,
@@ -180,8 +192,8 @@ def _check_time(table: Table, column: str, time: Array, sample_time: float | Non
         )
 
 
-def _warn_of_command(table: Table, column: str, command: Array) -> None:
-    low, high = COMMAND_RANGE
+def _warn_of_command(table: Table, column: str, command: Array, rig: Rig) -> None:
+    low, high = rig.command_range
     outside = np.flatnonzero((command < low) | (command > high))
     if outside.size:
         i = int(outside[0])
@@ -192,11 +204,15 @@ def _warn_of_command(table: Table, column: str, command: Array) -> None:
         )
 
 
-def _warn_of_radians(table: Table, column: str, found: Mapping[str, Array]) -> None:
+def _warn_of_radians(table: Table, column: str, found: Mapping[str, Array], rig: Rig) -> None:
+    if rig.units.angle != "deg":
+        return
     angle = found["angle_deg"]
-    worked = np.ptp(found["command_V"]) > 0.5 * (COMMAND_RANGE[1] - COMMAND_RANGE[0])
+    worked = np.ptp(found["command_V"]) > 0.5 * (rig.command_range[1] - rig.command_range[0])
     if "pressure_kPa" in found:
-        worked = worked or np.ptp(found["pressure_kPa"]) > 0.5 * PRESSURE_RANGE
+        worked = worked or np.ptp(found["pressure_kPa"]) > 0.5 * (
+            rig.pressure_range[1] - rig.pressure_range[0]
+        )
     # An angle that never moves is a dead sensor or a locked joint, in any unit.
     if worked and np.ptp(angle) > 0.0 and np.max(np.abs(angle)) < RADIANS:
         _warn(

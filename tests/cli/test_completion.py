@@ -4,9 +4,9 @@ import pytest
 
 from design.export.catalogue import CATALOGUE
 from design.requirements import COSTS
-from plants.quantities import KINDS
+from plants.quantities import built_in
 from plants.wrist import STARTS
-from reports.paper import FIGURES
+from reports.paper.figures import FIGURES
 from tests.cli.terminal import piped
 
 VALUES = {
@@ -15,7 +15,7 @@ VALUES = {
     "simulate --start ": list(STARTS),
     "simulate --figure 1": [str(n) for n in FIGURES if str(n).startswith("1")],
     "export ": list(CATALOGUE),
-    "robust --axis deviation --box ": [f"{name}=" for name in KINDS],
+    "robust --axis deviation --box ": [f"{name}=" for name in built_in("deviation").parameters],
     "robust --plant nowhere.toml --box ": [],
     "ex": ["export"],
     "tune --st": ["--starts", "--steady-error"],

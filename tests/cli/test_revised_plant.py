@@ -62,7 +62,7 @@ def test_tune_says_no_behind_an_end_stop(wrist, tmp_path):
 
 
 @pytest.mark.suite
-def test_compare_puts_the_revised_plant_beside_the_other_motion(wrist, revised, tmp_path):
+def test_compare_of_one_plant_is_of_that_plant_alone(wrist, revised, tmp_path):
     out = tmp_path / "report"
     outcome = wrist(
         "compare",
@@ -81,7 +81,9 @@ def test_compare_puts_the_revised_plant_beside_the_other_motion(wrist, revised, 
     )
     assert outcome.code in (0, 1), outcome.err
     record = json.loads((out / "comparison.json").read_text())
+    assert list(record["plants"]) == ["flexion"]
     assert record["plants"]["flexion"]["dead-time.delay"]["value"] == 0.1
+    assert {r["motion"] for r in record["rows"]} == {"flexion"}
     tuned = {s["motion"]: s for s in record["standings"] if s["controller"] == "tuned"}
     assert tuned["flexion"]["Ms"] <= 2.001
     assert "creep.gain" in (out / "comparison.html").read_text()

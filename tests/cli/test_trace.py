@@ -14,7 +14,7 @@ from design.requirements import default_problem
 from design.tuning import Region, tune
 from plants import InputError
 from plants.quantities import load
-from plants.simulate import open_loop
+from plants.simulation.open_loop import open_loop
 from plants.wrist import Wrist
 from tests.rig.campaign import make_campaign
 

@@ -8,14 +8,15 @@ import pytest
 from design.controllers.pi import PI
 from design.loop import run
 from design.requirements import Limits
-from design.retune import Response, control_record, judged, retune, simulated
+from design.retune import Response, judged, retune, simulated
 from design.tuning import Region
 from plants import Wrist, built_in
 from plants.effects import DeadTime, Drift, HardStop
 from plants.files import json_text
 from plants.measured.campaign import load_campaign
 from plants.measured.trace.trace import trace_campaign
-from reports.trace_words import control_sentence
+from reports.trace.record import control_record
+from reports.trace.words import control_sentence
 from tests.rig.campaign import make_rig, record
 
 COARSE = Region(points=8)

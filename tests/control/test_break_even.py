@@ -12,7 +12,7 @@ from design.tasks import corner
 from plants.effects.dead_time import DeadTime
 from plants.errors import InputError
 from plants.wrist import STARTS, Wrist
-from reports.break_even_figure import HIGHEST, break_even_figure
+from reports.comparison.break_even_figure import HIGHEST, break_even_figure
 
 WRIST, PLAIN = Wrist.flexion(), PI(3.13, 10.4)
 SMALL = {

@@ -6,16 +6,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from design.contest import periodic
-from design.contest import run as contest_run
 from design.contest.coupled import run_coupled
-from design.contest.periodic import play_coupled, play_periodic
+from design.contest.periodic import play_coupled
 from design.contest.plants import carrying, nominal
 from design.contest.run import METRICS, run
 from design.contest.scores import lanes_for
-from design.contest.tasks import DURATION, STAIRS, TREAD, tasks
 from design.controllers.pi import PI
 from design.controllers.pi import step as pi_step
+from design.evaluation.tasks import lasts, side_by_side, stairs
 from design.loop import run as plain_run
 from design.robustness.samples.conditions import Conditions
 from plants import InputError, Wrist
@@ -26,6 +24,8 @@ from plants.effects.effect import Around
 from plants.effects.load_step import LoadStep
 
 WRIST = Wrist.flexion()
+RIG = WRIST.rig
+DURATION = lasts("side by side", RIG)
 GAINS = PI(3.0, 10.0)
 QUIET = Conditions(0.0, 0.0, 0.0, 0.0)
 NOISY = Conditions(0.0, 0.0, 0.07, 0.01)
@@ -34,10 +34,12 @@ NOISY = Conditions(0.0, 0.0, 0.07, 0.01)
 def lanes(asked, conditions, wrist=WRIST, **effects):
     field = nominal(wrist)
     field = replace(field, wrist=field.wrist.with_values(**{n: np.array([v]) for n, v in effects.items()}))
-    found = lanes_for(field, [0] * len(asked), asked, conditions, seed=3, chunk=0)
-    if conditions.quantum == 0.0:  # a quantum too small to matter
-        found["sensor"] = found["sensor"]._replace(quantum=1e-9, per_quantum=1e9)
-    return found
+    return lanes_for(field, [0] * len(asked), asked, conditions, seed=3, chunk=0)
+
+
+def short(asked):
+    """The tasks for 1.3 s: where every sample is a period, a run is slow."""
+    return [replace(t, duration=1.3) for t in asked]
 
 
 def plainly(wrist, state, reference_at):
@@ -52,8 +54,8 @@ def plainly(wrist, state, reference_at):
 
 
 def test_a_step_is_judged_as_the_loop_of_the_comparison_judges_it():
-    steps = [t for t in tasks() if t.family == "steps"]
-    found, _ = run(controller=GAINS, **lanes(steps, QUIET))
+    steps = [t for t in side_by_side(RIG) if t.family == "steps"]
+    found, _ = run(lanes(steps, QUIET), GAINS)
     for lane, t in enumerate(steps):
         judged, _, _ = plain_run(WRIST, GAINS, t.references[0], WRIST.rest(t.start), duration=DURATION)
         assert found.iae_deg_s[lane] == pytest.approx(float(judged.iae_deg_s[0]), rel=1e-6)
@@ -64,33 +66,33 @@ def test_a_step_is_judged_as_the_loop_of_the_comparison_judges_it():
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_staircase_is_judged_stair_by_stair(sign):
-    asked = [t for t in tasks() if t.family == "staircase" and t.references[0] * sign > 0.0]
-    found, _ = run(controller=GAINS, **lanes(asked, QUIET))
-    stairs = sign * np.array(STAIRS)
-    held = round(1000 * TREAD)
-    angle, command, pressure = plainly(WRIST, WRIST.rest(), lambda k: stairs[k // held])
-    error = np.abs(angle - np.repeat(stairs, held))
+    asked = [t for t in side_by_side(RIG) if t.family == "staircase" and t.references[0] * sign > 0.0]
+    found, _ = run(lanes(asked, QUIET), GAINS)
+    treads = sign * np.array(stairs(RIG))
+    held = round(1000 * lasts("tread", RIG))
+    angle, command, pressure = plainly(WRIST, WRIST.rest(), lambda k: treads[k // held])
+    error = np.abs(angle - np.repeat(treads, held))
     assert found.iae_deg_s[0] == pytest.approx(error.sum() * 1e-3, rel=1e-6)
     assert found.total_variation_V[0] == pytest.approx(
         np.abs(np.diff(command, prepend=100.0 / 49.4)).sum(), rel=1e-5
     )
     assert found.pressure_travel_kPa[0] == pytest.approx(np.abs(np.diff(pressure)).sum(), rel=1e-3)
-    outside = [np.flatnonzero(part >= 0.3) for part in error.reshape(len(stairs), held)]
+    outside = [np.flatnonzero(part >= 0.3) for part in error.reshape(len(treads), held)]
     assert all(part[-1] + 1 < held for part in outside)
     assert found.unsettled[0] == 0.0
     assert found.settling_time_s[0] == pytest.approx(max(p[-1] + 1 for p in outside) * 1e-3, abs=1.5e-3)
 
 
 def test_a_stair_that_is_not_settled_counts_as_the_whole_window():
-    asked = [t for t in tasks() if t.family == "staircase"]
-    found, _ = run(controller=PI(1.2, 2.2), **lanes(asked, QUIET))
+    asked = [t for t in side_by_side(RIG) if t.family == "staircase"]
+    found, _ = run(lanes(asked, QUIET), PI(1.2, 2.2))
     assert found.unsettled.tolist() == [1.0, 1.0]
     assert found.settling_time_s.tolist() == [DURATION, DURATION]
 
 
 def test_a_load_counts_from_when_it_comes():
-    asked = [t for t in tasks() if t.family == "load step"]
-    found, _ = run(controller=GAINS, **lanes(asked, QUIET))
+    asked = [t for t in side_by_side(RIG) if t.family == "load step"]
+    found, _ = run(lanes(asked, QUIET), GAINS)
     for lane, t in enumerate(asked):
         loaded = WRIST + LoadStep(t.load, 1.0)
         rest = WRIST.rest(t.start, t.angle)
@@ -116,13 +118,11 @@ class EverySample:
         return SimpleNamespace(command=float(command), held=held), float(command), None
 
 
-def test_a_controller_that_is_played_by_periods_meets_the_same_cases(monkeypatch):
-    for module in (contest_run, periodic):  # every sample is a period here, which is slow
-        monkeypatch.setattr(module, "DURATION", 1.3)
-    asked = [next(t for t in tasks() if t.family == f) for f in ("steps", "staircase", "load step")]
-    case = lanes(asked, NOISY, **{"dead-time.delay": 0.0503, "creep.gain": 0.1})
-    one, _ = run(controller=GAINS, **case)
-    other = play_periodic(controller=EverySample(), **case)
+def test_a_controller_that_is_played_by_periods_meets_the_same_cases():
+    asked = [next(t for t in side_by_side(RIG) if t.family == f) for f in ("steps", "staircase", "load step")]
+    case = lanes(short(asked), NOISY, **{"dead-time.delay": 0.0503, "creep.gain": 0.1})
+    one, _ = run(case, GAINS)
+    other, _ = run(case, EverySample())
     for name in METRICS:
         np.testing.assert_allclose(getattr(other, name), getattr(one, name), rtol=1e-6, atol=1e-9)
 
@@ -131,12 +131,12 @@ def test_a_period_that_does_not_divide_the_window_is_refused():
     seventh = EverySample()
     seventh.problem = SimpleNamespace(substeps=7)
     with pytest.raises(InputError, match="no whole number of periods"):
-        play_periodic(controller=seventh, **lanes(tasks()[:1], QUIET))
+        run(lanes(side_by_side(RIG)[:1], QUIET), seventh)
 
 
 def test_coupled_motions_do_what_two_wrists_in_one_loop_do():
     others, gain = (WRIST, Wrist.deviation()), 0.02
-    asked = tasks()[:1]
+    asked = side_by_side(RIG)[:1]
     case = tuple(lanes(asked, QUIET, w, **{"cross-coupling.gain": gain}) for w in others)
     found, turns = run_coupled((GAINS, GAINS), case)
     assert turns > 2
@@ -150,15 +150,13 @@ def test_coupled_motions_do_what_two_wrists_in_one_loop_do():
             held[me], command = pi_step(held[me], 15.0 - states[me].angle, pis)
             states[me] = plant.step(states[me], command, c[me], Around(k * 1e-3, pressures[1 - me]))
     assert [float(r.iae_deg_s[0]) for r in found] == pytest.approx(iae.tolist(), rel=1e-6)
-    alone = [float(run(controller=GAINS, **lanes(asked, QUIET, w))[0].iae_deg_s[0]) for w in others]
+    alone = [float(run(lanes(asked, QUIET, w), GAINS)[0].iae_deg_s[0]) for w in others]
     assert abs(iae[0] - alone[0]) > 1e-2  # the coupling is felt
 
 
-def test_coupled_motions_that_are_played_by_periods_do_the_same(monkeypatch):
-    for module in (contest_run, periodic):
-        monkeypatch.setattr(module, "DURATION", 1.3)
-    others = (WRIST, Wrist.deviation())
-    case = tuple(lanes(tasks()[:2], NOISY, w, **{"cross-coupling.gain": 0.02}) for w in others)
+def test_coupled_motions_that_are_played_by_periods_do_the_same():
+    others, asked = (WRIST, Wrist.deviation()), side_by_side(RIG)[:2]
+    case = tuple(lanes(short(asked), NOISY, w, **{"cross-coupling.gain": 0.02}) for w in others)
     together, _ = run_coupled((GAINS, GAINS), case)
     by_periods = play_coupled((EverySample(), EverySample()), case)
     for one, other in zip(together, by_periods, strict=True):

@@ -12,9 +12,8 @@ from design.contest.plants import FORMS, RIGS, day_to_day, first, nominal, pertu
 from design.contest.run import METRICS
 from design.contest.scores import BESIDE, BOTH, Score, by_plant, play
 from design.contest.statistics import FEWEST, Interval
-from design.contest.tasks import FAMILIES, tasks
-from design.contest.words import against, rig_sentences, sentences
 from design.controllers.pi import PI
+from design.evaluation.tasks import FAMILIES, side_by_side
 from design.mpc.linear import linear_mpc
 from design.mpc.problem import Problem
 from design.robustness.box import box_of
@@ -22,6 +21,8 @@ from design.robustness.samples.conditions import Conditions
 from plants import InputError, Wrist, built_in
 from plants.effects.effect import Effect
 from plants.files import json_text
+from plants.rig import built_in_rig
+from reports.comparison.contest_words import against, rig_sentences, sentences
 
 SETS = {m: built_in(m) for m in ("flexion", "deviation")}
 PIS = {"tuned": PI(3.1, 10.4), "again": PI(3.1, 10.4), "timid": PI(1.2, 2.2)}
@@ -64,7 +65,10 @@ def test_a_single_plant_ranks_nobody():
 
 
 def test_a_score_is_the_mean_over_plants_of_means_and_worst_values_over_tasks():
-    drawn, asked = perturbed(SETS["flexion"], 12), [t for t in tasks() if t.family == "steps"]
+    drawn, asked = (
+        perturbed(SETS["flexion"], 12),
+        [t for t in side_by_side(built_in_rig()) if t.family == "steps"],
+    )
     played = play(drawn, {"x": PIS["timid"]}, asked, Conditions(0.0, 0.0, 0.07, 0.01), seed=1)["x"]
     assert played.iae_deg_s.shape == (drawn.count, 8)
     values = by_plant(played, [0, 3])

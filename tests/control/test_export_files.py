@@ -71,7 +71,7 @@ def test_a_law_asks_only_for_what_it_reads():
 
 def test_the_catalogue_builds_what_the_classes_build():
     w = Wrist.deviation()
-    assert part("feedforward", "deviation", w).settings == vars(Feedforward.of(w))
+    assert part("feedforward", "deviation", w).settings == Feedforward.of(w).settings
     assert part("observer", "deviation", w).settings == vars(MemoryObserver.of(w))
     p, settings = w.hysteresis, part("lqi", "deviation", w, GAINS["lqi"]).settings
     assert settings == vars(

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from design.export.header import header
 from design.export.mpc import of_linear_mpc
+from design.export.rendering import render
 from design.mpc.linear import planner
 from design.mpc.prediction import coefficients
 from design.mpc.problem import Problem, Weights, robust
@@ -40,7 +40,12 @@ int main(void)
 def solved(problem, questions, folder):
     """Codes and first moves of the C for rows of (h, a, shift - r, was, least, most)."""
     part = of_linear_mpc("m", "an MPC", problem)
-    for name, text in {"m.h": header(part), "m.c": part.source, "m_law.c": part.code, "q.c": MAIN}.items():
+    for name, text in {
+        "m.h": render("law.h.jinja", part),
+        "m.c": render(part.template, part, **part.constants),
+        "m_law.c": part.code,
+        "q.c": MAIN,
+    }.items():
         (folder / name).write_text(text)
     said = run(CC, "-std=c99", "-O2", "-Wall", "-Werror", "q.c", "m_law.c", "-lm", "-o", "q", folder=folder)
     assert said.returncode == 0, said.stderr

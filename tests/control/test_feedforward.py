@@ -7,13 +7,14 @@ from design.controllers.controller import Measured, stacked
 from design.controllers.feedforward import Feedforward, FeedforwardPI
 from design.controllers.feedforward_course import no_inverse, reachable, within_reach
 from design.controllers.pi import PI
-from design.loop import Loop, SampledLoop, run, step
-from design.metrics import begin, yardstick
+from design.evaluation.runner import step_from
+from design.loop import run
 from plants import one_page, tree
 from plants.effects.creep import Creep
 from plants.effects.dead_time import DeadTime
 from plants.effects.load_step import LoadStep
 from plants.errors import InputError, InputWarning
+from plants.simulation.closed_loop import Signals, step
 from plants.wrist import STARTS, Wrist
 
 WRISTS = {"flexion": Wrist.flexion(), "deviation": Wrist.deviation()}
@@ -109,12 +110,11 @@ def test_compiled_lanes_and_plain_python_agree():
     _, _, compiled = run(wrist, controller, 9.0, duration=0.4, record=True)
     rest = wrist.rest()
     held = controller.holding(rest.pressure, Measured(0.0, 0.0, rest.pressure))
-    loop = Loop(rest, held, begin(controller.command(held)))
-    c = SampledLoop(wrist.sampled(), controller.sampled(), yardstick(0.0, 9.0))
+    loop, c = step_from(wrist, rest, 9.0).loop(controller, held)
     angles = []
     for k in range(400):
         angles.append(float(loop.plant.angle))
-        loop = step(loop, (float(k),), c)
+        loop = step(loop, Signals(float(k)), c)
     assert compiled.angle[:400, 0] == pytest.approx(np.array(angles), abs=1e-9)
 
 
@@ -195,9 +195,11 @@ def test_effects_without_an_inverse_are_named():
     "changes", [{"speed": 0.0}, {"s": 0.4}, {"k_slow": 20.0}, {"Tw": np.nan}, {"w1": -7.0}, {"Ki": -1.0}]
 )
 def test_settings_that_make_no_sense_are_refused(changes):
-    settings = {**WRISTS["flexion"].values, "Kp": 1.0, "Ki": 1.0, **changes}
+    model = WRISTS["flexion"]
+    model = model.with_values(**{n: v for n, v in changes.items() if n in model.values})
+    settings = {"Kp": 1.0, "Ki": 1.0, **{n: v for n, v in changes.items() if n not in model.values}}
     with pytest.raises(ValueError, match=r"."):
-        FeedforwardPI(**settings)
+        FeedforwardPI(model, **settings)
 
 
 def test_controllers_stack_into_lanes():

@@ -6,10 +6,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from plants import hysteresis, inverse, one_page, regulator
-from plants.hysteresis import Hysteresis, Memory
+from plants import inverse, one_page, regulator
+from plants.hysteresis import FourSegment, Memory
 from plants.kernel.graphs import jacobians
-from plants.quantities import loop_problem
 from plants.regulator import Regulator
 from plants.wrist import Wrist
 
@@ -23,8 +22,8 @@ def loops(draw):
     a1, a2 = draw(slope), draw(slope)
     width = st.floats(0.2, 15.0)
     s = draw(share) * min(a1, a2)
-    p = Hysteresis(a1, draw(width), a2, draw(width), s, draw(st.floats(80.0, 120.0)))
-    assume(loop_problem(vars(p), LOW, HIGH) is None)
+    p = FourSegment(a1, draw(width), a2, draw(width), s, draw(st.floats(80.0, 120.0)))
+    assume(p.problem(LOW, HIGH) is None)
     return p
 
 
@@ -35,46 +34,46 @@ def at_the_end(p, history):
     """Memory, and pressure, of a loop that was virgin at rest and taken to one pressure after the other."""
     memory, pressure = Memory(0.0, 1.0), p.rest_pressure
     for after in history:
-        memory, pressure = hysteresis.step(memory, pressure, after, p), after
+        memory, pressure = p.step(memory, pressure, after), after
     return memory, pressure
 
 
 @given(loops(), histories, st.floats(0.0, 1.0))
 def test_the_loop_goes_to_the_angle_that_was_asked_for(p, history, share):
     memory, pressure = at_the_end(p, history)
-    low, high = inverse.reachable(p, LOW, HIGH)
+    low, high = p.reachable(LOW, HIGH)
     angle = low + share * (high - low)
-    after = inverse.pressure_for(memory, pressure, angle, p)
+    after = p.pressure_for(memory, pressure, angle)
     assert LOW - 1e-9 <= after <= HIGH + 1e-9
-    assert abs(hysteresis.step(memory, pressure, after, p).h - angle) <= 1e-9
+    assert abs(p.step(memory, pressure, after).h - angle) <= 1e-9
 
 
 @given(loops(), histories, st.lists(st.floats(0.0, 1.0), min_size=2, max_size=8))
 def test_it_does_so_along_a_whole_way_of_reversals(p, history, shares):
     memory, pressure = at_the_end(p, history)
-    low, high = inverse.reachable(p, LOW, HIGH)
+    low, high = p.reachable(LOW, HIGH)
     for share in shares:
         angle = low + share * (high - low)
-        after = inverse.pressure_for(memory, pressure, angle, p)
-        memory, pressure = hysteresis.step(memory, pressure, after, p), after
+        after = p.pressure_for(memory, pressure, angle)
+        memory, pressure = p.step(memory, pressure, after), after
         assert abs(memory.h - angle) <= 1e-9
 
 
 @given(loops(), histories)
 def test_asked_for_its_own_angle_it_stays(p, history):
     memory, pressure = at_the_end(p, history)
-    assert inverse.pressure_for(memory, pressure, memory.h, p) == pressure
+    assert p.pressure_for(memory, pressure, memory.h) == pressure
 
 
 @given(loops(), histories, st.floats(0.0, 1.0))
 def test_no_shorter_move_gives_the_angle(p, history, share):
     memory, pressure = at_the_end(p, history)
-    low, high = inverse.reachable(p, LOW, HIGH)
+    low, high = p.reachable(LOW, HIGH)
     angle = low + share * (high - low)
-    after = inverse.pressure_for(memory, pressure, angle, p)
+    after = p.pressure_for(memory, pressure, angle)
     shorter = pressure + np.linspace(0.0, 0.999, 50) * (after - pressure)
     assume(abs(after - pressure) > 1e-6 and abs(angle - memory.h) > 1e-6)
-    assert (np.abs(hysteresis.step(memory, pressure, shorter, p).h - angle) > 1e-12).all()
+    assert (np.abs(p.step(memory, pressure, shorter).h - angle) > 1e-12).all()
 
 
 @given(st.floats(-29.9, 29.1), st.lists(st.floats(0.5, 3.9), max_size=4))
@@ -83,7 +82,7 @@ def test_the_page_that_imports_nothing_agrees(angle, commands):
     held = [v for v in commands for _ in range(300)]
     before, h, _ = one_page.wrist(p, held)[-1]
     virgin = float(h == 0.0 and not any(x[1] for x in one_page.wrist(p, held)))
-    after = float(inverse.pressure_for(Memory(h, virgin), before, angle, Wrist.flexion().hysteresis))
+    after = float(Wrist.flexion().hysteresis.pressure_for(Memory(h, virgin), before, angle))
     # A regulator that is at its command within one sample, and a lag that is not there: P and h alone.
     quick = {**p, "k_fast": 4e4, "k_slow": 4e4, "e0": 1e-3, "Tw": 1e-6}
     path = [x[0] for x in one_page.wrist(p, held)[1:]] + [after]
@@ -92,11 +91,11 @@ def test_the_page_that_imports_nothing_agrees(angle, commands):
 
 def test_angles_beyond_the_range_are_clamped_to_its_ends():
     p = Wrist.flexion().hysteresis
-    low, high = inverse.reachable(p, LOW, HIGH)
+    low, high = p.reachable(LOW, HIGH)
     assert (low, high) == (pytest.approx(-30.0), pytest.approx(29.136))
     for angle, end, pressure in ((40.0, high, HIGH), (-40.0, low, LOW)):
-        assert inverse.clamped(angle, p, LOW, HIGH) == end
-        found = inverse.pressure_for(Memory(0.0, 1.0), 100.0, inverse.clamped(angle, p, LOW, HIGH), p)
+        assert p.clamped(angle, LOW, HIGH) == end
+        found = p.pressure_for(Memory(0.0, 1.0), 100.0, p.clamped(angle, LOW, HIGH))
         assert found == pytest.approx(pressure, abs=1e-9)
 
 
@@ -104,9 +103,9 @@ def test_angles_beyond_the_range_are_clamped_to_its_ends():
 def test_the_corner_is_where_transit_and_line_meet(p, history):
     memory, pressure = at_the_end(p, history)
     slope = p.s * (1.0 - memory.virgin)
-    for up, line in ((True, hysteresis.line1), (False, hysteresis.line2)):
-        corner = inverse.corner_pressure(memory, pressure, up, p)
-        assert memory.h + slope * (corner - pressure) == pytest.approx(line(corner, p), abs=1e-9)
+    for up, line in ((True, p.ascending), (False, p.descending)):
+        corner = p.corner_pressure(memory, pressure, up)
+        assert memory.h + slope * (corner - pressure) == pytest.approx(line(corner), abs=1e-9)
         assert corner >= pressure - 1e-7 if up else corner <= pressure + 1e-7
 
 
@@ -136,7 +135,7 @@ def test_the_graph_of_the_compiler_has_the_slopes_of_the_branches():
 
     def law(memory, pressure_and_angle):
         pressure, angle = pressure_and_angle
-        return (inverse.pressure_for(memory, pressure, angle, p),)
+        return (p.pressure_for(memory, pressure, angle),)
 
     on_line = jacobians(law, Memory(0.0, 1.0), (100.0, 12.0))[1]
     transit = jacobians(law, Memory(12.0, 0.0), (150.0, 11.0))[1]

@@ -80,7 +80,7 @@ def test_controllers_lie_above_the_limit():
     of = limits_of(wrist)
     assert len(of) == 10
     judged, _, _ = run(wrist, PI(np.array([1.2, 6.0]), np.array([2.2, 8.0])), np.full(2, 15.0), wrist.rest())
-    found = ratios(judged, of["0 to +15 deg, virgin"])
+    found = ratios(judged, of["step+virgin"])
     assert (found.settling > 1.0).all()
     assert (found.iae > 1.0).all()
-    assert found.iae[0] == pytest.approx(judged.iae_deg_s[0] / of["0 to +15 deg, virgin"].iae_bound)
+    assert found.iae[0] == pytest.approx(judged.iae_deg_s[0] / of["step+virgin"].iae_bound)

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from design.controllers import memory_estimator as estimator
 from design.controllers.memory_estimator import MemoryObserver, memory_at_rest, pressure_at_rest
-from plants import hysteresis, tree
+from plants import tree
 from plants.hysteresis import Memory
-from plants.simulate import run_lanes
+from plants.kernel.batches import run_lanes
 from plants.wrist import STARTS, State, Wrist, step
 
 WRISTS = {"flexion": Wrist.flexion(), "deviation": Wrist.deviation()}
@@ -33,13 +33,13 @@ def test_a_wrist_at_rest_tells_its_memory(motion, start, angle):
 @given(st.floats(-19.0, 24.0), st.floats(0.0, 197.6))
 def test_what_is_measured_is_projected_onto_the_loop(angle, pressure):
     p = WRISTS["deviation"].hysteresis
-    low, high = hysteresis.line1(pressure, p), hysteresis.line2(pressure, p)
+    low, high = p.ascending(pressure), p.descending(pressure)
     h = memory_at_rest(angle, pressure, p).h
     assert low - 1e-9 <= h <= high + 1e-9
     nearest = angle if low <= angle <= high else min((low, high), key=lambda line: abs(line - angle))
     assert h == pytest.approx(nearest, abs=estimator.NEAR_ANGLE)
     there = pressure_at_rest(angle, pressure, p)
-    assert hysteresis.line1(there, p) - 1e-9 <= angle <= hysteresis.line2(there, p) + 1e-9
+    assert p.ascending(there) - 1e-9 <= angle <= p.descending(there) + 1e-9
 
 
 def test_noise_at_rest_does_not_hide_that_the_wrist_is_virgin():
@@ -67,7 +67,7 @@ def test_a_line_wipes_out_what_was_believed_without_any_correction(true, believe
     """The pressure takes either loop to the same line; from then on the two are one, to the last bit."""
     wrist = WRISTS["deviation"]
     p, pressure = wrist.hysteresis, 100.0
-    low, high = hysteresis.line1(pressure, p), hysteresis.line2(pressure, p)
+    low, high = p.ascending(pressure), p.descending(pressure)
     h, wrong = (low + x * (high - low) for x in (true, believed))
     assume(abs(h - wrong) > 0.1)
     state = State(pressure, Memory(h, 0.0), h)

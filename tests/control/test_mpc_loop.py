@@ -8,12 +8,13 @@ from design.controllers.pi import PI
 from design.loop import run as run_pi
 from design.mpc.fallback import Info
 from design.mpc.fallback import State as MPCState
-from design.mpc.loop import Sensor, run
+from design.mpc.loop import run
 from design.mpc.problem import Problem
 from design.mpc.real_time import real_time_mpc
 from plants import Wrist
 from plants.effects.dead_time import DeadTime, TubeDeadTime
 from plants.effects.load_step import LoadStep
+from plants.simulation.sensor import HOLD, sensor
 
 GAINS = PI(1.5, 4.0)
 
@@ -58,12 +59,16 @@ def test_the_sensor_is_quantised_and_its_noise_repeats():
             seen.append(measured.angle)
             return super().step(state, measured)
 
+    noise = np.random.default_rng(3).standard_normal((20, 1))
     for _ in range(2):
-        run(wrist, Spy(), 15.0, duration=0.2, sensor=Sensor(0.2, 0.05, seed=3))
+        run(wrist, Spy(), 15.0, duration=0.2, sensor=sensor(0.2, 0.05), noise=noise)
     angles = np.array(seen).reshape(2, -1)
     assert (angles[0] == angles[1]).all()
     assert np.abs(angles / 0.05 - np.round(angles / 0.05)).max() < 1e-9
-    assert 0.1 < np.std(np.diff(angles[0])) / np.sqrt(2.0) < 0.4
+    fresh = angles[0][::HOLD]
+    assert 0.1 < np.std(np.diff(fresh)) / np.sqrt(2.0) < 0.4
+    # Held in between: the joint has not moved by a quantum yet.
+    assert np.ptp(angles[0, : 5 * HOLD].reshape(-1, HOLD), axis=1).max() == 0.0
 
 
 @pytest.mark.parametrize("start", ["line1", "line2", "virgin"])

@@ -5,12 +5,15 @@ import numpy as np
 import pytest
 
 from design.compare_tasks import played_on_tasks
+from design.evaluation.tasks import returns
 from design.limit import ratios
-from design.mpc.loop import run, without_delay
+from design.mpc.loop import run
 from design.mpc.problem import nominal, robust
 from design.mpc.real_time import real_time_mpc
 from plants import Wrist
 from plants.effects.dead_time import DeadTime
+from plants.rig import built_in_rig
+from plants.simulation.periodic import prompt
 from plants.wrist import STARTS
 
 WRISTS = {"flexion": Wrist.flexion(), "deviation": Wrist.deviation()}
@@ -37,7 +40,7 @@ def test_the_robust_setting_keeps_60_ms_of_dead_time(motion):
     wrist = WRISTS[motion]
     late = wrist + DeadTime(0.06)
     for reference, start in ((15.0, "virgin"), (-15.0, "line1")):
-        at_rest = without_delay(late)[0].rest(start)
+        at_rest = prompt(late).rest(start)
         play = run(late, real_time_mpc(robust(wrist)), reference, at_rest, 5.0, record=True)
         assert float(play.metrics.settling_time_s[0]) < 3.0
         # The swing of the last second is far below that of a loop at its margin.
@@ -56,8 +59,6 @@ def test_the_nominal_setting_does_not():
 def test_returns_settle_near_their_bound_too(motion):
     """Squared errors alone had the angle leave the band on the other side: the swing's weight keeps it in."""
     wrist = WRISTS[motion]
-    found, bounds, _ = played_on_tasks(wrist, real_time_mpc(nominal(wrist)))
-    returns = [n for n in found if n.startswith("return")]
-    assert len(returns) == 2
-    for name in returns:
-        assert float(ratios(found[name][0], bounds[name]).settling) <= 1.25
+    found = played_on_tasks(wrist, [real_time_mpc(nominal(wrist))])
+    for task in returns(built_in_rig()):
+        assert float(ratios(found.metrics[task.id][0], found.bounds[task.id]).settling) <= 1.25

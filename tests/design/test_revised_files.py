@@ -3,13 +3,15 @@
 import numpy as np
 import pytest
 
-from plants import InputError, Wrist, built_in
+from plants import InputError, Wrist
 from plants.effects import EFFECTS, Creep, DeadTime, TwoTimeCreep
-from plants.quantities import KINDS, Fitted, dump, kind_of, load
+from plants.quantities import Fitted, built_in, dump, kinds_of, load
 from tests.design.effect_samples import FORMS, IDS, present
 
 VALUES = {"creep.gain": 0.064, "creep.time_constant": 3.3, "dead-time.delay": 0.1, "a1": 0.341}
 ERRORS = {"creep.gain": 0.001, "dead-time.delay": None, "a1": 0.002}
+
+DECLARED = built_in("flexion").parameters
 
 
 def revised():
@@ -63,7 +65,7 @@ def test_a_set_without_effects_has_no_table_of_them(tmp_path):
 
 def test_effects_stand_in_the_order_in_which_they_act(plant):
     assert revised().effects == (DeadTime, Creep)
-    assert list(revised().parameters) == [*KINDS, "dead-time.delay", "creep.gain", "creep.time_constant"]
+    assert list(revised().parameters) == [*DECLARED, "dead-time.delay", "creep.gain", "creep.time_constant"]
     assert load(plant()) == revised()
 
 
@@ -72,7 +74,7 @@ def test_what_was_revised_is_fitted_and_the_rest_is_as_before():
     assert after.parameters["creep.gain"].provenance == Fitted("p1 (sha256 ab12)", 0.001)
     assert after.parameters["creep.time_constant"].provenance == Fitted("p1 (sha256 ab12)", None)
     assert after.parameters["a1"].provenance == Fitted("p1 (sha256 ab12)", 0.002)
-    assert {n: p for n, p in after.parameters.items() if n in KINDS and n != "a1"} == {
+    assert {n: p for n, p in after.parameters.items() if n in DECLARED and n != "a1"} == {
         n: p for n, p in before.parameters.items() if n != "a1"
     }
     assert after.title == "flexion with dead-time, creep, fitted to p1 (sha256 ab12)"
@@ -100,11 +102,11 @@ def test_a_value_that_lacks_or_is_nobodys_is_refused(values):
 
 
 def test_a_parameter_of_an_effect_has_a_kind():
-    assert kind_of("creep.gain", [Creep]).high == 1.0
-    assert kind_of("gain").unit == "kPa/V"
+    assert kinds_of(DECLARED, [Creep])["creep.gain"].high == 1.0
+    assert kinds_of(DECLARED)["gain"].unit == "kPa/V"
     for name in ("creep.gain", "nonsense"):
         with pytest.raises(KeyError):
-            kind_of(name, [DeadTime])
+            kinds_of(DECLARED, [DeadTime])[name]
 
 
 def test_unbounded_goes_to_the_widest_bounds_of_effects_too(plant):

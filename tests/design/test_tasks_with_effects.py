@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from design.answer import refusal
+from design.answer import OutOfReach, refusal
 from design.requirements import Limits, Problem, default_problem, out_of_range, rollouts
 from design.rules import baselines, reaction_curve, simc
 from design.tasks import Scenario, hindrance, stack, tuning_scenarios, unreachable, within_reach
@@ -20,6 +20,7 @@ from plants.effects import (
     Saturation,
     TubeDeadTime,
 )
+from reports.shared.tuning import refused
 from tests.design.effect_samples import WRIST
 
 UP = {"start": "virgin", "angle": 0.0, "reference": 15.0}
@@ -65,7 +66,8 @@ def test_what_keeps_the_wrist_from_the_task_is_told(effect, words):
     problem = Problem.of(w, [scenario, Scenario("line1", 15.0, 0.0, w)], duration=1.0)
     found = tune(problem, Region(points=5), starts=1)
     said = refusal(found)
-    assert said == f"no: {words} keeps the wrist from holding 0 to +15 deg from virgin, nominal plant"
+    assert said == OutOfReach("0 to +15 deg from virgin, nominal plant", words, np.inf)
+    assert refused(said) == f"no: {words} keeps the wrist from holding {said.scenario}"
     assert np.isfinite(found.Kp)
 
 

@@ -6,7 +6,9 @@ import pytest
 from design.requirements import Limits, Problem, evaluate, out_of_range
 from design.tasks import Scenario
 from plants import Wrist
-from plants.linear import BRANCHES, RATES
+from plants.linear import RATES, branch_slopes
+
+BRANCHES = tuple(branch_slopes(Wrist.flexion()))
 
 AXES = ["flexion", "deviation"]
 ONLY_MS = Limits(overshoot_percent=None, Ms=1.0, delay_margin_s=None, total_variation_V=None,

@@ -20,7 +20,6 @@ from design.tasks import (
     within_reach,
 )
 from plants import Wrist, tree
-from plants.quantities import loop_problem
 from plants.wrist import STARTS
 
 AXES = ["flexion", "deviation"]
@@ -60,7 +59,7 @@ def test_the_corners_are_all_signs_of_the_declared_spread(axis):
 @every_axis
 def test_every_corner_still_is_a_loop(axis):
     for name, plant in corners(getattr(Wrist, axis)(), Spread()):
-        assert loop_problem(plant.values, 0.0, 200.0) is None, name
+        assert plant.hysteresis.problem(0.0, 200.0) is None, name
 
 
 @every_axis
@@ -72,7 +71,7 @@ def test_the_tuning_set_is_not_the_set_of_reported_tasks(axis):
     assert {s[3] for s in reported} == {w}
     assert len({s[3] for s in tuned_on}) == 9
     # What tuning never sees: a return from a step that is still under way after 5 s of holding.
-    (there,) = on_tasks(w, [PI(1.2, 2.2)])["return from +15 to 0 deg"]
+    (there,) = on_tasks(w, [PI(1.2, 2.2)])["return+"]
     problem = Problem.of(w, [Scenario("line1", STEP, 0.0, w)])
     rested = rollouts(problem, np.array([1.2]), np.array([2.2]))
     assert abs(there.iae_deg_s - rested.iae_deg_s[0, 0]) > 1e-3

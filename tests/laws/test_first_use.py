@@ -6,7 +6,7 @@ from threading import Barrier
 import numpy as np
 
 from plants.kernel import batches, cache
-from plants.simulate import run_lanes
+from plants.kernel.batches import run_lanes
 
 
 def _doubled(state, inputs, c):

@@ -5,8 +5,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
+from plants.kernel.batches import run_lanes
 from plants.kernel.templates import emit
-from plants.simulate import run_lanes
 
 
 class Pair(NamedTuple):

@@ -5,7 +5,7 @@ import pytest
 
 from plants import InputError, State, Wrist, tree
 from plants.kernel.templates import LANES
-from plants.simulate import open_loop
+from plants.simulation.open_loop import open_loop
 
 VOLTS = np.repeat(np.random.default_rng(3).uniform(0.0, 4.0, 20), 50)
 WRIST = Wrist.deviation()

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plants import Memory
+from plants.hysteresis import Memory
 from tests.laws.law_strategies import HIGH, REST, loops, paths, pressures, trace, walk
 
 VIRGIN = Memory(0.0, 1.0)

@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from plants import Memory, Wrist, hysteresis
-from plants.hysteresis import line1, line1_pressure, line2, line2_pressure
+from plants import Wrist
+from plants.hysteresis import Memory
 from tests.laws.law_strategies import HIGH, LOW, REST, between, loops, paths, pressures, trace, walk
 
 VIRGIN = Memory(0.0, 1.0)
@@ -15,8 +15,8 @@ ROUNDING = 1e-10
 @given(loops(), paths)
 def test_no_line_is_overstepped(loop, path):
     x, h, _ = trace(loop, path, REST, VIRGIN)
-    assert (h >= line1(x, loop) - ROUNDING).all()
-    assert (h <= line2(x, loop) + ROUNDING).all()
+    assert (h >= loop.ascending(x) - ROUNDING).all()
+    assert (h <= loop.descending(x) + ROUNDING).all()
 
 
 @given(loops(), between(0.001, 0.999))
@@ -26,7 +26,7 @@ def test_upward_from_rest_the_wrist_stands_still_until_w1_over_a1(loop, share):
     assert (float(inside.h), float(inside.virgin)) == (0.0, 1.0)
     beyond = edge + share * (HIGH - edge)
     left = walk(loop, [beyond])
-    assert (float(left.h), float(left.virgin)) == (line1(beyond, loop), 0.0)
+    assert (float(left.h), float(left.virgin)) == (loop.ascending(beyond), 0.0)
 
 
 @given(loops(), between(0.001, 0.999))
@@ -36,7 +36,7 @@ def test_downward_from_rest_the_wrist_stands_still_until_w2_over_a2(loop, share)
     assert (float(inside.h), float(inside.virgin)) == (0.0, 1.0)
     beyond = edge + share * (LOW - edge)
     left = walk(loop, [beyond])
-    assert (float(left.h), float(left.virgin)) == (line2(beyond, loop), 0.0)
+    assert (float(left.h), float(left.virgin)) == (loop.descending(beyond), 0.0)
 
 
 @given(loops(), st.lists(between(-0.999, 0.999), min_size=1, max_size=8))
@@ -49,25 +49,25 @@ def test_wandering_within_the_dead_zone_leaves_no_trace(loop, shares):
 @given(loops(), pressures, pressures)
 def test_falling_from_line_1_the_angle_takes_the_transit_until_line_2(loop, one, other):
     after, before = sorted((one, other))
-    memory = hysteresis.step(Memory(line1(before, loop), 0.0), before, after, loop)
-    transit = line1(before, loop) - loop.s * (before - after)
-    assert abs(float(memory.h) - min(transit, line2(after, loop))) < ROUNDING
+    memory = loop.step(Memory(loop.ascending(before), 0.0), before, after)
+    transit = loop.ascending(before) - loop.s * (before - after)
+    assert abs(float(memory.h) - min(transit, loop.descending(after))) < ROUNDING
 
 
 @given(loops(), pressures, pressures)
 def test_rising_from_line_2_the_angle_takes_the_transit_until_line_1(loop, one, other):
     before, after = sorted((one, other))
-    memory = hysteresis.step(Memory(line2(before, loop), 0.0), before, after, loop)
-    transit = line2(before, loop) + loop.s * (after - before)
-    assert abs(float(memory.h) - max(transit, line1(after, loop))) < ROUNDING
+    memory = loop.step(Memory(loop.descending(before), 0.0), before, after)
+    transit = loop.descending(before) + loop.s * (after - before)
+    assert abs(float(memory.h) - max(transit, loop.ascending(after))) < ROUNDING
 
 
 @given(loops(parallel=True), paths)
 def test_rising_far_enough_ends_on_line_1_and_falling_on_line_2_whatever_came_before(loop, path):
     far = 2.0 * HIGH + (loop.w1 + loop.w2) / (loop.a1 - loop.s)  # the widest transit, and some more
     up, down = walk(loop, [*path, REST + far]), walk(loop, [*path, REST - far])
-    assert (float(up.h), float(up.virgin)) == (line1(REST + far, loop), 0.0)
-    assert (float(down.h), float(down.virgin)) == (line2(REST - far, loop), 0.0)
+    assert (float(up.h), float(up.virgin)) == (loop.ascending(REST + far), 0.0)
+    assert (float(down.h), float(down.virgin)) == (loop.descending(REST - far), 0.0)
 
 
 @given(loops(), paths)
@@ -78,8 +78,8 @@ def test_the_angle_never_moves_against_the_pressure(loop, path):
 
 @given(loops(), between(-60.0, 60.0))
 def test_line_pressures_are_the_inverse_of_the_lines(loop, h):
-    assert abs(line1(line1_pressure(h, loop), loop) - h) < ROUNDING
-    assert abs(line2(line2_pressure(h, loop), loop) - h) < ROUNDING
+    assert abs(loop.ascending(loop.ascending_pressure(h)) - h) < ROUNDING
+    assert abs(loop.descending(loop.descending_pressure(h)) - h) < ROUNDING
 
 
 @given(
@@ -90,6 +90,6 @@ def test_a_wrist_at_rest_lies_in_the_band_and_stays_there(axis, start, angle):
     state = wrist.rest(start, angle)
     assume(LOW <= state.pressure <= HIGH)
     p = wrist.hysteresis
-    assert line1(state.pressure, p) - ROUNDING <= angle <= line2(state.pressure, p) + ROUNDING
+    assert p.ascending(state.pressure) - ROUNDING <= angle <= p.descending(state.pressure) + ROUNDING
     held = wrist.simulate([state.pressure / wrist.regulator.gain] * 200, state)
     assert np.abs(held.angle - angle).max() < 1e-9

@@ -3,14 +3,14 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plants import Memory, hysteresis
+from plants.hysteresis import Memory
 from tests.laws.law_strategies import REST, loops, paths, pressures, trace, walk
 
 
 @given(loops(), paths, pressures, st.integers(2, 50))
 def test_cutting_a_monotone_move_into_pieces_changes_nothing(loop, path, after, cuts):
     before = walk(loop, path)
-    whole = hysteresis.step(before, path[-1], after, loop)
+    whole = loop.step(before, path[-1], after)
     _, angles, pieces = trace(loop, [after], path[-1], before, cuts)
     assert abs(float(whole.h) - angles[-1]) < 1e-10
     assert float(pieces.virgin) == float(whole.virgin)
@@ -19,7 +19,7 @@ def test_cutting_a_monotone_move_into_pieces_changes_nothing(loop, path, after, 
 @given(loops(), paths)
 def test_holding_the_pressure_holds_the_memory(loop, path):
     memory = walk(loop, path)
-    held = hysteresis.step(memory, path[-1], path[-1], loop)
+    held = loop.step(memory, path[-1], path[-1])
     assert (float(held.h), float(held.virgin)) == (float(memory.h), float(memory.virgin))
 
 

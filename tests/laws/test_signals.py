@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plants.simulate import run_lanes
+from plants.kernel.batches import run_lanes
 
 
 def _weighed(state, inputs, c):

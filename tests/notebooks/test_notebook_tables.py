@@ -4,22 +4,25 @@ import numpy as np
 import pytest
 
 from design import PI
-from design.requirements import default_problem
+from design.requirements import default_problem, evaluate
+from design.robustness.certificates.sampled.growth import growth_of
 from design.robustness.certificates.sampled.sampled_loop import vertices, word_of
 from design.robustness.loop_model import LoopModel
 from design.rules import baselines
 from plants import Wrist
 from plants.wrist import SAMPLE_TIME
-from reports.notebook_figures import word_growth
-from reports.notebook_tables import BROKEN, rows, shown
-from reports.notebook_tables import limits_held as limits_table
-from reports.tables import Cell, Column, Group, Table, row
+from reports.notebooks.figures import word_growth
+from reports.notebooks.tables import BROKEN, rows, shown
+from reports.notebooks.tables import limits_held as limits_table
+from reports.shared.tables import Cell, Column, Group, Table, row
 
 
 def test_a_cross_stands_behind_what_breaks_a_limit_and_nothing_else():
     wrist = Wrist.flexion()
     rule = baselines(wrist)["SIMC"]
-    text = limits_table(default_problem(wrist), {"safe": (1.2, 2.2), "SIMC": (rule.Kp, rule.Ki)}).text
+    problem = default_problem(wrist)
+    at = evaluate(problem, (1.2, rule.Kp), (2.2, rule.Ki))
+    text = limits_table(problem, at, ("safe", "SIMC")).text
     head, _, safe, simc = ([c.strip() for c in line.split("|")[1:-1]] for line in text.splitlines())
     broken = {h for h, c in zip(head, simc, strict=True) if BROKEN in c}
     assert broken == {"Overshoot [%]", "Ms [1]"}
@@ -46,7 +49,7 @@ def test_the_drawn_word_grows_from_pass_to_pass_as_its_spectral_radius_says():
     model = LoopModel.of(Wrist.flexion(), PI(1.0, 40.0))
     word = word_of(model)
     assert word is not None
-    *alone, under = word_growth(model, word, passes=4).axes[0].lines[: len(set(word.names)) + 1]
+    *alone, under = word_growth(growth_of(model, word, passes=4)).axes[0].lines[: len(set(word.names)) + 1]
     once = round(sum(round(d / SAMPLE_TIME) for d in word.dwells))
     size = np.asarray(under.get_ydata())
     assert np.allclose(size[once::once] / size[:-1:once], word.radius, rtol=1e-3)

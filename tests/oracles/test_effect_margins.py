@@ -31,8 +31,10 @@ from plants.effects import (
     TwoTimeCreep,
     Viscous,
 )
-from plants.linear import BRANCHES, RATES, branch_slope, branch_ss, nlsys, responses
+from plants.linear import RATES, branch_slope, branch_slopes, branch_ss, nlsys, responses
 from plants.rest import at_pressure
+
+BRANCHES = tuple(branch_slopes(Wrist.flexion()))
 
 DT = 0.001
 WRIST = Wrist.flexion()

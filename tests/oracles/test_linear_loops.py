@@ -7,7 +7,7 @@ import pytest
 from design.controllers.pi import PI
 from design.loop import run
 from design.margins import loop_tf
-from plants import Wrist, hysteresis
+from plants import Wrist
 
 SAMPLES = 3000
 AXES = ["flexion", "deviation"]
@@ -33,8 +33,8 @@ def test_between_the_lines_a_small_step_is_linear_whichever_way_it_goes(axis, ga
     pi, p = PI(*gains), w.hysteresis
     angle, h, pressure = simulated(w, pi, "inside", 3.0, size)
     # Strictly inside the band all the way: the loop never touched a line.
-    assert (h > hysteresis.line1(pressure, p)).all()
-    assert (h < hysteresis.line2(pressure, p)).all()
+    assert (h > p.ascending(pressure)).all()
+    assert (h < p.descending(pressure)).all()
     np.testing.assert_allclose(angle - 3.0, linear_step(w, pi, "transit", size), rtol=0, atol=1e-9)
 
 

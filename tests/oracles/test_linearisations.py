@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 
 from plants import Regulator, Wrist, wrist
-from plants.linear import BRANCHES, RATES, branch_ss
+from plants.linear import RATES, branch_slopes, branch_ss
+
+BRANCHES = tuple(branch_slopes(Wrist.flexion()))
 
 DT = 0.001
 AXES = ["flexion", "deviation"]

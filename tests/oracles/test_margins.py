@@ -10,7 +10,9 @@ import pytest
 from design.controllers.pi import PI
 from design.margins import branch_responses, by_python_control, loop_tf, margins
 from plants import Wrist
-from plants.linear import BRANCHES, RATES
+from plants.linear import RATES, branch_slopes
+
+BRANCHES = tuple(branch_slopes(Wrist.flexion()))
 
 DT = 0.001
 GAINS = [(0.5, 1.0), (1.2, 2.2), (5.0, 10.0), (9.0, 27.0), (9.0, 60.0), (20.0, 40.0)]

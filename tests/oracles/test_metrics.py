@@ -8,17 +8,21 @@ from design import metrics
 from design.controllers.pi import PI
 from design.loop import run
 from plants import Wrist
+from plants.simulation.reference_profile import Asked
 
 SAMPLES = 8000
 TIME = np.arange(SAMPLES) * 0.001
+REST = Wrist.flexion().rest()
 
 
 def judged(angle, command, start=0.0, reference=1.0, held=0.0):
     """Metrics of signals by the running tally, in plain Python."""
-    yard, tally = metrics.yardstick(start, reference), metrics.begin(held)
+    judge, asked = metrics.of_step(start, reference), Asked(reference, start, 0.0)
+    tally = judge.begin(held)
     for k, (y, u) in enumerate(zip(angle, command, strict=True)):
-        tally = metrics.update(tally, float(k), y, u, yard)
-    return metrics.finish(tally, len(angle))
+        joint = REST._replace(angle=y)
+        tally = judge.update(tally, float(k), asked, joint, joint, u)
+    return judge.finish(tally, len(angle))
 
 
 def second_order(seed: int) -> tuple[np.ndarray, float]:

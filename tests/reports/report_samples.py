@@ -1,6 +1,6 @@
 """One small comparison, and the fit of a small synthetic campaign, for all tests of the reports."""
 
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -8,8 +8,9 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from design.alternatives.designs import design_others
+from design.answer import answer
 from design.break_even import BreakEven, break_even
-from design.compare import Comparison, compare
+from design.compare import compare
 from design.contest import Contest, contest
 from design.controllers.feedforward import Feedforward
 from design.controllers.pi import PI
@@ -19,26 +20,18 @@ from design.requirements import Problem
 from design.robustness.assess import Assessment, assess
 from design.robustness.box import box_of
 from design.robustness.certificates.continuous.search import RUNGS
-from design.robustness.gain_plane import GainPlane, gain_plane
+from design.robustness.gain_plane import gain_plane
+from design.studies.paper import redrawn
+from design.studies.robustness_study import RobustnessStudy, study_of
+from design.studies.study import Question, Study
 from design.tasks import Spread, tuning_scenarios
-from design.tuning import Region, Tuning, tune
-from plants import ParameterSet, Wrist, built_in
+from design.tuning import Region, tune
+from plants import Wrist, built_in
 from plants.measured.campaign import Campaign, load_campaign
 from plants.measured.fit import Fit, Run
 from plants.measured.recording import Recording
 from plants.measured.trace.trace import Trace, trace_campaign
 from tests.rig.campaign import make_campaign
-
-
-@dataclass(frozen=True)
-class Compared:
-    """What a page is made of."""
-
-    comparison: Comparison
-    tunings: dict[str, Tuning]
-    sets: dict[str, ParameterSet]
-    wrists: dict[str, Wrist]
-    fits: dict[str, Fit]
 
 
 def small_fit(motion: str) -> Fit:
@@ -105,15 +98,17 @@ def small_assessment() -> Assessment:
     return assess(box, PI(2.3, 6.4), samples=60, budget=400)
 
 
-def small_plane(assessment: Assessment) -> GainPlane:
-    """A coarse plane of the gains, on few scenarios."""
+@cache
+def small_robustness() -> RobustnessStudy:
+    """The same with a coarse plane of the gains, on few scenarios."""
+    assessment = small_assessment()
     wrist = assessment.wrist
     problem = Problem.of(wrist, tuning_scenarios(wrist)[:6], duration=4.0)
-    return gain_plane(problem, tuple(RUNGS), points=5)
+    return study_of(assessment, gain_plane(problem, tuple(RUNGS), points=5))
 
 
 @cache
-def compare_both() -> Compared:
+def small_study() -> Study:
     """Both motions compared with given gains; one of them tuned on a coarse map, and fitted."""
     sets = {m: built_in(m) for m in ("flexion", "deviation")}
     wrists = {m: Wrist.from_values(s.values) for m, s in sets.items()}
@@ -123,4 +118,12 @@ def compare_both() -> Compared:
     comparison = compare(wrists, tuned, designs=designs)
     problem = problems["flexion"]
     tunings = {"flexion": tune(problem, Region(points=8), starts=2)}
-    return Compared(comparison, tunings, sets, wrists, {"flexion": small_fit("flexion")})
+    question = Question(sets, {"flexion": small_fit("flexion")})
+    return Study(question, {m: answer(t) for m, t in tunings.items()}, comparison, redrawn=redrawn(wrists))
+
+
+def whole_study() -> Study:
+    """The same with all that a study may have."""
+    return replace(
+        small_study(), contest=small_contest(), break_even=small_break_even(), execution_times=small_ledgers()
+    )

@@ -7,18 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from reports.comparison import write_comparison
-from reports.html import Made
-from reports.robust_page import write_robust
-from reports.trace_page import write_trace
+from reports.comparison.page import write_comparison
+from reports.robustness.page import write_robust
+from reports.shared.html import Made
+from reports.trace.page import write_trace
 from tests.reports.report_samples import (
-    compare_both,
-    small_assessment,
-    small_break_even,
-    small_contest,
-    small_ledgers,
-    small_plane,
+    small_robustness,
     small_trace,
+    whole_study,
 )
 
 sync_api = pytest.importorskip("playwright.sync_api")
@@ -48,14 +44,13 @@ def browser():
 def made_here(tmp_path_factory) -> dict[str, Path]:
     """Small pages of each kind, by name."""
     folder = tmp_path_factory.mktemp("pages")
-    c, trace, assessment = compare_both(), small_trace(), small_assessment()
+    c, trace = whole_study(), small_trace()
     data = {f.campaign.name: f.campaign.checksum for f in c.fits.values()}
-    made = Made.now("wrist " + "word " * 60 + "x" * 300, 7, c.sets, data, "A remark.")
-    costs = (small_contest(), small_break_even(), small_ledgers())
+    made = Made.now("wrist " + "word " * 60 + "x" * 300, 7, c.plants, data, "A remark.")
     return {
-        "comparison": write_comparison(folder, c.comparison, c.tunings, c.sets, c.fits, made, *costs),
+        "comparison": write_comparison(folder, c, made),
         "trace": write_trace(folder, trace, made),
-        "robust": write_robust(folder, assessment, small_plane(assessment), made),
+        "robust": write_robust(folder, small_robustness(), made),
     }
 
 

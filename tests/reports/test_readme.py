@@ -72,13 +72,13 @@ def test_it_names_the_pythons_that_the_package_does():
 
 
 def test_the_committed_example_has_the_keys_of_today():
-    from reports.html import Made
-    from reports.records import comparison_record
-    from tests.reports.report_samples import compare_both
+    from reports.comparison.record import comparison_record
+    from reports.shared.html import Made
+    from tests.reports.report_samples import small_study
 
-    c = compare_both()
-    made = Made.now("wrist compare", sets=c.sets)
-    ours = comparison_record(c.comparison, c.tunings, c.sets, c.fits, made)
+    c = small_study()
+    made = Made.now("wrist compare", sets=c.plants)
+    ours = comparison_record(c, made)
     assert set(EXAMPLE) == set(ours)
     assert set(EXAMPLE["rows"][0]) == set(ours["rows"][0])
     assert set(EXAMPLE["tunings"]["flexion"]) == set(ours["tunings"]["flexion"])

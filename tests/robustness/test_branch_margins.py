@@ -10,9 +10,13 @@ from design.controllers.pi import PI
 from design.margins import OpenLoop, _row, loop_tf
 from design.requirements import Limits
 from design.robustness.predictions.margins import branch_margins, statements, steepest_rate
+from design.status import Status
 from plants import Wrist
 from plants.effects import DeadTime
-from plants.linear import BRANCHES, RATES
+from plants.linear import RATES, branch_slopes
+from reports.robustness.statements import claim_words
+
+BRANCHES = tuple(branch_slopes(Wrist.flexion()))
 
 WRIST = Wrist.flexion()
 GAINS = [(1.2, 2.2), (3.13, 10.4), (9.0, 60.0)]
@@ -117,20 +121,24 @@ def test_an_unstable_branch_has_no_margins_and_breaks_the_statement():
     assert (bad["Ms"], bad["Mt"], bad["disk_margin"], bad["delay_margin_s"]) == (np.inf, np.inf, 0.0, 0.0)
     said = statements(rows, Limits())
     assert said[0].holds is False
-    assert [s.value for s in said if s.statement.startswith(("gain", "phase", "disk"))] == [0.0, 0.0, 0.0]
-    assert all(s.holds is False for s in said if " at " in s.statement)
+    assert [s.value for s in said if claim_words(s.claim).startswith(("gain", "phase", "disk"))] == [
+        0.0,
+        0.0,
+        0.0,
+    ]
+    assert all(s.holds is False for s in said if " at " in claim_words(s.claim))
 
 
 def test_statements_hold_the_worst_row_against_its_limit():
     rows = rows_of((9.0, 60.0))
-    said = {s.statement: s for s in statements(rows, Limits(Ms=2.0, delay_margin_s=0.02))}
+    said = {claim_words(s.claim): s for s in statements(rows, Limits(Ms=2.0, delay_margin_s=0.02))}
     Ms = said["Ms at most 2 on every branch"]
     assert (Ms.holds, Ms.branch) == (False, "line1, slow regulator rate")
     assert Ms.value == max(r["Ms"] for r in rows)
     delay = said["delay margin at least 20 ms on every branch"]
     assert delay.holds is True
     assert delay.value == min(r["delay_margin_s"] for r in rows)
-    assert {s.kind for s in said.values()} == {"prediction"}
+    assert {s.status for s in said.values()} == {Status.PREDICTED}
 
 
 def test_a_limit_that_is_none_is_told_and_not_judged():

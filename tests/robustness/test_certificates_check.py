@@ -10,8 +10,10 @@ from design.controllers.pi import PI
 from design.robustness.certificates.continuous import check, lmi, popov, quadratic
 from design.robustness.certificates.continuous.ladder import certifies, certify
 from design.robustness.certificates.continuous.search import search
+from design.robustness.certificates.reasons import NotConfirmed
 from design.robustness.loop_model import LoopModel
 from plants import Wrist
+from reports.robustness.statements import no_certificate
 
 LOOP = LoopModel.of(Wrist.flexion(), PI(1.2, 2.2))
 TIMID = LoopModel.of(Wrist.flexion(), PI(0.5, 0.5))
@@ -67,9 +69,9 @@ def test_a_solver_that_fails_is_named_and_nothing_is_claimed(monkeypatch: pytest
     for c in certify(LOOP, Wrist.flexion(), PI(1.2, 2.2)):
         assert not c.holds
         assert c.decay is c.margin is c.shape is None
-        assert "CLARABEL: ran out of numbers; SCS: so did it" in c.why
+        assert "CLARABEL: ran out of numbers; SCS: so did it" in c.reason.said
     assert not certifies(LOOP, popov.RUNG)
-    assert "ran out of numbers" in quadratic.common_quadratic([-np.eye(2)]).why
+    assert "ran out of numbers" in quadratic.common_quadratic([-np.eye(2)]).reason.said
 
 
 def test_a_solver_that_lies_is_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -79,4 +81,5 @@ def test_a_solver_that_lies_is_not_believed(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(lmi, "widest", lies)
     found = search(LOOP, popov.RUNG)
     assert found.form is None
-    assert found.why.startswith("not confirmed: LIAR claims one")
+    assert isinstance(found.reason, NotConfirmed)
+    assert no_certificate(found.reason).startswith("not confirmed: LIAR claims one")

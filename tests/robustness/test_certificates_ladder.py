@@ -8,8 +8,10 @@ import pytest
 from design.controllers.pi import PI
 from design.robustness.certificates.continuous import popov, quadratic
 from design.robustness.certificates.continuous.ladder import certifies, certify
+from design.robustness.certificates.statements import of_ladder
 from design.robustness.loop_model import LoopModel
 from plants import Wrist
+from reports.robustness.statements import statement_record
 
 FLEXION = Wrist.flexion()
 
@@ -61,7 +63,7 @@ def refused(gains: tuple[float, float], wrist: Wrist, dead_time: float) -> None:
     for c in certify(loop(*gains, wrist), wrist, PI(*gains), dead_times=(dead_time,)):
         assert not c.holds
         assert c.decay is c.margin is c.shape is None
-        assert c.why
+        assert c.reason is not None
         assert not certifies(loop(*gains, wrist), c.rung, dead_time)
 
 
@@ -74,7 +76,7 @@ def test_the_ladder_tells_decay_margin_and_region_and_goes_into_json() -> None:
         (popov.RUNG, 0.05, True),
     ]
     for c in ladder:
-        json.dumps(dict(c.evidence))
+        json.dumps(statement_record(of_ladder([c])[0]))
         if c.holds:
             slowest = max(np.linalg.eigvals(loop(1.2, 2.2).matrix(s, k)).real.max()
                           for s in (0.0803, 0.36) for k in (0.55, 9.0))  # fmt: skip

@@ -20,7 +20,7 @@ def test_the_published_border_is_met(a: float, exists: bool) -> None:
     found = common_quadratic(pair(a))
     assert found.holds is exists
     assert (found.shape is not None) is exists
-    assert found.why if not exists else found.margin > 0.0
+    assert found.reason is not None if not exists else found.margin > 0.0
 
 
 def test_the_form_falls_along_every_matrix_and_mixture() -> None:

@@ -14,17 +14,17 @@ from design.robustness.predictions.describing_function import (
     swept,
 )
 from plants import Wrist
-from plants.hysteresis import Hysteresis
+from plants.hysteresis import FourSegment
 
 LOOPS = {axis: getattr(Wrist, axis)().hysteresis for axis in ("flexion", "deviation")}
-BACKLASH = Hysteresis(a1=1.0, w1=2.0, a2=1.0, w2=2.0, s=0.0)
+BACKLASH = FourSegment(a1=1.0, w1=2.0, a2=1.0, w2=2.0, s=0.0)
 AMPLITUDES = [5.0, 15.0, 21.0, 23.0, 30.0, 45.0, 80.0]
 
 
 class Plain:
     """The law of the one-page plant, apart from `plants.hysteresis`: pressure about a centre to angle."""
 
-    def __init__(self, p: Hysteresis, centre: float):
+    def __init__(self, p: FourSegment, centre: float):
         self.p, self.x = p, centre - p.rest_pressure
         self.before = self.x
         self.h = 0.5 * ((p.a1 + p.a2) * self.x - p.w1 + p.w2)

@@ -11,8 +11,10 @@ from design.margins import loop_tf
 from design.robustness.predictions.harmonic_balance import balances, loop_gain
 from design.robustness.predictions.limit_cycles import LimitCycle, limit_cycles, simulated, statements
 from design.robustness.predictions.orbits import Swings, large_swings
+from design.status import Status
 from plants import Wrist
 from plants.effects import DeadTime
+from reports.robustness.statements import cycle_words, statement_record
 from tests.oracles.plain_loop import Plant, closed_loop
 
 FLEXION, DEVIATION = Wrist.flexion(), Wrist.deviation()
@@ -116,8 +118,8 @@ def test_a_cycle_beyond_the_range_is_said_to_be_and_refuted():
     beyond = cycles[-1]
     assert (beyond.clipped, beyond.confirmed) == (True, False)
     assert beyond.seen_amplitude_kPa < 0.5 * beyond.amplitude_kPa
-    assert "beyond the command range" in beyond.words
-    assert "refuted" in beyond.words
+    assert "beyond the command range" in cycle_words(beyond)
+    assert "refuted: the simulated loop has one of " in cycle_words(beyond)
 
 
 def test_a_cycle_that_is_not_there_is_refuted():
@@ -133,7 +135,7 @@ def test_where_none_is_predicted_no_large_swing_persists(wrist, Kp, Ki):
     cycles, swings = limit_cycles(wrist, PI(Kp, Ki)), large_swings(wrist, PI(Kp, Ki))
     assert (cycles, swings.persisting) == ([], 0)
     (said,) = statements(cycles, swings)
-    assert (said.kind, said.holds, said.value) == ("prediction", True, 0.0)
+    assert (said.status, said.holds, said.value) == (Status.PREDICTED, True, 0.0)
 
 
 def test_deviation_whose_lines_are_not_parallel_has_its_cycles_confirmed_away_from_zero():
@@ -150,7 +152,7 @@ def test_statements_tell_each_cycle_and_that_the_loop_goes_on_swinging():
     assert first.value == pytest.approx(swings.amplitude_deg, rel=1e-2)
     assert [o.holds for o in others] == [True, True]
     assert [o.value for o in others] == [c.amplitude_deg for c in cycles]
-    assert others[1].record["seen_frequency_rad_s"] == cycles[1].seen_frequency_rad_s
+    assert statement_record(others[1])["seen_frequency_rad_s"] == cycles[1].seen_frequency_rad_s
 
 
 def test_a_predicted_cycle_that_nothing_shows_leaves_the_question_open():

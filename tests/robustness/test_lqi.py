@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from design.alternatives.lqi_design import RobustLQI, design_lqi, judge
-from design.alternatives.lqi_loop import Broken, closed, worst_pole
 from design.alternatives.lqi_synthesis import Weights, checked, plant, synthesise, vertices
 from design.controllers.controller import Measured
 from design.controllers.lqi import LQI, step
 from design.controllers.pi import PI
+from design.input_loop import InputLoop, closed, worst_pole
 from design.loop import holding, run
 from design.margins import branch_responses
 from design.requirements import Limits, Problem
@@ -116,7 +116,7 @@ def test_margins_and_poles_are_those_of_python_control(controller):
     import control
 
     branches = branch_responses(WRIST)
-    broken = Broken.at_command(WRIST, controller, branches)
+    broken = InputLoop.at_command(WRIST, controller, branches)
     slopes = {"transit": 0.0803, "line1": 0.36, "line2": 0.36}
     rates = {"slow": WRIST.regulator.k_slow, "fast": WRIST.regulator.k_fast}
     Ms, delay, pole, noise = 0.0, np.inf, -np.inf, 0.0
@@ -147,14 +147,14 @@ def test_an_unstable_loop_has_no_margins():
     backwards = LQI(600.0, 640.0, -1.0, 8.0, 0.36, 0.16, 45.0)
     branches = branch_responses(WRIST)
     assert worst_pole(WRIST, backwards)[0] > 1.0
-    found = Broken.at_command(WRIST, backwards, branches).margins(branches)
+    found = InputLoop.at_command(WRIST, backwards, branches).margins(branches)
     assert (float(found.Ms), float(found.delay_margin_s)) == (np.inf, 0.0)
 
 
 def test_dead_time_of_the_tube_comes_off_the_delay_margin_and_absent_effects_change_nothing():
     def delay(wrist: Wrist) -> float:
         branches = branch_responses(wrist)
-        return float(Broken.at_command(wrist, TYPICAL, branches).margins(branches).delay_margin_s)
+        return float(InputLoop.at_command(wrist, TYPICAL, branches).margins(branches).delay_margin_s)
 
     plain = delay(WRIST)
     assert delay(WRIST + Creep(gain=0.0, time_constant=3.0)) == pytest.approx(plain, rel=1e-6)

@@ -10,7 +10,7 @@ from design import loop
 from design.controllers.pi import PI
 from design.metrics import Metrics
 from design.requirements import Limits
-from design.robustness.box import Box, Interval, box_of
+from design.robustness.box import Box, Given, Interval, box_of
 from design.robustness.samples.conditions import NONE, Conditions
 from design.robustness.samples.draws import CHUNK, draw
 from design.robustness.samples.monte_carlo import (
@@ -20,11 +20,13 @@ from design.robustness.samples.monte_carlo import (
     monte_carlo,
     quantiles,
     samples_record,
-    statements,
-)  # fmt: skip
+)
+from design.robustness.samples.statements import statements
+from design.status import Status  # fmt: skip
 from plants import InputError
 from plants.quantities import built_in
 from plants.wrist import STARTS
+from reports.robustness.statements import because, statement_record
 
 FLEXION = built_in("flexion")
 TUNED = PI(5.0, 9.0)
@@ -118,7 +120,7 @@ def test_the_interval_is_that_of_scipy(count, trials):
 def test_cases_out_of_reach_are_as_many_as_the_actuator_says_and_counted_apart():
     """Line 1 at 15 deg needs 100 + 21 / 0.36 = 158.3 kPa, which 4 V give where gain >= 39.58 kPa/V; minus
     steps need 41.7 kPa, which any gain gives."""
-    box = Box(FLEXION, (Interval("gain", 36.0, 39.0, 44.0, "kPa/V", "the test's"),))
+    box = Box(FLEXION, (Interval("gain", 36.0, 39.0, 44.0, "kPa/V", Given()),))
     found = monte_carlo(box, TUNED, NONE, 3000, 2, duration=1.0)
     limit = (100.0 + 21.0 / 0.36) / 4.0
     exact = (found.drawn["gain"] < limit) & (found.reference > 0.0)
@@ -128,13 +130,14 @@ def test_cases_out_of_reach_are_as_many_as_the_actuator_says_and_counted_apart()
     assert stats.binomtest(int(exact.sum()), 3000, p).pvalue > 1e-4
     assert {v.trials for v in found.violations} == {3000 - found.beyond.count}
     assert found.metrics.iae_deg_s.shape == (3000,)
-    assert "out of reach not counted" in statements(found)[0].because
+    assert statements(found)[0].reason.uncounted == found.beyond.count
+    assert "out of reach not counted" in because(statements(found)[0])
     reach = statements(found)[-1]
     assert (reach.holds, reach.evidence["violations"]) == (False, found.beyond.count)
 
 
 def test_where_nothing_is_within_reach_nothing_is_claimed():
-    box = Box(FLEXION, (Interval("gain", 10.0, 12.0, 14.0, "kPa/V", "the test's"),))
+    box = Box(FLEXION, (Interval("gain", 10.0, 12.0, 14.0, "kPa/V", Given()),))
     found = monte_carlo(box, TUNED, NONE, 64, duration=0.5)
     assert found.beyond.count > 0
     kept = replace(found, out_of_reach=np.ones(64, bool))
@@ -188,9 +191,9 @@ def test_a_statement_holds_only_where_the_whole_interval_is_below_its_level(coun
     found = p_only(16, 0)
     broken = counted("settles", "not settled", None, "", np.arange(2000) < count)
     stated = statements(replace(found, violations=(broken,)))[0]
-    assert (stated.kind, stated.holds) == ("sample", holds)
+    assert (stated.status, stated.holds) == (Status.SAMPLED, holds)
     assert stated.value == pytest.approx(100 * interval(count, 2000)[1])
-    assert stated.record["violations"] == count
+    assert statement_record(stated)["violations"] == count
 
 
 def test_limits_that_are_dropped_are_not_counted():

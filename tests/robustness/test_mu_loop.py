@@ -25,10 +25,15 @@ from design.robustness.certificates.constant.uncertain_loop import (
 )
 from design.robustness.certificates.constant.uncertain_search import slack
 from design.robustness.loop_model import LoopModel
+from design.status import Status
 from plants.effects import DeadTime
 from plants.errors import InputError
-from plants.linear import BRANCHES, RATES
+from plants.linear import RATES, branch_slopes
 from plants.quantities import built_in
+from plants.wrist import Wrist
+from reports.robustness.statements import because, claim_words
+
+BRANCHES = tuple(branch_slopes(Wrist.flexion()))
 
 FLEXION = built_in("flexion")
 NARROW = box_of(FLEXION)
@@ -69,7 +74,7 @@ def test_the_bounds_hold_the_exact_radius_between_them(box, gains):
     assert [(r.branch, r.rate) for r in rows] == list(product(BRANCHES, RATES))
     for r in rows:
         exact = 1.0 / exact_growth(r.loop)
-        assert r.certified, r.why
+        assert r.certified, r.reason
         assert r.lower <= exact <= r.upper
         assert r.lower == pytest.approx(exact, rel=2e-4)
         assert r.upper <= 1.03 * exact
@@ -189,18 +194,20 @@ def test_slack_has_the_sign_of_eigenvalues_and_of_delay_margins():
 
 def test_statements_say_what_is_proved_refuted_and_only_predicted(monkeypatch):
     proved = statements([robust_stability(NARROW, PI(9.0, 27.0), "line1", "fast", 0.05)])[0]
-    assert (proved.kind, proved.holds, proved.branch) == ("certificate", True, "line1, fast regulator rate")
-    assert proved.statement.endswith("with up to 50 ms of dead time")
+    assert (proved.status, proved.holds, proved.branch) == (
+        Status.PROVED, True, "line1, fast regulator rate"
+    )  # fmt: skip
+    assert claim_words(proved.claim).endswith("with up to 50 ms of dead time")
     assert proved.value == pytest.approx(1.0 / proved.evidence["mu_upper"])
     box = box_of(FLEXION, given={"k_fast": (4.0, 40.0), "Tw": (0.05, 0.3)})
     refuted = statements([robust_stability(box, PI(9.0, 27.0), "line1", "fast", 0.05)])[0]
-    assert (refuted.kind, refuted.holds) == ("certificate", False)
+    assert (refuted.status, refuted.holds) == (Status.DISPROVED, False)
     assert refuted.value < 1.0
     monkeypatch.setattr(whole, "MOST_LMIS", 3)
     predicted = statements([robust_stability(NARROW, PI(9.0, 27.0), "line1", "fast", 0.05)])[0]
-    assert predicted.kind == "prediction"
+    assert predicted.status is Status.PREDICTED
     assert predicted.evidence["certified"] is False
-    assert "left a gap" in predicted.because
+    assert "left a gap" in because(predicted)
 
 
 def test_a_certificate_that_the_check_refutes_is_none(monkeypatch):
@@ -208,14 +215,14 @@ def test_a_certificate_that_the_check_refutes_is_none(monkeypatch):
     monkeypatch.setattr(mu_sweep, "crossings", lambda *args: np.array([]))
     r = robust_stability(NARROW, PI(9.0, 27.0), "line1", "slow")
     assert not r.certified
-    assert statements([r])[0].kind == "prediction"
+    assert statements([r])[0].status is Status.PREDICTED
 
 
 def test_a_loop_that_only_extra_dead_time_destabilises_is_a_finding():
     r = robust_stability(NARROW, PI(20.0, 40.0), "line1", "fast", 0.05)
     assert (r.growth, r.holds) == (0.0, False)
     s = statements([r])[0]
-    assert (s.kind, s.holds, s.value, s.evidence["mu_upper"]) == ("certificate", False, 0.0, None)
+    assert (s.status, s.holds, s.value, s.evidence["mu_upper"]) == (Status.DISPROVED, False, 0.0, None)
 
 
 def test_the_plants_own_dead_time_counts_at_its_largest():

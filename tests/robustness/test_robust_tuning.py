@@ -9,7 +9,7 @@ import pytest
 from design.controllers.pi import PI
 from design.requirements import COSTS, Limits, Problem, controller, evaluate
 from design.robustness.box import box_of
-from design.robustness.robust_tuning import SLACK, WORSE, lines, record, tune_robustly
+from design.robustness.robust_tuning import SLACK, WORSE, tune_robustly
 from design.robustness.samples.adversary import worst_case
 from design.sequence import Sequence, play
 from design.tasks import Scenario
@@ -17,6 +17,8 @@ from design.tuning import Region
 from plants import Wrist
 from plants.files import json_text
 from plants.quantities import built_in
+from reports.robustness.tuning import lines, record
+from reports.shared.tuning import refused
 
 WRIST = Wrist.flexion()
 SCENARIOS = (Scenario("virgin", 0.0, 15.0, WRIST), Scenario("line2", 0.0, 15.0, WRIST))
@@ -96,8 +98,8 @@ def test_a_set_that_no_gains_hold_ends_with_the_nearest():
     assert found.ended == "no gains hold the grown set"
     assert not found.holds
     assert found.refusal is not None
-    assert found.refusal.startswith("no: no gains in Kp")
-    assert found.refusal in lines(found)
+    assert refused(found.refusal).startswith("no: no gains in Kp")
+    assert refused(found.refusal) in lines(found)
     assert found.rounds[0].tuning.feasible
 
 

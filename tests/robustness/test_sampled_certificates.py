@@ -4,13 +4,17 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
+from design.robustness.certificates.reasons import UnstableMode
 from design.robustness.certificates.sampled.lifted import Delayed, window_quadratic
 from design.robustness.certificates.sampled.lifted import gram_polynomials as gram
 from design.robustness.certificates.sampled.sampled_loop import certify_sampled, delayed, vertices, word_of
 from design.robustness.certificates.sampled.switched import best, common_quadratic, discrete, scaled
+from design.robustness.certificates.statements import of_ladder
 from design.robustness.loop_model import LoopModel
+from design.status import Status
 from plants import Wrist
 from plants.errors import InputError
+from reports.robustness.statements import because
 
 DT = 1e-3
 
@@ -85,7 +89,11 @@ def test_tuned_gains_have_a_word_and_no_certificate() -> None:
     assert radius(total) > 1.2
     found = certify_sampled(m, word=word)
     assert not any(c.holds for c in found)
-    assert all("none exists" in c.why for c in found if c.dead_time == 0.0)
+    for c in found:
+        assert c.status is (Status.DISPROVED if c.dead_time == 0.0 else Status.OPEN)
+        (said,) = of_ladder([c])
+        assert said.holds is (False if c.dead_time == 0.0 else None)
+        assert ("none exists: " in because(said)) == (c.dead_time == 0.0)
 
 
 def test_continuous_loop_grows_by_the_two_letter_word_of_the_trial() -> None:
@@ -200,6 +208,6 @@ def test_dead_time_takes_from_the_decay_of_timid_gains() -> None:
 def test_unstable_gains_and_negative_dead_time_are_told() -> None:
     found = certify_sampled(model(1.0, 400.0), (0.0, 0.05))
     assert not any(c.holds for c in found)
-    assert all("unstable on its own" in c.why for c in found)
+    assert all(c.reason == UnstableMode() and c.status is Status.DISPROVED for c in found)
     with pytest.raises(InputError, match="dead time"):
         certify_sampled(model(1.0, 1.0), (-0.01,))

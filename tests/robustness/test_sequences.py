@@ -5,7 +5,6 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from design.burden import BEFORE, burdened
 from design.controllers.pi import PI
 from design.loop import run
 from design.metrics import Metrics
@@ -16,6 +15,7 @@ from plants.effects.creep import Creep
 from plants.effects.dead_time import DeadTime, TubeDeadTime
 from plants.effects.load_step import LoadStep
 from plants.errors import InputError
+from plants.simulation.disturbance import BEFORE, burdened
 from plants.wrist import STARTS
 
 GAINS = (PI(1.2, 2.2), PI(12.0, 18.0))

@@ -16,7 +16,7 @@ from plants import Wrist
 from plants.effects import Creep, DeadTime
 from plants.errors import InputError
 from plants.quantities import built_in, dump
-from reports import style
+from reports.shared import style
 
 HERE = Path(design.tuner.__file__).parent
 

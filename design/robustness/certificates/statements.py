@@ -1,40 +1,126 @@
 """Certificates as statements: what each rung says of the loop, and what of the step that is asked for."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from design.robustness.certificates.certificate import Certificate
+from design.robustness.certificates.certificate import Certificate, LoopClass, Switching
 from design.robustness.certificates.continuous.virgin import VirginBounds
-from design.robustness.statement import Statement
+from design.robustness.certificates.reasons import NoCertificate
+from design.robustness.certificates.sampled.words import Word
+from design.robustness.statement import Claim, Reason, Statement
+from design.status import Status, of_proof
+
+
+@dataclass(frozen=True)
+class DiesAway(Claim):
+    """Every loop of a class, behind a dead time [s], dies away: what a rung would prove."""
+
+    rung: str
+    about: LoopClass | None
+    dead_time: float
+
+
+@dataclass(frozen=True)
+class ClassDiesAway(Claim):
+    """Every loop in which so much may switch, behind a dead time [s], dies away."""
+
+    switching: Switching
+    dead_time: float
+
+
+@dataclass(frozen=True)
+class StaysInRange(Claim):
+    """A step [deg] from a line never meets the end of the command, with a dead time [s]."""
+
+    step: float
+    dead_time: float
+
+
+@dataclass(frozen=True)
+class LeavesVirginCurve(Claim):
+    """A step [deg] from rest leaves the virgin curve by the time that is the statement's value."""
+
+    step: float
+
+
+@dataclass(frozen=True)
+class Confirmed(Reason):
+    """A solver found a function, the check outside it has this margin (None: has none); left_out: effects of
+    the plant that the loop lacks; name: of the rung, where it speaks for a class."""
+
+    solver: str
+    margin: float | None
+    left_out: tuple[str, ...]
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class NotFound(Reason):
+    """A rung found nothing, for a reason; word: that shows that there is nothing to be found."""
+
+    reason: NoCertificate | None
+    word: Word | None
+
+
+@dataclass(frozen=True)
+class NoneFound(Reason):
+    """None of the rungs about a class found anything, by name; word: as in `NotFound`, of any."""
+
+    names: tuple[str, ...]
+    word: Word | None
+
+
+@dataclass(frozen=True)
+class Covered(Reason):
+    """Steps up to the statement's value start within a set of a rung that is never left, unclipped."""
+
+    rung: str
+
+
+@dataclass(frozen=True)
+class VirginTimes(Reason):
+    """Between which times the curve is left, for good, or what keeps a step on it."""
+
+    bounds: VirginBounds
 
 
 def of_ladder(rungs: Sequence[Certificate], left_out: Sequence[str] = ()) -> list[Statement]:
     """One statement a rung; `value` is the decay rate [1/s] that was certified; left_out: effects of the
     plant that the loops of the rungs do not have.
 
-    A rung that found nothing says so (`holds` is None): a larger class of loops may be unstable, or a
-    better function may exist; neither tells that the loop itself is unstable.
+    A rung that found nothing is open: a larger class of loops may be unstable, or a better function may
+    exist; neither tells that the loop itself is unstable.  Where a loop of the class is known to grow, what
+    the rung claims is disproved, which says nothing against the real loop either.
     """
-    return [_statement(c, left_out) for c in rungs]
+    return [_statement(c, DiesAway(c.rung, c.about, c.dead_time), left_out) for c in rungs]
 
 
-def _statement(c: Certificate, left_out: Sequence[str]) -> Statement:
-    because = c.why
+def of_class(switching: Switching, rungs: Sequence[Certificate], left_out: Sequence[str] = ()) -> Statement:
+    """The statement about a class of loops, by the rung with the largest decay of those about it, which have
+    one dead time."""
+    best = max(rungs, key=lambda c: (c.holds, c.decay or 0.0))
+    claim = ClassDiesAway(switching, best.dead_time)
+    if best.holds:
+        return _statement(best, claim, left_out, best.name)
+    disproved = next((c for c in rungs if c.status is Status.DISPROVED), best)
+    reason = NoneFound(tuple(c.name for c in rungs), disproved.word)
+    return _of(disproved, claim, reason)
+
+
+def _statement(c: Certificate, claim: Claim, left_out: Sequence[str], name: str = "") -> Statement:
+    reason: Reason = NotFound(c.reason, c.word)
     if c.holds:
-        because = f"found by {c.solver}, confirmed outside it"
-        if c.margin is not None:
-            because += f" with a margin of {c.margin:.2g}"
-        if left_out:
-            because += f"; of the wrist without {', '.join(left_out)}"
+        reason = Confirmed(c.solver, c.margin, tuple(left_out), name)
+    return _of(c, claim, reason)
+
+
+def _of(c: Certificate, claim: Claim, reason: Reason) -> Statement:
+    holds = {Status.PROVED: True, Status.DISPROVED: False}.get(c.status)
     evidence = {"rung": c.rung, "dead_time_s": c.dead_time, "solver": c.solver, "margin": c.margin}
     return Statement(
-        "certificate", f"{c.rung}{late(c)}: {c.claim}", True if c.holds else None,
-        c.decay if c.holds else None, "1/s", because=because, evidence={**evidence, **c.evidence},
+        c.status, claim, holds, c.decay if c.holds else None, reason, "1/s",
+        evidence={**evidence, **c.evidence},
     )  # fmt: skip
-
-
-def late(c: Certificate) -> str:
-    """The dead time of a certificate, in words; empty where there is none."""
-    return f", {1000 * c.dead_time:g} ms of dead time" if c.dead_time else ""
 
 
 def of_step(rungs: Sequence[Certificate], step: float) -> list[Statement]:
@@ -52,24 +138,16 @@ def of_step(rungs: Sequence[Certificate], step: float) -> list[Statement]:
         if not known:
             continue
         largest, best = max(known, key=lambda pair: pair[0])
-        covered = abs(step) <= largest
-        found.append(
-            Statement(
-                "certificate",
-                f"a step of {step:g} deg from a line never meets the end of the command{late(best)}",
-                True if covered else None, float(largest), "deg",
-                because=f"{best.rung}: steps up to this start within a set that is never left and in which "
-                "the command is not clipped",
-            )
-        )  # fmt: skip
+        holds = True if abs(step) <= largest else None
+        claim = StaysInRange(step, dead_time)
+        found.append(Statement(of_proof(holds), claim, holds, float(largest), Covered(best.rung), "deg"))
     return found
 
 
 def of_virgin_curve(bounds: VirginBounds, step: float) -> Statement:
     """How long a step [deg] from rest stays on the virgin curve, which has slope 0 and is left for good."""
     left = bounds.leaves
-    because = bounds.why or f"not before {1000 * bounds.earliest:.3g} ms, for any rate from k_slow to k_fast"
+    latest = float(bounds.latest) if left else None
     return Statement(
-        "certificate", f"a step of {step:+g} deg from rest leaves the virgin curve by this time", left,
-        float(bounds.latest) if left else None, "s", "virgin", because, bounds.record,
-    )  # fmt: skip
+        of_proof(left), LeavesVirginCurve(step), left, latest, VirginTimes(bounds), "s", "virgin"
+    )

@@ -27,8 +27,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plants import hysteresis
-from plants.hysteresis import Hysteresis, Memory
+from plants.hysteresis import FourSegment, HysteresisLaw
 from plants.regulator import Regulator
 
 Array = NDArray[np.float64]
@@ -50,12 +49,12 @@ def backlash(half_gap: float, amplitude: Any) -> NDArray[np.complex128]:
     return np.asarray(np.where(half_gap < A, real - 1j * (1.0 - c * c) / np.pi, 0.0), complex)
 
 
-def half_gap(p: Hysteresis) -> float:
+def half_gap(p: FourSegment) -> float:
     """Amplitude of pressure [kPa] up to which an oscillation stays between parallel lines."""
     return float((p.w1 + p.w2) / (2.0 * (p.a1 - p.s)))
 
 
-def swept(p: Hysteresis, amplitude: Any, centre: Any, points: int = POINTS) -> tuple[Array, Array]:
+def swept(p: HysteresisLaw, amplitude: Any, centre: Any, points: int = POINTS) -> tuple[Array, Array]:
     """Pressure [kPa] and static angle [deg] over one steady cycle, each (points + 1, amplitudes).
 
     The pressure is centre + amplitude sin, from the centre upwards, stepped by the law of the simulator
@@ -65,16 +64,16 @@ def swept(p: Hysteresis, amplitude: Any, centre: Any, points: int = POINTS) -> t
     A, middle = (np.ravel(x) for x in np.broadcast_arrays(np.asarray(amplitude, float), centre))
     sine = np.sin(np.arange(2 * points + 1) * (2.0 * np.pi / points))
     pressure = np.asarray(middle + A * sine[:, None], float)
-    start = 0.5 * (hysteresis.line1(middle, p) + hysteresis.line2(middle, p))
-    memory, angle = Memory(start, np.zeros_like(A)), [start]
+    start = 0.5 * (p.ascending(middle) + p.descending(middle))
+    memory, angle = p.resting("inside", start, middle), [start]
     for before, after in pairwise(pressure):
-        memory = hysteresis.step(memory, before, after, p)
+        memory = p.step(memory, before, after)
         angle.append(memory.h)
     return pressure[points:], np.asarray(angle, float)[points:]
 
 
 def hysteresis_function(
-    p: Hysteresis, amplitude: Any, centre: Any = None
+    p: HysteresisLaw, amplitude: Any, centre: Any = None
 ) -> tuple[NDArray[np.complex128], Array]:
     """Describing function [deg/kPa] of the loop and the mean static angle [deg], each (amplitudes,).
 
@@ -82,11 +81,13 @@ def hysteresis_function(
     shape.  An oscillation that stays between the lines keeps what memory it came with; the mean is then
     that of one from half-way between them.
 
-    >>> N, mean = hysteresis_function(Hysteresis(0.36, 6.0, 0.36, 6.0, 0.08), [1.0, 1e6])
+    >>> N, mean = hysteresis_function(FourSegment(0.36, 6.0, 0.36, 6.0, 0.08), [1.0, 1e6])
     >>> [complex(n.round(3)) for n in N]                 # the transit, and in the end the lines
     [(0.08+0j), (0.36-0j)]
     """
     A = np.atleast_1d(np.asarray(amplitude, float))
+    if not isinstance(p, FourSegment):
+        return _numerically(p, A, p.rest_pressure if centre is None else centre)
     x = np.broadcast_to(p.rest_pressure if centre is None else centre, A.shape) - p.rest_pressure
     low, high = (p.a1 - p.s, -p.w1), (p.a2 - p.s, p.w2)  # slope and offset of what keeps g
     top, bottom = low[0] * (x + A) + low[1], high[0] * (x - A) + high[1]
@@ -112,6 +113,14 @@ def hysteresis_function(
     return np.asarray(p.s + np.where(cycles, harmonic / (np.pi * A), 0.0), complex), np.asarray(mean, float)
 
 
+def _numerically(p: HysteresisLaw, A: Array, centre: Any) -> tuple[NDArray[np.complex128], Array]:
+    """The same for a law without a closed form: first harmonic and mean of a swept cycle."""
+    _, angle = swept(p, A, np.broadcast_to(centre, A.shape))
+    turns = np.arange(POINTS) * (2.0 * np.pi / POINTS)
+    harmonic = 2.0 / POINTS * (np.sin(turns) + 1j * np.cos(turns)) @ angle[:-1]
+    return np.asarray(harmonic / A, complex), np.asarray(angle[:-1].mean(axis=0), float)
+
+
 def _integrals(size: Any, level: Any, turn: Array) -> tuple[NDArray[np.complex128], Array]:
     """Primitives, at a turn t [rad], of g (sin t + j cos t) and of g, where g = level + size sin t."""
     sine, cosine = np.sin(turn), np.cos(turn)
@@ -120,14 +129,14 @@ def _integrals(size: Any, level: Any, turn: Array) -> tuple[NDArray[np.complex12
     return np.asarray(real + 1j * imag, complex), np.asarray(level * turn - size * cosine, float)
 
 
-def centre_of(p: Hysteresis, amplitude: Any, angle: float) -> Array:
+def centre_of(p: HysteresisLaw, amplitude: Any, angle: float) -> Array:
     """Pressure [kPa] about which an oscillation has a mean static angle [deg], shape of `amplitude`.
 
     An integrator holds the mean error at zero, so that this is where a limit cycle about a reference
     sits.  By secants; the mean angle rises with the centre.
     """
     A = np.atleast_1d(np.asarray(amplitude, float))
-    middle = 0.5 * (hysteresis.line1_pressure(angle, p) + hysteresis.line2_pressure(angle, p))
+    middle = 0.5 * (p.ascending_pressure(angle) + p.descending_pressure(angle))
     x0 = np.full(A.shape, float(middle))
     x1 = x0 + 1.0
     f0, f1 = (hysteresis_function(p, A, x)[1] - angle for x in (x0, x1))
@@ -136,7 +145,7 @@ def centre_of(p: Hysteresis, amplitude: Any, angle: float) -> Array:
         if not moved.any():
             break
         rise = (f1 - f0) / np.where(moved, x1 - x0, 1.0)
-        ahead = np.where(moved, x1 - f1 / np.where(np.abs(rise) > 1e-9, rise, p.a1), x1)
+        ahead = np.where(moved, x1 - f1 / np.where(np.abs(rise) > 1e-9, rise, p.steepness[0]), x1)
         x0, f0, x1 = x1, f1, ahead
         f1 = hysteresis_function(p, A, x1)[1] - angle
     return np.asarray(x1, float)

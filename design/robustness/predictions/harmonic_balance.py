@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from design.controllers.pi import PI
 from design.robustness.predictions.describing_function import centre_of, hysteresis_function, regulator_rate
 from plants import lag
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
+from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -52,19 +52,20 @@ class Parts:
 
 def parts(wrist: Wrist, controller: PI, omega: Any) -> Parts:
     """The linear parts of the sampled loop at frequencies [rad/s]."""
-    z = np.exp(1j * np.asarray(omega, float) * SAMPLE_TIME)
-    p, c = wrist.regulator, lag.sampled(wrist.Tw, SAMPLE_TIME)
-    reach = (p.gain * COMMAND_RANGE[0], p.gain * COMMAND_RANGE[1])
+    z = np.exp(1j * np.asarray(omega, float) * wrist.rig.sample_time)
+    p, c = wrist.regulator, lag.sampled(wrist.Tw, wrist.rig.sample_time)
+    reach = (p.gain * wrist.rig.command_range[0], p.gain * wrist.rig.command_range[1])
     command, joint = np.ones_like(z), (c.before + c.after * z) / (z - c.keep)
-    for part in (e.linear(wrist, z, SAMPLE_TIME, reach) for e in wrist.effects):
+    for part in (e.linear(wrist, z, wrist.rig.sample_time, reach) for e in wrist.effects):
         command, joint = command * part.command, (joint if part.joint is None else part.joint) * part.static
-    known = (controller.Kp + controller.Ki * SAMPLE_TIME / (z - 1.0)) * (p.gain / controller.gain)
+    known = (controller.Kp + controller.Ki * wrist.rig.sample_time / (z - 1.0)) * (p.gain / controller.gain)
     return Parts(z, known, command, joint)
 
 
-def regulator_response(rate: Any, z: Complex) -> Complex:
-    """Frequency response of the regulator at one rate [1/s], from commanded to actual pressure."""
-    share = -np.expm1(-np.asarray(rate) * SAMPLE_TIME)
+def regulator_response(rate: Any, z: Complex, dt: float) -> Complex:
+    """Frequency response of the regulator at one rate [1/s], from commanded to actual pressure;
+    dt: sample time [s]."""
+    share = -np.expm1(-np.asarray(rate) * dt)
     return np.asarray(share / (z - 1.0 + share), complex)
 
 
@@ -73,7 +74,7 @@ def loop_gain(wrist: Wrist, controller: PI, amplitude: Any, omega: Any, referenc
     A, w = np.atleast_1d(np.asarray(amplitude, float)), np.atleast_1d(np.asarray(omega, float))
     N, _ = hysteresis_function(wrist.hysteresis, A, centre_of(wrist.hysteresis, A, reference))
     known = parts(wrist, controller, w)
-    air = regulator_response(regulator_rate(wrist.regulator, A[:, None] * w), known.z)
+    air = regulator_response(regulator_rate(wrist.regulator, A[:, None] * w), known.z, wrist.rig.sample_time)
     return np.asarray(known.controller * known.command * known.joint * air * N[:, None], complex)
 
 

@@ -6,7 +6,6 @@ them has its size and frequency.  That there is none is tried with large swings.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,9 +27,9 @@ from design.robustness.predictions.orbits import (
     on_orbit,
     rollout,
 )
-from design.robustness.statement import Statement
-from plants import hysteresis
-from plants.wrist import SAMPLE_TIME, Wrist
+from design.robustness.statement import Claim, Reason, Statement
+from design.status import Status
+from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 AMPLITUDE_AGREES, FREQUENCY_AGREES = 0.3, 0.15
@@ -57,7 +56,7 @@ class LimitCycle:
     amplitude_deg of the angle, amplitude_kPa of the pressure, frequency_rad_s; centre_kPa: pressure about
     which it swings; stable: whether it attracts; clipped: whether it asks for commands beyond the range,
     of which the prediction knows nothing; confirmed: whether the simulator has it; seen_*: what it has
-    there, None where it has no cycle; words: all that in words.
+    there, None where it has no cycle.
     """
 
     amplitude_deg: float
@@ -70,7 +69,6 @@ class LimitCycle:
     seen_amplitude_deg: float | None = None
     seen_amplitude_kPa: float | None = None
     seen_frequency_rad_s: float | None = None
-    words: str = ""
 
 
 def limit_cycles(wrist: Wrist, controller: PI, reference: float = 0.0) -> list[LimitCycle]:
@@ -96,11 +94,11 @@ def predicted(wrist: Wrist, controller: PI, reference: float = 0.0) -> list[Limi
     for A, w, stable in balances(wrist, controller, reference):
         centre = float(centre_of(loop, A, reference)[0])
         ends = np.array([centre - A, centre + A])
-        if np.any(hysteresis.line1(ends, loop) > hysteresis.line2(ends, loop)):
+        if np.any(loop.ascending(ends) > loop.descending(ends)):
             continue
         N, _ = hysteresis_function(loop, A, centre)
         known = parts(wrist, controller, w)
-        air = regulator_response(regulator_rate(wrist.regulator, A * w), known.z)
+        air = regulator_response(regulator_rate(wrist.regulator, A * w), known.z, wrist.rig.sample_time)
         asked = float(A / abs(air))
         clipped = centre - asked < controller.low * gain or centre + asked > controller.high * gain
         found.append(LimitCycle(float(abs(N[0] * known.joint) * A), A, w, centre, stable, bool(clipped)))
@@ -111,23 +109,16 @@ def simulated(wrist: Wrist, controller: PI, cycle: LimitCycle, reference: float 
     """A predicted cycle with what the sampled loop does when it is started on it, below and above it."""
     seen = (_attractor if cycle.stable else _watershed)(wrist, controller, cycle, reference)
     if seen is None:
-        return replace(cycle, words=_words(cycle, "refuted: the simulated loop has no such cycle"))
+        return cycle
     kPa, deg, frequency = seen
     agrees = (
         abs(kPa / cycle.amplitude_kPa - 1.0) <= AMPLITUDE_AGREES
         and abs(frequency / cycle.frequency_rad_s - 1.0) <= FREQUENCY_AGREES
     )
-    there = f"{deg:.3g} deg, {kPa:.3g} kPa at {frequency:.3g} rad/s"
-    verdict = f"confirmed: {there}" if agrees else f"refuted: the simulated loop has one of {there} instead"
     return replace(
         cycle, confirmed=agrees, seen_amplitude_deg=deg, seen_amplitude_kPa=kPa,
-        seen_frequency_rad_s=frequency, words=_words(cycle, verdict),
+        seen_frequency_rad_s=frequency,
     )  # fmt: skip
-
-
-def _words(cycle: LimitCycle, verdict: str) -> str:
-    beyond = "; beyond the command range, which the prediction does not know" if cycle.clipped else ""
-    return f"{'attracts' if cycle.stable else 'repels'}{beyond}; {verdict}"
 
 
 def _attractor(
@@ -189,13 +180,41 @@ def _from_scales(wrist: Wrist, controller: PI, cycle: LimitCycle, scales: Array,
     N, mean = hysteresis_function(wrist.hysteresis, A, cycle.centre_kPa)
     _, static = swept(wrist.hysteresis, A, cycle.centre_kPa)
     swing = N * known.joint * A  # of the angle, to a pressure that rises through its centre
-    part = controller.Ki * SAMPLE_TIME / (known.z - 1.0) * -swing
+    part = controller.Ki * wrist.rig.sample_time / (known.z - 1.0) * -swing
     state, held = on_orbit(
         wrist, controller, cycle.centre_kPa, static[0], np.asarray(mean + swing.imag), np.asarray(part.imag)
     )
     period = 2.0 * np.pi / w
-    every = max(1, round(period / PER_PERIOD / SAMPLE_TIME))
+    every = max(1, round(period / PER_PERIOD / wrist.rig.sample_time))
     return rollout(wrist, controller, reference, state, held, PERIODS * period, every)
+
+
+@dataclass(frozen=True)
+class NoOscillation(Claim):
+    """No lasting oscillation about the reference."""
+
+
+@dataclass(frozen=True)
+class HasCycle(Claim):
+    """The loop has a limit cycle of harmonic balance."""
+
+    cycle: LimitCycle
+
+
+@dataclass(frozen=True)
+class Balanced(Reason):
+    """Harmonic balance predicts so many cycles that attract and that repel; what large swings do."""
+
+    attract: int
+    repel: int
+    swings: Swings
+
+
+@dataclass(frozen=True)
+class Simulated(Reason):
+    """What the simulator says to a cycle."""
+
+    cycle: LimitCycle
 
 
 def statements(cycles: list[LimitCycle], swings: Swings) -> list[Statement]:
@@ -207,35 +226,21 @@ def statements(cycles: list[LimitCycle], swings: Swings) -> list[Statement]:
     """
     attract = [c for c in cycles if c.stable]
     seen = [c.seen_amplitude_deg or 0.0 for c in attract] + [swings.amplitude_deg]
-    tried = f"{swings.lanes} large swings, {swings.duration:g} s each: {swings.persisting} persist"
-    repel = sum(not c.stable for c in cycles)
-    because = f"harmonic balance: {len(attract)} that attract, {repel} that repel; {tried}"
     swinging = swings.persisting > 0 or any(c.seen_amplitude_kPa is not None for c in attract)
     holds = False if swinging else None if attract else True
+    reason = Balanced(len(attract), len(cycles) - len(attract), swings)
     found = [
         Statement(
-            "prediction", "no lasting oscillation about the reference", holds, max(seen), "deg",
-            because=because, evidence={"frequency_rad_s": swings.frequency_rad_s},
+            Status.PREDICTED, NoOscillation(), holds, max(seen), reason, "deg",
+            evidence={"frequency_rad_s": swings.frequency_rad_s},
         )
     ]  # fmt: skip
     for c in cycles:
-        kind = "a limit cycle that attracts" if c.stable else "a limit cycle that repels"
-        claim = (
-            f"{kind}: {c.amplitude_deg:.3g} deg, {c.amplitude_kPa:.3g} kPa at {c.frequency_rad_s:.3g} rad/s"
-        )
+        evidence = {k: v for k, v in vars(c).items() if k != "amplitude_deg"}
         found.append(
             Statement(
-                "prediction",
-                claim,
-                c.confirmed,
-                c.amplitude_deg,
-                "deg",
-                because=c.words,
-                evidence=_evidence(c),
+                Status.PREDICTED, HasCycle(c), c.confirmed, c.amplitude_deg, Simulated(c), "deg",
+                evidence=evidence,
             )
-        )
+        )  # fmt: skip
     return found
-
-
-def _evidence(cycle: LimitCycle) -> dict[str, Any]:
-    return {k: v for k, v in vars(cycle).items() if k not in ("words", "amplitude_deg")}

@@ -1,12 +1,13 @@
 """Margins of the loop on every branch at the rates that the regulator can have, and how they are judged."""
 
-from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from design.controllers.pi import PI
 from design.margins import by_python_control
 from design.requirements import ROUNDING, Limits
-from design.robustness.statement import Statement
+from design.robustness.statement import EVERY_BRANCH, Claim, Reason, Statement
+from design.status import Status
 from plants.wrist import Wrist
 
 STEEPEST = "steepest"
@@ -55,6 +56,26 @@ def place(row: Row) -> str:
     return f"{row['branch']}, {row['rate']} regulator rate"
 
 
+@dataclass(frozen=True)
+class StableEverywhere(Claim):
+    """The linear loop is stable on every branch at every rate; by poles, or by Nyquist's criterion."""
+
+
+@dataclass(frozen=True)
+class MarginHeld(Claim):
+    """A margin, by its key in rows, is at most or at least its limit on every branch; limit: None where none
+    is set, so that the margin is told without being judged."""
+
+    key: str
+    at_most: bool
+    limit: float | None
+
+
+@dataclass(frozen=True)
+class OfRows(Reason):
+    """The statement's value is the worst of the branches and rates."""
+
+
 def statements(rows: list[Row], limits: Limits) -> list[Statement]:
     """What the margins predict: stability on every branch, and each margin at its worst.
 
@@ -62,44 +83,29 @@ def statements(rows: list[Row], limits: Limits) -> list[Statement]:
     (holds is None).  The value is the worst over the rows, `branch` where.
     """
     unstable = [r for r in rows if not r["stable"]]
-    found = [
-        Statement(
-            "prediction", "the linear loop is stable on every branch at every rate", not unstable,
-            float(len(unstable)), "unstable branches", place(unstable[0]) if unstable else "every branch",
-            "poles, or Nyquist's criterion where a delay leaves none; no switching is considered",
-        )
-    ]  # fmt: skip
+    stable = Statement(
+        Status.PREDICTED, StableEverywhere(), not unstable, float(len(unstable)), OfRows(),
+        "unstable branches", place(unstable[0]) if unstable else EVERY_BRANCH,
+    )  # fmt: skip
     within = limits.named
-    found.append(_worst(rows, "Ms", "1", "Ms", "at most", within.get("Ms"), max))
-    found.append(
-        _worst(rows, "delay_margin_s", "s", "delay margin", "at least", within.get("delay_margin_s"), min)
-    )
-    found.append(_worst(rows, "gain_margin", "1", "gain margin", "at least", None, min))
-    found.append(_worst(rows, "phase_margin_deg", "deg", "phase margin", "at least", None, min))
-    found.append(_worst(rows, "Mt", "1", "Mt", "at most", None, max))
-    found.append(_worst(rows, "disk_margin", "1", "disk margin", "at least", None, min))
-    return found
+    return [
+        stable,
+        _worst(rows, MarginHeld("Ms", True, within.get("Ms")), "1"),
+        _worst(rows, MarginHeld("delay_margin_s", False, within.get("delay_margin_s")), "s"),
+        _worst(rows, MarginHeld("gain_margin", False, None), "1"),
+        _worst(rows, MarginHeld("phase_margin_deg", False, None), "deg"),
+        _worst(rows, MarginHeld("Mt", True, None), "1"),
+        _worst(rows, MarginHeld("disk_margin", False, None), "1"),
+    ]
 
 
-def _worst(
-    rows: list[Row],
-    key: str,
-    unit: str,
-    words: str,
-    sense: str,
-    limit: float | None,
-    worse: Callable[..., tuple[float, str]],
-) -> Statement:
-    lost = float("inf") if sense == "at most" else 0.0  # of an unstable loop no margin means anything
+def _worst(rows: list[Row], claim: MarginHeld, unit: str) -> Statement:
+    lost = float("inf") if claim.at_most else 0.0  # of an unstable loop no margin means anything
+    worse = max if claim.at_most else min
     value, branch = worse(
-        ((float(r[key]) if r["stable"] else lost, place(r)) for r in rows), key=lambda pair: pair[0]
+        ((float(r[claim.key]) if r["stable"] else lost, place(r)) for r in rows), key=lambda pair: pair[0]
     )
-    because = "worst of the branches and rates"
-    if limit is None:
-        claim = f"{words} on every branch"
-        return Statement("prediction", claim, None, value, unit, branch, because + "; no limit is set")
-    shown = f"{1e3 * limit:g} ms" if unit == "s" else f"{limit:g}"
-    holds = value <= limit * ROUNDING if sense == "at most" else value >= limit / ROUNDING
-    return Statement(
-        "prediction", f"{words} {sense} {shown} on every branch", holds, value, unit, branch, because
-    )
+    holds = None
+    if claim.limit is not None:
+        holds = value <= claim.limit * ROUNDING if claim.at_most else value >= claim.limit / ROUNDING
+    return Statement(Status.PREDICTED, claim, holds, value, OfRows(), unit, branch)

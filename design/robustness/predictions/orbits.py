@@ -11,13 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design import metrics
 from design.controllers.pi import PI, PIState
-from design.loop import Loop, SampledLoop, holding, step
+from design.evaluation.runner import play, step_from
+from design.loop import holding
 from plants import tree
 from plants.rest import at_pressure
-from plants.simulate import run_lanes
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
+from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
 PER_PERIOD = 200
@@ -85,15 +84,9 @@ def rollout(
     wrist: Wrist, controller: PI, reference: float, state: State, held: PIState, duration: float, every: int
 ) -> Rollout:
     """The loop of `design.loop` from given states for a duration [s], every `every`-th sample recorded."""
-    samples = round(duration / SAMPLE_TIME)
-    c = SampledLoop(wrist.sampled(), controller.sampled(), metrics.yardstick(state.angle, reference))
-    command = (controller.rest_pressure + held.integral) / controller.gain
-    times = {"time": np.arange(samples) * SAMPLE_TIME} if wrist.effects else {}
-    _, rows = run_lanes(
-        step, Loop(state, held, metrics.begin(command)), c, samples, times, ("sample", *times), every,
-        ("plant.pressure", "plant.angle"), 1,
-    )  # fmt: skip
-    time = np.asarray(np.arange(rows.shape[1]) * (every * SAMPLE_TIME), float)
+    lanes = step_from(wrist, state, reference, duration)
+    rows = play(lanes, controller, held, False, ("plant.pressure", "plant.angle"), every, jobs=1).rows
+    time = np.asarray(np.arange(rows.shape[1]) * (every * wrist.rig.sample_time), float)
     return Rollout(time, rows[0], rows[1])
 
 
@@ -122,7 +115,7 @@ def on_orbit(
 def large_swings(wrist: Wrist, controller: PI, reference: float = 0.0, duration: float = 120.0) -> Swings:
     """What is left after a duration [s] of swings from far off: pressures over nine tenths of the range, on
     both lines, with the integrator holding them and with it far on the other side."""
-    low, high = (wrist.regulator.gain * v for v in COMMAND_RANGE)
+    low, high = (wrist.regulator.gain * v for v in wrist.rig.command_range)
     starts: list[Any] = []
     held = []
     for share in (0.05, 0.25, 0.75, 0.95):

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from design.burden import burdened
 from plants.effects.dead_time import DeadTime
 from plants.effects.load_step import LoadStep
 from plants.errors import InputError
+from plants.simulation.disturbance import burdened
 from plants.wrist import Wrist
 
 Number = Any

@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 from design.controllers.controller import Controller
 from design.robustness.box import Box
 from design.robustness.samples.conditions import Conditions, added, left_out
-from design.robustness.samples.noisy_loop import HOLD
 from plants import tree
 from plants.effects.effect import Around, Effect
-from plants.hysteresis import Memory
-from plants.rest import HIGHEST, LOWEST, at_rest
+from plants.rest import at_rest, searched
+from plants.simulation.sensor import HOLD
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, STARTS, Start, State, Wrist, settled
 
 Array = NDArray[np.float64]
@@ -120,7 +119,7 @@ def _rest(plant: Wrist, wrist: Wrist, start: Start, angle: Array, load: Array) -
     effects = tuple(
         e.rest(wrist, pressure, h + load if late else h) for e, late in zip(wrist.effects, after, strict=True)
     )
-    state = State(pressure, Memory(h, float(start == "virgin")), angle, effects)
+    state = State(pressure, plant.hysteresis.resting(start, h, pressure), angle, effects)
     if start == "virgin" and wrist.effects:
         state = settled(state, wrist.sampled(), Around())
     return state
@@ -161,7 +160,8 @@ def _beyond(controller: Controller, wrist: Wrist, pressure: Array) -> Flags:
 
 def _kept_from(wrist: Wrist, pressure: Array, angle: Array) -> Flags:
     """Where an effect keeps the wrist from an angle [deg] that needs a pressure [kPa], lane by lane."""
-    out = ~((pressure > LOWEST) & (pressure < HIGHEST))
+    lowest, highest, _ = searched(wrist)
+    out = ~((pressure > lowest) & (pressure < highest))
     for effect in wrist.effects:
         if type(effect).obstacle is Effect.obstacle:
             continue

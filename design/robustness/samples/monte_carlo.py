@@ -7,7 +7,7 @@ distribution that was drawn from, uniform over the box, and no more is known tha
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any
 
@@ -16,23 +16,20 @@ from numpy.typing import NDArray
 
 from design.cluster import each
 from design.controllers.controller import Controller
+from design.evaluation.runner import play, step_from
 from design.metrics import SETTLING_BAND, Metrics
 from design.requirements import LIMIT_UNITS, Limits
 from design.robustness.box import Box
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.draws import CHUNK, Draw, Flags, Task, draw, noise, remarks
-from design.robustness.samples.noisy_loop import HOLD, run, sensor
-from design.robustness.statement import Statement
 from design.tasks import STEP
 from plants.errors import InputError
-from plants.simulate import default_jobs
+from plants.kernel.batches import default_jobs
+from plants.simulation.sensor import HOLD, sensor
 from plants.wrist import SAMPLE_TIME
 
 Array = NDArray[np.float64]
 QUANTILES = (0.05, 0.5, 0.95, 0.99)
-LEVEL = 0.05
-"""Share of cases that may break a requirement before the statement about it no longer holds; chosen."""
-
 LONGEST = 100.0
 """Duration [s] of a run; the noise of a chunk of longer ones would fill the memory."""
 
@@ -138,11 +135,14 @@ def run_chunk(task: Task, piece: tuple[int, int]) -> Part:
 def _rollouts(
     task: Task, cases: Draw, piece: tuple[int, int], every: int = 0, record: tuple[str, ...] = ()
 ) -> tuple[Metrics, Array]:
+    """Metrics of cases, and the signals named in `record` after every `every` samples."""
     seen_by = sensor(task.conditions.noise, task.conditions.quantum)
-    return run(
-        cases.wrist, task.controller, cases.reference, cases.state, seen_by, noise(task, *piece),
-        task.duration, every, record, jobs=1,
+    lanes = step_from(cases.wrist, cases.state, cases.reference, task.duration)
+    played = play(
+        replace(lanes, sensor=seen_by, noise=noise(task, *piece)), task.controller, signals=record,
+        every=every, jobs=1,
     )  # fmt: skip
+    return played.metrics, played.rows
 
 
 def _refuse(task: Task, samples: int) -> None:
@@ -225,33 +225,6 @@ def interval(count: int, trials: int, confidence: float = 0.95) -> tuple[float, 
     low = betaincinv(count, trials - count + 1, tail) if count > 0 else 0.0
     high = betaincinv(count + 1, trials - count, 1.0 - tail) if count < trials else 1.0
     return float(low), float(high)
-
-
-def statements(samples: Samples, level: float = LEVEL) -> list[Statement]:
-    """One statement a requirement: it is broken in at most a share `level` of cases.
-
-    holds: True only where the whole interval is below the level, False where all of it is above, None
-    where the level lies within and more samples are needed.  value [%]: upper end of the interval, what
-    the samples do not refute; the share that was seen is in `because`.
-    """
-    found = []
-    for v in (*samples.violations, samples.beyond):
-        holds = True if v.high < level else False if v.low > level else None
-        because = (
-            f"{v.count} of {v.trials} independent samples, {100 * v.probability:.3g} %; "
-            f"95 % interval {100 * v.low:.3g} to {100 * v.high:.3g} %"
-        )
-        if v.requirement == "total_variation_V" and samples.task.conditions.noise > 0.0:
-            because += "; the sensor's noise moves the command too"
-        if v is not samples.beyond and v.trials < len(samples):
-            because += f"; {len(samples) - v.trials} cases out of reach not counted"
-        evidence = {
-            "requirement": v.requirement, "limit": v.limit, "violations": v.count, "samples": v.trials,
-            "probability": v.probability if v.trials else None, "interval": [v.low, v.high], "level": level,
-        }  # fmt: skip
-        words = f"{v.words} in at most {100 * level:g} % of cases"
-        found.append(Statement("sample", words, holds, 100 * v.high, "%", because=because, evidence=evidence))
-    return found
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design.burden import at_rest
 from design.robustness.box import Box
 from design.sequence import SMALLEST, Batch, Sequence, batch
 from design.tasks import HEADROOM, STEP
 from plants.effects.effect import Effect
+from plants.simulation.disturbance import at_rest
 from plants.wrist import COMMAND_RANGE, STARTS, Start, Wrist
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from plants.measured.trace.model import Model
 from plants.measured.trace.remainders import begun
 from plants.measured.trace.result import StageTrace
-from plants.simulate import open_loop
+from plants.simulation.open_loop import open_loop
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -73,7 +73,7 @@ def _under(declared: Model, regulator: StageTrace, put_back: bool) -> Model:
     """The declared wrist driven by the regulator's pressure [kPa] of every ms, as it is simulated, or
     with what that leaves of the measured pressure put back, smoothed."""
     stage = declared.stage
-    wrist = Wrist.from_values(declared.values, regulator.model.forms)
+    wrist = Wrist.from_values(declared.values, regulator.model.forms, declared.stage.rig)
     drives = []
     for i, playback in enumerate(stage.playbacks):
         begin = None if stage.begins is None else stage.begins[i]

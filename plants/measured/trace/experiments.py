@@ -1,19 +1,20 @@
 """Recordings that would tell two models apart, found by simulating both."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.simulate import open_loop
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
+from plants.simulation.open_loop import open_loop
+from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """A recording to make: name, why it shows what others do not, command [V] of every ms, and the
+    """A recording to make: name, why it shows what others do not, command [V] of every sample, and the
     pressure of the other motion [kPa]."""
 
     name: str
@@ -30,31 +31,38 @@ class Separation:
     ratio: float
 
 
-def experiments(rest: float) -> tuple[Experiment, ...]:
-    """The recordings to choose from; `rest` [V] holds the wrist at its rest pressure."""
-    span = min(rest - COMMAND_RANGE[0], COMMAND_RANGE[1] - rest) * 0.95
-    still = 100.0
+def experiments(wrist: Wrist) -> tuple[Experiment, ...]:
+    """The recordings to choose from, about the command that holds the wrist at its rest pressure."""
+    (low, high), dt = wrist.rig.command_range, wrist.rig.sample_time
+    still = wrist.hysteresis.rest_pressure
+    rest = still / wrist.regulator.gain
+    span = min(rest - low, high - rest) * 0.95
+    swing = 0.3 * (wrist.rig.pressure_range[1] - wrist.rig.pressure_range[0])
+
+    def made(name: str, shows: str, duration: float, wave: Callable[[Array], Array]) -> Experiment:
+        time = np.asarray(np.arange(round(duration / dt)) * dt, float)
+        return Experiment(name, shows, rest + span * wave(time), np.full(len(time), still))
+
+    shows = "the other motion moved over its range, this one held"
+    other = made("other motion alone", shows, 40.0, np.zeros_like)
+    waves = still + swing * _triangle(np.arange(len(other.command), dtype=float) * (dt / 20.0))
     return (
-        Experiment("slow triangle", "the branches over the whole range, nothing fast",
-                   rest + span * _triangle(_time(80.0) / 40.0), np.full(80_000, still)),
-        Experiment("nested minor loops", "reversals of falling size around one point",
-                   rest + span * _loops(_time(90.0)), np.full(90_000, still)),
-        Experiment("long hold", "what goes on while nothing is moved",
-                   rest + 0.5 * span * (_time(120.0) > 2.0).astype(float), np.full(120_000, still)),
-        Experiment("frequency sweep", "fast motion, from 0.05 to 3 Hz",
-                   rest + 0.4 * span * _sweep(_time(60.0)), np.full(60_000, still)),
-        Experiment("other motion alone", "the other motion moved over its range, this one held",
-                   np.full(40_000, rest), still + 60.0 * _triangle(_time(40.0) / 20.0)),
+        made("slow triangle", "the branches over the whole range, nothing fast", 80.0,
+             lambda t: _triangle(t / 40.0)),
+        made("nested minor loops", "reversals of falling size around one point", 90.0, _loops),
+        made("long hold", "what goes on while nothing is moved", 120.0,
+             lambda t: 0.5 * (t > 2.0).astype(float)),
+        made("frequency sweep", "fast motion, from 0.05 to 3 Hz", 60.0, lambda t: 0.4 * _sweep(t)),
+        replace(other, other_pressure=waves),
     )  # fmt: skip
 
 
 def separate(one: Wrist, other: Wrist, channel: str, noise: float) -> Separation:
     """The experiment in which two wrists lie furthest apart in a channel."""
-    rest = one.hysteresis.rest_pressure / one.regulator.gain
-    found = []
-    for experiment in experiments(rest):
+    found, every = [], round(one.rig.log_time / one.rig.sample_time)
+    for experiment in experiments(one):
         sides = [
-            open_loop(w, experiment.command, every=10, other_pressure=experiment.other_pressure)
+            open_loop(w, experiment.command, every=every, other_pressure=experiment.other_pressure)
             for w in (one, other)
         ]
         a, b = (s.pressure if channel == "pressure_kPa" else s.angle for s in sides)
@@ -70,10 +78,6 @@ def sentence(name: str, other: str, found: Separation) -> str:
         f"{name} or {other}: record a {found.experiment.name} ({found.experiment.shows}); "
         f"the two models differ there by {found.ratio:.2g} times the noise"
     )
-
-
-def _time(duration: float) -> Array:
-    return np.asarray(np.arange(round(duration / SAMPLE_TIME)) * SAMPLE_TIME, float)
 
 
 def _triangle(phase: Array) -> Array:

@@ -21,10 +21,13 @@ than a share is left of what it had above 1: a cause in a form that is not quite
 small share of a large effect, a wrong cause a large one."""
 
 WANDER, WANDERING = 5.0, 3.0
-"""A drifting gyro also wanders, which no model foresees: where drift was found, chi-square may be up to
+"""A sensor may wander, which no model foresees: where an effect says so, chi-square may be up to
 the second figure if it is explained once a moving mean over the first [s] is taken out."""
 CALM = 1.25
 """What chi-square must come down to without the wander."""
+
+MOVES = 5.0
+"""A channel that an effect needs moves if it moves by more than this, in its own unit."""
 
 SEEN = 0.02
 """An effect whose response, at any strength tried, adds less than this to the mean square of the
@@ -37,7 +40,7 @@ def explained(search: Search) -> bool:
     left = (model.chi2 - 1.0) / max(declared.chi2 - 1.0, 1e-9)
     if model.chi2 <= NOTHING or any(model.chi2 <= most and left <= share for most, share in REACHED):
         return True
-    if "gyro-drift" not in model.effects or model.chi2 > WANDERING:
+    if not any(f.WANDERS for f in model.forms) or model.chi2 > WANDERING:
         return False
     return _without_wander(model) <= CALM
 
@@ -82,8 +85,9 @@ def unexcited(model: Model, ranking: Sequence[Ranked]) -> Mapping[str, str]:
     """Effects that the recordings do not excite, with the reason; by name."""
     found = {}
     for name in model.stage.effects:
-        if name == "cross-coupling" and not logs_other(model):
-            found[name] = "the other motion's pressure was not logged, or never moved"
+        lacking = not_logged(model, name)
+        if lacking:
+            found[name] = f"{' and '.join(lacking)} was not logged, or never moved"
             continue
         if max((r.power for r in ranking if r.name == name), default=0.0) < SEEN:
             found[name] = (
@@ -93,10 +97,17 @@ def unexcited(model: Model, ranking: Sequence[Ranked]) -> Mapping[str, str]:
     return found
 
 
-def logs_other(model: Model) -> bool:
-    """Whether the other motion's pressure was logged and moves."""
-    logged = [p.recording.other_pressure for p in model.stage.playbacks]
-    return any(o is not None and float(np.ptp(o)) > 5.0 for o in logged)
+def not_logged(model: Model, name: str) -> list[str]:
+    """What an effect needs of a log and this one lacks, or shows at rest; in words."""
+    from plants.effects import EFFECTS
+
+    needed = {column: words for form in EFFECTS[name] for column, words in form.LOG.items()}
+    runs = [p.recording.channels for p in model.stage.playbacks]
+    return [
+        words
+        for column, words in needed.items()
+        if not any(column in run and float(np.ptp(run[column])) > MOVES for run in runs)
+    ]
 
 
 def _what(model: Model) -> str:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from plants.measured.estimate import jacobian, minimise
 from plants.measured.trace.stage import Form, Stage, StageProblem, bounds_of
 from plants.quantities import ParameterSet
+from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 
@@ -27,6 +28,11 @@ class Model:
     values: Mapping[str, float]
     forms: tuple[Form, ...] = ()
     fixed: tuple[str, ...] = ()
+
+    @property
+    def wrist(self) -> Wrist:
+        """The wrist that it is a model of."""
+        return Wrist.from_values(self.values, self.forms, self.stage.rig)
 
     @property
     def effects(self) -> tuple[str, ...]:

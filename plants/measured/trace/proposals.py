@@ -1,7 +1,7 @@
-"""Trial values that only the data can suggest: moments, frequencies, the reach of the joint."""
+"""What a log tells an effect of where to try it: moments, frequencies, the reach of the joint."""
 
-from collections.abc import Iterator
-from itertools import product
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,41 +13,46 @@ Array = NDArray[np.float64]
 FREQUENCIES = (0.15, 0.45)
 """Lowest frequency looked for [Hz], and the highest as a share of the rate of the log."""
 
-FROM_REMAINDER = ("periodic-disturbance", "load-step")
-"""Effects whose trial values come from the remainder, and are as small as it is."""
-
 MOMENTS = 0.5
 """Spacing [s] of the moments at which a step is looked for."""
 
 
+@dataclass(frozen=True)
+class LogEvidence:
+    """The log of a stage, and what a model leaves of it; a `plants.effects.effect.Evidence`."""
+
+    model: Model
+
+    @property
+    def channel(self) -> str:
+        """What is measured."""
+        return self.model.stage.channel
+
+    @property
+    def noise(self) -> float:
+        """Its floor."""
+        return self.model.stage.noise
+
+    def quantiles(self, *shares: float) -> Any:
+        """Quantiles of what was measured."""
+        return np.quantile(self.model.stage.target, shares)
+
+    def spectral_lines(self) -> list[tuple[float, float, float]]:
+        """See `spectral_lines`; parts over the noise."""
+        return spectral_lines(self.model.stage, -self.model.linear[0])
+
+    def steps(self) -> list[tuple[float, float]]:
+        """See `steps`."""
+        residual, sensitivity = self.model.linear
+        return steps(self.model.stage, sensitivity, -residual)
+
+
 def trials(form: Form, model: Model) -> list[dict[str, float]]:
     """Values to try a form at in a model that lacks it."""
-    stage, residual = model.stage, -model.linear[0]
-    if form.NAME == "periodic-disturbance":
-        return [
-            {**rest, "frequency": f, "sine": a * stage.noise, "cosine": b * stage.noise}
-            for f, a, b in hums(stage, residual)
-            for rest in _first(form)
-        ]
-    if form.NAME == "load-step":
-        size = 3.0 * stage.noise
-        return [
-            {**rest, "moment": moment, "shift": size * sign}
-            for moment, sign in steps(stage, model.linear[1], residual)
-            for rest in _first(form)
-        ]
-    if form.NAME == "supply-droop" and stage.name == "regulator":
-        return list(form.trials()) + list(_supplies(form, stage))
-    if form.NAME == "end-stop":
-        return list(_stops(form, stage))
-    return list(form.trials())
+    return list(form.trials_on(LogEvidence(model)))
 
 
-def _first(form: Form) -> list[dict[str, float]]:
-    return [next(form.trials())]
-
-
-def hums(stage: Stage, residual: Array, count: int = 3) -> list[tuple[float, float, float]]:
+def spectral_lines(stage: Stage, residual: Array, count: int = 3) -> list[tuple[float, float, float]]:
     """Frequencies [Hz] with the sine and cosine part that a remainder has most of, phase 0 at time 0.
 
     The recordings are added with their phases, since a hum runs on through all
@@ -94,24 +99,3 @@ def steps(stage: Stage, sensitivity: Array, residual: Array, count: int = 3) -> 
         found.append((float(moments[k]), float(np.sign(along[k]))))
         gain[np.abs(moments - moments[k]) < 2.0] = 0.0
     return found
-
-
-def _supplies(form: Form, stage: Stage) -> Iterator[dict[str, float]]:
-    """Supplies at shares of the pressure that was reached, on rigs of another size too."""
-    reached = float(np.quantile(stage.target, 0.998))
-    for given in form.trials():
-        if given["supply"] == next(form.trials())["supply"]:
-            for share in (1.0, 0.97, 0.9):
-                yield {**given, "supply": share * reached}
-
-
-def _stops(form: Form, stage: Stage) -> Iterator[dict[str, float]]:
-    """Stops at shares of the angles that were reached, on either side or both."""
-    low, high = np.quantile(stage.target, (0.002, 0.998))
-    shares = (1.0, 0.9, 0.75, 0.6)
-    kinds = form.kinds()
-    lows = [kinds["low"].low, *(s * min(low, -1.0) for s in shares)]
-    highs = [kinds["high"].high, *(s * max(high, 1.0) for s in shares)]
-    rest = {n: v for n, v in next(form.trials()).items() if n not in ("low", "high")}
-    for a, b in list(product(lows, highs))[1:]:
-        yield {**rest, "low": float(a), "high": float(b)}

@@ -10,7 +10,7 @@ def remainders(model: Model) -> list[Remainder]:
     """What a model leaves of its channel in each recording, measured minus simulated."""
     stage, found = model.stage, []
     simulated = model.residual * stage.noise + stage.target
-    whole = Wrist.from_values(model.values, model.forms)
+    whole = model.wrist
     for i, (playback, a, b) in enumerate(
         zip(stage.playbacks, stage.edges[:-1], stage.edges[1:], strict=True)
     ):
@@ -35,5 +35,5 @@ def begun(wrist: Wrist, begin: Begin | None) -> State | None:
     """The state of a wrist, effects included, in which a recording starts at `begin` [s]; None at rest."""
     if begin is None:
         return None
-    at = begin.state()
+    at = begin.state(wrist.hysteresis)
     return wrist.rest()._replace(pressure=at.pressure, memory=at.memory, angle=at.angle)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.trace.model import Model
-from plants.measured.trace.proposals import FROM_REMAINDER, trials
+from plants.measured.trace.proposals import trials
 from plants.measured.trace.stage import WILD, Form
 
 Array = NDArray[np.float64]
@@ -112,7 +112,7 @@ class Screen:
         grid = trials(form, self.model)
         best, drop, seen = grid[0], -1.0, []
         # How much it could show does not depend on what the remainder suggests.
-        sized = grid if form.NAME not in FROM_REMAINDER else []
+        sized = [] if form.FROM_REMAINDER else grid
         plain = self.cleared(self.responses(form, [*form.trials(), *sized]))
         power = float(np.mean(plain**2, axis=0).max())
         for round_ in range(ROUNDS + 1):
@@ -142,18 +142,16 @@ class Screen:
 
 def refined(form: Form, best: Mapping[str, float], scale: float) -> list[dict[str, float]]:
     """Points around the best: each parameter up and down by a factor, then some at random."""
-    kinds = form.kinds()
+    kinds, spreads = form.kinds(), form.spreads()
     rng = np.random.default_rng(7)
     points = []
     for _ in range(32):
         point = {}
         for name, value in best.items():
-            kind = kinds[name]
+            kind, spread = kinds[name], spreads[name]
             push = rng.normal() * scale
-            if name == "moment":  # half the spacing of the grid of moments, then less
-                moved = value + 0.3 * push
-            elif name == "frequency":
-                moved = value + 0.002 * push
+            if spread is not None:
+                moved = value + spread * push
             elif kind.low > 0.0 or value > 0.0 or value < 0.0:
                 moved = value * float(np.exp(0.5 * push))
             else:

@@ -17,12 +17,14 @@ from numpy.typing import NDArray
 
 from plants.effects import EFFECTS
 from plants.effects.effect import Effect
+from plants.kernel.batches import default_jobs
 from plants.measured.playback import Playback
 from plants.measured.problem import Begin, block_length, measured
 from plants.measured.recording import Recording
-from plants.quantities import REGULATOR_NAMES, WRIST_NAMES, ParameterSet
-from plants.simulate import default_jobs, driven
-from plants.wrist import SAMPLE_TIME, State, Wrist
+from plants.quantities import REGULATOR_NAMES, ParameterSet
+from plants.rig import Rig
+from plants.simulation.open_loop import driven
+from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
 Name = Literal["regulator", "wrist", "whole"]
@@ -43,7 +45,8 @@ class Stage:
     """A channel to explain, in recordings that may be fitted on.
 
     name: ``regulator`` (command to pressure), ``wrist`` (pressure to angle), or
-    ``whole`` (command to angle).  noise: floor of the channel.  drives: pressure
+    ``whole`` (command to angle).  noise: floor of the channel.  loop: parameters of hysteresis and joint
+    that are fitted; rig: whose motion was recorded.  drives: pressure
     [kPa] of every ms, for ``wrist``.  begins: where recordings start, None at rest.
     """
 
@@ -51,14 +54,16 @@ class Stage:
     channel: str
     noise: float
     playbacks: tuple[Playback, ...]
+    loop: tuple[str, ...]
+    rig: Rig
     drives: tuple[Array, ...] | None = None
     begins: tuple[Begin, ...] | None = None
 
     @property
     def declared(self) -> tuple[str, ...]:
         """Names of the declared parameters that act in this stage."""
-        both = (*REGULATOR_NAMES, *WRIST_NAMES)
-        return {"regulator": REGULATOR_NAMES, "wrist": WRIST_NAMES, "whole": both}[self.name]
+        both = (*REGULATOR_NAMES, *self.loop)
+        return {"regulator": REGULATOR_NAMES, "wrist": self.loop, "whole": both}[self.name]
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -95,7 +100,9 @@ class Stage:
         """The channel of wrists with effects, shape (rows, lanes); leaves of `values` floats or (lanes,)."""
         lanes = max((np.size(v) for v in values.values()), default=1)
         wrist = Wrist.from_values(
-            {n: np.broadcast_to(np.asarray(v, float), lanes) for n, v in values.items()}, tuple(forms)
+            {n: np.broadcast_to(np.asarray(v, float), lanes) for n, v in values.items()},
+            tuple(forms),
+            self.rig,
         )
         with ThreadPoolExecutor(default_jobs()) as pool:
             return np.concatenate(list(pool.map(lambda i: self._play(i, wrist), range(len(self.playbacks)))))
@@ -116,14 +123,14 @@ class Stage:
         rows = driven(
             wrist, self.drives[i][::stride], state, playback.every // stride, 1,
             None if other is None else other[::stride], float(playback.recording.time[0]),
-            stride * SAMPLE_TIME,
+            stride * playback.dt,
         )  # fmt: skip
         return rows[playback.rows // playback.every]
 
     def _state(self, i: int, wrist: Wrist) -> State | None:
         if self.begins is None:
             return None
-        begin = self.begins[i].state()
+        begin = self.begins[i].state(wrist.hysteresis)
         return wrist.rest()._replace(pressure=begin.pressure, memory=begin.memory, angle=begin.angle)
 
 

@@ -19,7 +19,7 @@ from plants.measured.trace.choose import search
 from plants.measured.trace.declared import LOWER, driven, refitted
 from plants.measured.trace.errors import free_run_errors, intervals, squares
 from plants.measured.trace.experiments import sentence, separate
-from plants.measured.trace.judge import alternatives, explained, logs_other, unexcited
+from plants.measured.trace.judge import alternatives, explained, not_logged, unexcited
 from plants.measured.trace.learnt import learn
 from plants.measured.trace.model import Model
 from plants.measured.trace.remainders import begun, remainders
@@ -27,7 +27,7 @@ from plants.measured.trace.result import Named, Played, StageTrace, Trace
 from plants.measured.trace.stage import Stage
 from plants.measured.trace.suspect import check
 from plants.measured.trace.two_rigs import rigs_differ
-from plants.quantities import ParameterSet
+from plants.quantities import ParameterSet, loop_names
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -86,7 +86,9 @@ def _stages(campaign: Campaign, fit: Fit) -> list[Stage]:
         used = [i for i, r in enumerate(campaign.fit) if measured(r, channel) is not None]
         begins = None if fit.begins is None else tuple(fit.begins[i] for i in used)
         floor = fit.noise[channel] or 1.0
-        return Stage(name, channel, floor, tuple(Playback(campaign.fit[i]) for i in used), None, begins)  # type: ignore[arg-type]
+        rig = fit.before.rig
+        played = tuple(Playback(campaign.fit[i], rig.sample_time) for i in used)
+        return Stage(name, channel, floor, played, loop_names(fit.fitted.parameters), rig, None, begins)  # type: ignore[arg-type]
 
     pressure = any(r.pressure is not None for r in campaign.fit)
     stages = [made("regulator", "pressure_kPa")] if pressure else []
@@ -112,7 +114,7 @@ def _once_more(campaign: Campaign, start: ParameterSet, fit: Fit, declared: Mode
 
 def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: int) -> StageTrace:
     stage = declared.stage
-    logged = [n for n in stage.effects if n != "cross-coupling" or logs_other(declared)]
+    logged = [n for n in stage.effects if not not_logged(declared, n)]
     found = search(declared, logged, lambda what: tell(f"{stage.name}: {what}"), seed)
     model, blind = found.chosen.model, unexcited(declared, found.rounds[0].ranking)
     before, after = found.declared.examined, found.chosen.examined
@@ -178,7 +180,7 @@ def _played(fit: Fit, wrist: Wrist) -> list[Played]:
             rest = fit.before.values["rest_pressure"]
             begin = next(fitted_begins) if run.role == "fit" else first_begin(run.recording, rest)
         if wrist.effects:
-            pressure, angle = Playback(run.recording).play(wrist, begun(wrist, begin))
+            pressure, angle = Playback(run.recording, wrist.rig.sample_time).play(wrist, begun(wrist, begin))
         else:
             pressure, angle = run.pressure, run.angle if run.angle is not None else run.pressure
         found.append(
@@ -217,10 +219,10 @@ def _named(s: StageTrace, errors: Mapping[str, float | None], revised: Parameter
             n: (revised.values[prefix + n], kind.unit, errors[prefix + n]) for n, kind in form.kinds().items()
         }
         others = {_other(s.model, c.model): c.model for c in beside[form.NAME]}
-        mine = Wrist.from_values(s.model.values, s.model.forms)
+        mine = s.model.wrist
         words = tuple(
             sentence(form.NAME, name, separate(
-                mine, Wrist.from_values(m.values, m.forms), s.stage.channel, s.stage.noise
+                mine, m.wrist, s.stage.channel, s.stage.noise
             ))
             for name, m in others.items()
         )  # fmt: skip

@@ -76,8 +76,35 @@ class Piece:
 
 
 @dataclass(frozen=True)
+class Gap:
+    """So many matrix inequalities left frequencies [rad/s] without a proof, from `low` to `high`."""
+
+    tried: int
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class NoBound:
+    """There is no bound at a frequency [rad/s]."""
+
+    at: float
+
+
+@dataclass(frozen=True)
+class HoldsBarely:
+    """An inequality holds by this share only where it was looked at again."""
+
+    share: float
+
+
+Incomplete = Gap | NoBound | HoldsBarely
+"""Why not every frequency is covered."""
+
+
+@dataclass(frozen=True)
 class Cover:
-    """beta above mu at every frequency, where `complete`; else `why` not.
+    """beta above mu at every frequency, where `complete`; else `reason` says why not.
 
     peak [rad/s]: the frequency that decided beta, None where the beta given at first was enough;
     margin: least share by which the inequality held where it was looked at again, -inf where it did not.
@@ -88,7 +115,7 @@ class Cover:
     pieces: tuple[Piece, ...]
     peak: float | None
     margin: float
-    why: str = ""
+    reason: Incomplete | None = None
 
 
 def crossings(system: System, s: Scalings, at: float, beta: float, spare: float = SPARE) -> Array | None:
@@ -157,10 +184,9 @@ def cover(system: System, beta: float, most: int = 200, step: float = STEP) -> C
             continue
         bound, _ = upper_bound(system.response(at), system.blocks)
         if not np.isfinite(bound):
-            return Cover(beta, False, tuple(pieces), at, -np.inf, f"no bound at {at:.4g} rad/s")
+            return Cover(beta, False, tuple(pieces), at, -np.inf, NoBound(at))
         beta, peak = max(beta, bound) * (1.0 + step), at
-    why = f"{most} matrix inequalities left a gap from {gap[0]:.4g} to {gap[1]:.4g} rad/s" if gap else ""
-    return Cover(beta, False, tuple(pieces), peak, -np.inf, why)
+    return Cover(beta, False, tuple(pieces), peak, -np.inf, Gap(most, *gap) if gap else None)
 
 
 def _gap(system: System, pieces: list[Piece]) -> tuple[float, float] | None:
@@ -201,5 +227,4 @@ def _checked(system: System, found: Cover) -> Cover:
         if not np.isfinite(p.high):
             least = min(least, margin(system.E.astype(complex), p.scalings, system.blocks, found.beta))
     held = least >= 0.5 * SPARE
-    why = "" if held else f"the inequality holds by {least:.2g} only where it was looked at again"
-    return replace(found, complete=held, margin=least, why=why)
+    return replace(found, complete=held, margin=least, reason=None if held else HoldsBarely(least))

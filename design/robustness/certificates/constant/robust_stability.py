@@ -9,6 +9,7 @@ at one dead time is stability at every smaller one, since the loop has one gain 
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from enum import Enum
 from itertools import product
 from typing import Any
 
@@ -16,7 +17,7 @@ import numpy as np
 
 from design.controllers.pi import PI
 from design.robustness.box import Box
-from design.robustness.certificates.constant.mu_sweep import STEP, Cover, cover
+from design.robustness.certificates.constant.mu_sweep import STEP, Cover, Incomplete, cover
 from design.robustness.certificates.constant.uncertain_loop import (
     NAMES,
     REACH,
@@ -27,15 +28,38 @@ from design.robustness.certificates.constant.uncertain_loop import (
 )
 from design.robustness.certificates.constant.uncertain_search import Destabilising, slack, smallest
 from design.robustness.loop_model import LoopModel
-from design.robustness.statement import Statement
+from design.robustness.statement import Claim, Reason, Statement
+from design.status import Status, of_proof
 from plants.errors import InputError
-from plants.linear import BRANCHES, RATES
+from plants.linear import RATES, branch_slopes
 
 MOST_LMIS = 300
 """Linear matrix inequalities that one cover may take; where they do not do, it is a prediction."""
 
 POINTS = 2000
 """Random members of the certified set whose stability is looked at one by one."""
+
+
+class Refuted(Enum):
+    """What the check outside the theory says against a certificate."""
+
+    UNSTABLE_MEMBER = "an unstable loop was found within the set"
+    POOR_APPROXIMANT = "the approximant of the dead time is worse than its bound"
+
+
+class Centre(Enum):
+    """Where nothing else matters."""
+
+    UNSTABLE = "unstable at the centre of the box"
+
+
+@dataclass(frozen=True)
+class StableWhileConstant(Claim):
+    """Stable for every constant slope, rate and Tw (and gain, where that is uncertain) within the box, with
+    up to a dead time [s]."""
+
+    gain: bool
+    dead_time: float
 
 
 @dataclass(frozen=True)
@@ -47,8 +71,8 @@ class RobustStability:
     unstable loop was found, whose parameters are `destabilising`.  names, centre, radius: of the box in
     slope [deg/kPa], rate [1/s], lag = 1/Tw [1/s], gain [1]; dead_time [s]: of the loop in all.  worst
     [rad/s]: the frequency that decided; intervals: that cover all frequencies; margin: least share by
-    which the inequalities held where they were looked at again; solver: of the inequalities; why: where
-    not certified; left_out: effects of the plant that the loop knows nothing of.
+    which the inequalities held where they were looked at again; solver: of the inequalities; reason: why
+    not certified, or why nothing else matters; left_out: effects of the plant that the loop knows nothing of.
     """
 
     branch: str
@@ -63,7 +87,7 @@ class RobustStability:
     margin: float
     solver: str
     destabilising: Destabilising | None
-    why: str = ""
+    reason: Incomplete | Refuted | Centre | None = None
     left_out: tuple[str, ...] = field(default=())
 
     @property
@@ -84,6 +108,13 @@ class RobustStability:
         return {n: (c - size * r, c + size * r) for n, c, r in ends if r > 0.0}
 
 
+@dataclass(frozen=True)
+class MuBounds(Reason):
+    """The bounds of mu of a branch at a rate."""
+
+    row: RobustStability
+
+
 def robust_stability(
     box: Box, controller: PI, branch: str, rate: str, dead_time: float = 0.0, step: float = STEP
 ) -> RobustStability:
@@ -100,13 +131,14 @@ def robust_stability(
     >>> row.certified, row.holds, bool(3.5 < row.growth < 1 / row.lower < 3.6)
     (True, True, True)
     """
-    if branch not in BRANCHES or rate not in RATES:
+    branches = tuple(branch_slopes(box.wrist))
+    if branch not in branches or rate not in RATES:
         raise InputError(
-            f"robustness: no branch {branch!r} at rate {rate!r}; {BRANCHES} at {RATES} there are"
+            f"robustness: no branch {branch!r} at rate {rate!r}; {branches} at {RATES} there are"
         )
     if not 0.0 <= dead_time < np.inf:
         raise InputError(f"robustness: a dead time of {dead_time:g} s; give one of 0 or more")
-    own = box.bounds("dead-time.delay")[1] if "dead-time.delay" in box.plant.values else 0.0
+    own = sum(box.bounds(f"{e.NAME}.{e.DELAY}")[1] for e in box.plant.effects if e.DELAY)
     left_out = LoopModel.of(box.wrist, controller).left_out
     loop = UncertainLoop.of(box, controller, branch, rate, own + dead_time)
     centre = np.array(loop.centre)
@@ -116,44 +148,31 @@ def robust_stability(
             f" Kp = {loop.Kp:g} kPa/deg, Ki = {loop.Ki:g} kPa/(deg s); give gains that are stable there"
         )
     if slack(loop, centre) <= 0.0:
-        why = "unstable at the centre of the box"
         return RobustStability(
-            branch,
-            rate,
-            loop.dead_time,
-            loop,
-            np.inf,
-            np.inf,
-            True,
-            np.nan,
-            0,
-            np.nan,
-            "",
-            None,
-            why,
-            left_out,
-        )
+            branch, rate, loop.dead_time, loop, np.inf, np.inf, True, np.nan, 0, np.nan, "", None,
+            Centre.UNSTABLE, left_out,
+        )  # fmt: skip
     if not loop.uncertain.any():
         return RobustStability(
-            branch, rate, loop.dead_time, loop, 0.0, 0.0, True, np.nan, 0, np.nan, "", None, "", left_out
+            branch, rate, loop.dead_time, loop, 0.0, 0.0, True, np.nan, 0, np.nan, "", None, None, left_out
         )
     worst = smallest(loop)
     beta, peak, covers = (1.0 + step) / worst.growth, abs(worst.root.imag), list[Cover]()
     for system in systems(loop):
         covers.append(cover(system, beta, MOST_LMIS, step))
         beta, peak = covers[-1].beta, peak if covers[-1].peak is None else covers[-1].peak
-    why = next((c.why for c in covers if not c.complete), "") or _refuted(loop, beta)
+    reason = next((c.reason for c in covers if not c.complete), None) or _refuted(loop, beta)
     lower = 1.0 / worst.growth if worst.confirmed else 0.0
     solvers = dict.fromkeys(p.scalings.solver for c in covers for p in c.pieces)
     return RobustStability(
-        branch, rate, loop.dead_time, loop, beta, lower, not why, float(peak),
+        branch, rate, loop.dead_time, loop, beta, lower, reason is None, float(peak),
         sum(len(c.pieces) for c in covers), min(c.margin for c in covers), " and ".join(solvers),
-        worst if worst.confirmed else None, why, left_out,
+        worst if worst.confirmed else None, reason, left_out,
     )  # fmt: skip
 
 
-def _refuted(loop: UncertainLoop, beta: float) -> str:
-    """What the check outside the theory says against a certificate, empty where nothing: members of the
+def _refuted(loop: UncertainLoop, beta: float) -> Refuted | None:
+    """What the check outside the theory says against a certificate, None where nothing: members of the
     certified set, corners among them, are stable one by one; the approximant of the dead time is as good
     as its bound."""
     rng = np.random.default_rng(0)
@@ -161,17 +180,13 @@ def _refuted(loop: UncertainLoop, beta: float) -> str:
     delta = np.vstack([corners, rng.uniform(-1.0, 1.0, (POINTS, 4))])
     least = float(np.min(slack(loop, loop.at(delta / beta))))
     if least <= 0.0:
-        return "an unstable loop was found within the set"
+        return Refuted.UNSTABLE_MEMBER
     if loop.dead_time == 0.0:
         rightmost = float(np.max(np.linalg.eigvals(loop.matrix(loop.at(delta / beta))).real))
-        return "" if rightmost < 0.0 else "an unstable loop was found within the set"
+        return None if rightmost < 0.0 else Refuted.UNSTABLE_MEMBER
     x = REACH * rng.random(POINTS)
     error = np.abs(pade_response(loop.dead_time, x / loop.dead_time) - np.exp(-1j * x))
-    return (
-        ""
-        if np.max(error) <= pade_error(REACH)
-        else "the approximant of the dead time is worse than its bound"
-    )
+    return None if np.max(error) <= pade_error(REACH) else Refuted.POOR_APPROXIMANT
 
 
 def robust_stability_everywhere(
@@ -182,7 +197,7 @@ def robust_stability_everywhere(
     Branches whose parameters are the same share one computation.  Raises InputError as that does.
     """
     found: list[RobustStability] = []
-    for branch, rate in product(BRANCHES, RATES):
+    for branch, rate in product(branch_slopes(box.wrist), RATES):
         own = UncertainLoop.of(box, controller, branch, rate)
         same = next((r for r in found if _same(r.loop, own)), None)
         if same is None:
@@ -197,47 +212,22 @@ def _same(one: UncertainLoop, other: UncertainLoop) -> bool:
 
 
 def statements(rows: Iterable[RobustStability]) -> list[Statement]:
-    """The rows as statements: certificates where every frequency is covered (or an unstable loop was
-    found in the box), else predictions."""
+    """The rows as statements: proved or disproved where every frequency is covered (or an unstable loop was
+    found in the box), else predicted."""
     return [_statement(r) for r in rows]
 
 
 def _statement(r: RobustStability) -> Statement:
-    claim = "stable for every constant slope, rate and Tw within the box"
-    if r.loop.radius[3] > 0.0:
-        claim = "stable for every constant slope, rate, Tw and gain within the box"
-    if r.dead_time > 0.0:
-        claim += f", with up to {1e3 * r.dead_time:g} ms of dead time"
-    proved = r.certified or r.holds is False
     return Statement(
-        "certificate" if proved else "prediction",
-        claim,
+        of_proof(r.holds) if r.certified or r.holds is False else Status.PREDICTED,
+        StableWhileConstant(bool(r.loop.radius[3] > 0.0), r.dead_time),
         r.holds,
         r.growth if np.isfinite(r.growth) else None,
+        MuBounds(r),
         "x the box",
         f"{r.branch}, {r.rate} regulator rate",
-        _because(r),
         _evidence(r),
     )
-
-
-def _because(r: RobustStability) -> str:
-    if not np.isfinite(r.upper):
-        return r.why
-    if r.upper == 0.0:
-        return "no parameter of this loop is uncertain, and it is stable"
-    said = f"mixed mu at most {r.upper:.4g}"
-    if r.certified:
-        said += f", {r.intervals} intervals cover all frequencies, each checked with margin {r.margin:.1e}"
-    else:
-        said += f" at the frequencies looked at only: {r.why}"
-    if r.destabilising is not None:
-        p = r.destabilising.parameters
-        names = [n for n, radius in zip(NAMES, r.loop.radius, strict=True) if radius > 0.0]
-        at = ", ".join(f"{n} {p[n]:.4g}" for n in names)
-        said += f"; unstable at {at}, in the box grown {r.destabilising.growth:.4g} x"
-    said += "; in continuous time"
-    return said + (f"; without {', '.join(r.left_out)}" if r.left_out else "")
 
 
 def _evidence(r: RobustStability) -> dict[str, Any]:

@@ -30,9 +30,6 @@ from design.robustness.certificates.constant.mu_sweep import System
 Array = NDArray[np.float64]
 
 NAMES = ("slope", "rate", "lag", "gain")
-SLOPES = {"transit": "s", "line1": "a1", "line2": "a2"}
-"""The parameter that is the slope of a branch."""
-
 ORDER, REACH = 10, 10.0
 """Of the Pade approximant (even), and the x up to which it is used: its error is then 1.1e-4."""
 
@@ -53,7 +50,7 @@ class UncertainLoop:
 
     @classmethod
     def of(cls, box: Box, controller: PI, branch: str, rate: str, dead_time: float = 0.0) -> "UncertainLoop":
-        """The loop of a box on a branch (``transit``, ``line1``, ``line2``) at a rate (``slow``, ``fast``).
+        """The loop of a box on a branch (of `plants.linear.branch_slopes`) at a rate (``slow``, ``fast``).
 
         dead_time [s]: beside the plant's own.  Bounds of Tw become bounds of 1/Tw, whose centre is
         not 1/Tw of the plant.
@@ -68,7 +65,7 @@ class UncertainLoop:
         known = float(controller.gain)
         bounds = np.array(
             [
-                box.bounds(SLOPES[branch]),
+                box.slopes(branch),
                 box.bounds(f"k_{rate}"),
                 (1.0 / Tw_high, 1.0 / Tw_low),
                 [g / known for g in box.bounds("gain")],

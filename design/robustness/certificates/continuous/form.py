@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from design.robustness.certificates.reasons import NoCertificate
+
 Array = NDArray[np.float64]
 
 
@@ -58,9 +60,9 @@ class Form:
 
 @dataclass(frozen=True)
 class Found:
-    """What came of a search: a form that the check confirmed and the check's margin, or None and why."""
+    """What came of a search: a form that the check confirmed, and the check's margin, or the reason."""
 
     form: Form | None
     margin: float | None
     solver: str
-    why: str = ""
+    reason: NoCertificate | None = None

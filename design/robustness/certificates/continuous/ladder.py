@@ -7,11 +7,16 @@ import numpy as np
 
 from design import convex
 from design.controllers.pi import PI
-from design.robustness.certificates.certificate import Certificate
+from design.robustness.certificates.certificate import (
+    Certificate,
+    LoopClass,
+    Switching,
+)
 from design.robustness.certificates.continuous import popov, region
 from design.robustness.certificates.continuous.search import RUNGS, fastest, search
 from design.robustness.certificates.continuous.signals import rates, slopes, total_dead_time
 from design.robustness.certificates.continuous.virgin import VirginBounds, time_on_virgin_curve
+from design.robustness.certificates.reasons import UnstableBranch
 from design.robustness.loop_model import LoopModel
 from plants.wrist import Wrist
 
@@ -58,40 +63,33 @@ def certifies(model: LoopModel, rung: str, dead_time: float = 0.0) -> bool:
     >>> [certifies(loop, rung) for rung in RUNGS]
     [False, True]
     """
-    if hopeless(model, dead_time):
+    if hopeless(model, dead_time) is not None:
         return False
     return search(model, rung, 0.0, dead_time, convex.SOLVERS[:1]).form is not None
 
 
-def hopeless(model: LoopModel, dead_time: float) -> str:
-    """Why no function can fall along a loop, in words: a linear loop of it does not die away; empty where
-    it may.  dead_time [s]: it moves poles, but not the one at 0 of a loop without integral action."""
-    return unstable(model) if total_dead_time(model, dead_time) == 0.0 or model.Ki == 0.0 else ""
+def hopeless(model: LoopModel, dead_time: float) -> UnstableBranch | None:
+    """Why no function can fall along a loop: a linear loop of it does not die away; None where it may.
+    dead_time [s]: it moves poles, but not the one at 0 of a loop without integral action."""
+    return unstable(model) if total_dead_time(model, dead_time) == 0.0 or model.Ki == 0.0 else None
 
 
-def unstable(model: LoopModel) -> str:
-    """The first branch and rate at which the linear loop without dead time does not die away, in words;
-    empty where it does at every corner."""
+def unstable(model: LoopModel) -> UnstableBranch | None:
+    """The first branch and rate at which the linear loop without dead time does not die away; None where it
+    does at every corner."""
     for branch, slope in model.distinct_slopes.items():
         for name, rate in (("slow", model.k_slow), ("fast", model.k_fast)):
             pole = np.linalg.eigvals(model.matrix(slope, rate))
             worst = float(pole.real.max())
             if worst >= 0.0:
-                return f"the linear loop on {branch} at the {name} rate has a pole at {worst:.3g} 1/s"
-    return ""
+                return UnstableBranch(branch, name, worst)
+    return None
 
 
-def claim_of(model: LoopModel, rung: str) -> str:
-    """What a rung proves, in words."""
-    (low, high), (shallow, steep) = rates(model), slopes(model)
-    among = f"slope {shallow:.4g} to {steep:.4g} deg/kPa changing at any time"
-    if rung == popov.RUNG:
-        law = "growing with q" if popov.monotone(model) else "without memory"
-        return (
-            f"dies away for every fixed law k(q) q of the regulator, k from {low:.4g} to {high:.4g} 1/s and "
-            f"k(q) q - {low:.4g} q {law}, and {among}"
-        )
-    return f"dies away for a regulator rate {low:.4g} to {high:.4g} 1/s and a {among}"
+def class_of(model: LoopModel, rung: str) -> LoopClass:
+    """The loops that a rung is about."""
+    switching = Switching.FIXED_LAW if rung == popov.RUNG else Switching.ANY_TIME
+    return LoopClass(switching, rates(model), slopes(model), popov.monotone(model))
 
 
 def _certificate(
@@ -103,14 +101,14 @@ def _certificate(
     dead_time: float,
     virgin: VirginBounds,
 ) -> Certificate:
-    claim, pole = claim_of(model, rung), hopeless(model, dead_time)
-    evidence: dict[str, Any] = {"virgin_curve": virgin.record}
-    if pole:
-        return Certificate(rung, claim, dead_time, False, None, None, "", pole, evidence=evidence)
+    about, pole = class_of(model, rung), hopeless(model, dead_time)
+    evidence: dict[str, Any] = {"virgin_curve": virgin}
+    if pole is not None:
+        return Certificate(rung, about, dead_time, False, None, None, "", pole, evidence=evidence)
     found = fastest(model, rung, dead_time)
     if found.form is None:
         return Certificate(
-            rung, claim, dead_time, False, None, None, found.solver, found.why, evidence=evidence
+            rung, about, dead_time, False, None, None, found.solver, found.reason, evidence=evidence
         )
     covered = region.largest(model, wrist, controller, rung, dead_time)
     evidence["form"] = found.form.record
@@ -119,7 +117,7 @@ def _certificate(
     if covered.form is not None and not covered.form.order:
         shape, level = region.start_matrix(covered.form, model), covered.level
     return Certificate(
-        rung, claim, dead_time, True, found.form.decay, found.margin, found.solver,
+        rung, about, dead_time, True, found.form.decay, found.margin, found.solver,
         shape=shape, level=level, evidence=evidence,
     )  # fmt: skip
 
@@ -134,11 +132,10 @@ def _of_region(
 ) -> dict[str, Any]:
     """What the region says of the step that is asked for, from a line and from the virgin curve."""
     if covered.form is None:
-        return {"largest_step_deg": None, "covers_step": False, "why": covered.why}
-    why = "" if covered.tau == 0.0 else "no shape in x alone: what is on its way counts too"
-    found = {
+        curved = {"curved": True} if covered.curved else {}
+        return {"largest_step_deg": None, "covers_step": False, **curved}
+    return {
         "largest_step_deg": covered.largest_step, "covers_step": abs(reference) <= covered.largest_step,
         "covers_step_from_virgin": region.covers(covered, model, wrist, controller, reference, virgin),
-        "margin": covered.margin, "why": why, "form": covered.form.record,
+        "margin": covered.margin, "form": covered.form.record,
     }  # fmt: skip
-    return found

@@ -20,6 +20,7 @@ from design.robustness.certificates.certificate import Certificate
 from design.robustness.certificates.continuous.check import CONFIRMED, negative, positive
 from design.robustness.certificates.continuous.lmi import Inequality, unknowns, widest
 from design.robustness.certificates.continuous.signals import Signals, rates, slopes
+from design.robustness.certificates.reasons import NoneOfThisKind, NoSolver
 from design.robustness.loop_model import LoopModel
 
 Array = NDArray[np.float64]
@@ -38,20 +39,19 @@ def common_quadratic(matrices: Sequence[Array], decay: float = 0.0) -> Certifica
     """
     from scipy.linalg import matrix_balance
 
-    claim = f"x' P x falls by exp(-{2 * decay:g} t) under arbitrary switching among {len(matrices)} matrices"
     _, (scale, _) = matrix_balance(sum(np.abs(a) for a in matrices), permute=False, separate=True)
     eye = np.eye(len(scale))
     try:
         found = widest(unknowns([Inequality(eye, a + decay * eye) for a in matrices], scale))
     except convex.Unsolved as said:
-        return Certificate(RUNG, claim, 0.0, False, None, None, "", f"no solver came to an end: {said}")
+        return Certificate(RUNG, None, 0.0, False, None, None, "", NoSolver(str(said)))
     P = found.P
     shares = [positive(P), *(negative(a.T @ P + P @ a + 2.0 * decay * P) for a in matrices)]
     worst = min(shares)
     if worst <= CONFIRMED:
-        why = f"the best form that {found.solver} knows misses an inequality by {-worst:.2g} of its size"
-        return Certificate(RUNG, claim, 0.0, False, None, None, found.solver, why)
-    return Certificate(RUNG, claim, 0.0, True, decay, worst, found.solver, shape=P)
+        reason = NoneOfThisKind(found.solver, worst)
+        return Certificate(RUNG, None, 0.0, False, None, None, found.solver, reason)
+    return Certificate(RUNG, None, 0.0, True, decay, worst, found.solver, shape=P)
 
 
 def inequalities(signals: Signals, decay: float) -> list[Inequality]:

@@ -5,10 +5,10 @@ h = r - x0 + x1.  So the command stays within its range wherever
 
     rest + (h + w1) / a1 + q <= gain v_high,        rest + (h - w2) / a2 + q >= gain v_low:
 
-two planes in x, at distances that the reference r moves.  From a start with V <= c, V only falls while
-the command is not clipped, and {V <= c} lies in {X' Q X <= c} (Q = P without dead time); so where that
-ellipsoid lies between the planes the command is not clipped at any time.  A dead time tau puts
-tau Z_0 on the left, for the command is ahead of q by what is on its way.
+two planes in x, at distances that the reference r moves, for outer branches that are straight.  From a
+start with V <= c, V only falls while the command is not clipped, and {V <= c} lies in {X' Q X <= c}
+(Q = P without dead time); so where that ellipsoid lies between the planes the command is not clipped at
+any time.  A dead time tau puts tau Z_0 on the left, for the command is ahead of q by what is on its way.
 
 A step of r from rest on a line starts at x = (r, 0, Kp r), with a dead time tau after the step, the
 command having risen at Ki r all the while.  What holds for steps of r and -r holds for all between:
@@ -38,8 +38,9 @@ STEPS = 9
 @dataclass(frozen=True)
 class Region:
     """A form, and the largest step [deg] for which V <= level at the start and the command is not
-    clipped where V <= level; margin: of the form's check; tau [s]: dead time; why: there is none where
-    `form` is None.
+    clipped where V <= level; margin: of the form's check; tau [s]: dead time; form: None where no
+    step was found that surely keeps the command in its range, or where none was looked for, since the
+    outer branches are `curved`.
 
     The form keeps no decay rate of its own: where the command is not clipped the certificate's does.
     """
@@ -49,7 +50,7 @@ class Region:
     largest_step: float
     margin: float | None
     tau: float
-    why: str = ""
+    curved: bool = False
 
 
 def planes(wrist: Wrist, controller: PI, reference: float, tau: float, order: int) -> tuple[Array, Array]:
@@ -64,11 +65,12 @@ def planes(wrist: Wrist, controller: PI, reference: float, tau: float, order: in
     p, gain = wrist.hysteresis, float(wrist.regulator.gain)
     ahead = np.zeros(order)
     ahead[:1] = tau
-    up = np.array([-1.0 / p.a1, 1.0 / p.a1, 1.0, *ahead])
-    down = -np.array([-1.0 / p.a2, 1.0 / p.a2, 1.0, *ahead])
+    outer, other = (float(slope) for slope in p.steepness)
+    up = np.array([-1.0 / outer, 1.0 / outer, 1.0, *ahead])
+    down = -np.array([-1.0 / other, 1.0 / other, 1.0, *ahead])
     b = np.array([
-        gain * controller.high - p.rest_pressure - (reference + p.w1) / p.a1,
-        p.rest_pressure + (reference - p.w2) / p.a2 - gain * controller.low,
+        gain * controller.high - float(p.ascending_pressure(reference)),
+        float(p.descending_pressure(reference)) - gain * controller.low,
     ])  # fmt: skip
     return np.array([up, down]), b
 
@@ -131,7 +133,9 @@ def largest(model: LoopModel, wrist: Wrist, controller: PI, rung: str, dead_time
     """
     signals = signals_of(model, rung, dead_time)
     tau = total_dead_time(model, dead_time)
-    best = Region(None, 0.0, 0.0, None, tau, "no step was found that surely keeps the command in its range")
+    if not wrist.hysteresis.straight():
+        return Region(None, 0.0, 0.0, None, tau, curved=True)
+    best = Region(None, 0.0, 0.0, None, tau)
 
     def bounds(r: float) -> tuple[Array, Array]:
         pairs = [planes(wrist, controller, sign * r, tau, signals.order) for sign in (1.0, -1.0)]

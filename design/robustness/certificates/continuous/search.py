@@ -9,6 +9,7 @@ from design import convex
 from design.robustness.certificates.continuous import check, lmi, popov, quadratic
 from design.robustness.certificates.continuous.form import Form, Found
 from design.robustness.certificates.continuous.signals import Signals, rates, slopes
+from design.robustness.certificates.reasons import NoneOfThisKind, NoSolver, NotConfirmed
 from design.robustness.loop_model import LoopModel
 
 Array = NDArray[np.float64]
@@ -82,7 +83,7 @@ def confirmed(
     try:
         solution = solve()
     except convex.Unsolved as said:
-        return Found(None, None, "", f"no solver found one: {said}")
+        return Found(None, None, "", NoSolver(str(said)))
     open_law = signals.open_law
     # A number that a solver leaves a hair below 0 is 0; the check sees what is then claimed.
     form = Form(
@@ -95,10 +96,8 @@ def confirmed(
     if margin > check.CONFIRMED:
         return Found(form, margin, solution.solver)
     if solution.margin <= check.CONFIRMED:
-        why = f"none of this kind: the best that {solution.solver} finds misses an inequality ({margin:.2g})"
-    else:
-        why = f"not confirmed: {solution.solver} claims one, the check outside it finds {margin:.2g}"
-    return Found(None, margin, solution.solver, why)
+        return Found(None, margin, solution.solver, NoneOfThisKind(solution.solver, margin))
+    return Found(None, margin, solution.solver, NotConfirmed(solution.solver, margin))
 
 
 def _abscissa(model: LoopModel, slope: float, rate: float) -> float:

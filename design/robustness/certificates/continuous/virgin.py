@@ -15,7 +15,6 @@ The curve is left where p reaches w1 / a1 upwards, w2 / a2 downwards.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -24,10 +23,20 @@ from plants.wrist import Wrist
 
 
 @dataclass(frozen=True)
+class Stuck:
+    """The command comes no further than `furthest` [kPa] from rest, upwards or downwards, and the line is
+    met at `threshold` [kPa]."""
+
+    furthest: float
+    up: bool
+    threshold: float
+
+
+@dataclass(frozen=True)
 class VirginBounds:
     """Bounds of the time [s] at which a step leaves the virgin curve, from when the command reaches the
     regulator, and of |gain v - P| [kPa] at that moment; infinite where a loop at that rate never does,
-    and then `why` says what keeps it there; clipped: whether the command may reach the end of its
+    and then `stuck` says what keeps it there; clipped: whether the command may reach the end of its
     range before."""
 
     threshold: float
@@ -36,20 +45,12 @@ class VirginBounds:
     q_least: float
     q_most: float
     clipped: bool = False
-    why: str = ""
+    stuck: Stuck | None = None
 
     @property
     def leaves(self) -> bool:
         """Whether every loop with rates between the two leaves the curve."""
         return bool(np.isfinite(self.latest))
-
-    @property
-    def record(self) -> dict[str, Any]:
-        """The bounds for JSON."""
-        if not self.leaves:
-            return {"leaves": False, "why": self.why}
-        times = {"earliest_s": self.earliest, "latest_s": self.latest, "clipped": self.clipped}
-        return {"leaves": True, **times, "q_kPa": [self.q_least, self.q_most]}
 
 
 @dataclass(frozen=True)
@@ -92,24 +93,21 @@ def time_on_virgin_curve(wrist: Wrist, controller: PI, reference: float) -> Virg
     >>> found = time_on_virgin_curve(Wrist.flexion(), PI(1.2, 2.2), 15.0)
     >>> round(found.earliest, 3), round(found.latest, 3)
     (0.167, 1.072)
-    >>> time_on_virgin_curve(Wrist.flexion(), PI(1.0, 0.0), 15.0).why
-    'the command comes no further than 15 kPa above rest, and the line is met at 16.67 kPa'
+    >>> time_on_virgin_curve(Wrist.flexion(), PI(1.0, 0.0), 15.0).stuck
+    Stuck(furthest=15.0, up=True, threshold=16.666666666666668)
     """
     p, up, size = wrist.hysteresis, reference >= 0.0, abs(reference)
     gain, rest = float(wrist.regulator.gain), float(p.rest_pressure)
-    threshold = float(p.w1 / p.a1 if up else p.w2 / p.a2)
+    meets = (p.ascending_pressure if up else p.descending_pressure)(0.0)
+    threshold = abs(float(meets) - rest) if p.DEAD_ZONE else 0.0
     end = gain * controller.high - rest if up else rest - gain * controller.low
     ratio = gain / controller.gain
     ramp = _Ramp(ratio * controller.Kp * size, ratio * controller.Ki * size, float(end))
     slow, fast = sorted((float(wrist.regulator.k_slow), float(wrist.regulator.k_fast)))
     furthest = ramp.end if ramp.c1 > 0.0 else min(ramp.c0, ramp.end)
     if furthest <= threshold:
-        where = "above" if up else "below"
-        why = (
-            f"the command comes no further than {furthest:.4g} kPa {where} rest, "
-            f"and the line is met at {threshold:.4g} kPa"
-        )
-        return VirginBounds(threshold, np.inf, np.inf, np.nan, np.nan, ramp.clipped_at < np.inf, why)
+        stuck = Stuck(float(furthest), up, threshold)
+        return VirginBounds(threshold, np.inf, np.inf, np.nan, np.nan, ramp.clipped_at < np.inf, stuck)
     earliest, latest = _reached(ramp, threshold, fast), _reached(ramp, threshold, slow)
     q = [ramp.at(t) - threshold for t in (earliest, latest)]
     return VirginBounds(threshold, earliest, latest, q[0], q[1], ramp.clipped_at <= latest)

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.convex import Unsolved, solve
+from design.robustness.certificates.reasons import NoneOfThisKind, NoSolver
 from design.robustness.certificates.sampled.switched import (
     CONFIRMED,
     Found,
@@ -195,12 +196,12 @@ def _window(loop: Delayed, back: Array, loss: float, follows: bool, moments: int
     try:
         solver = solve(cvxpy.Problem(cvxpy.Maximize(t), constraints))
     except Unsolved as error:
-        return Found(loss, rate, -1.0, why=str(error))
+        return Found(loss, rate, -1.0, reason=NoSolver(str(error)))
     shapes = tuple(np.asarray(q.value, float) for q in each)
     weights = max(number(s), 0.0), max(number(r), 0.0)
     margin = _window_margin(moves, reads, shapes, *weights, span, dt, moments)
-    why = "" if margin > CONFIRMED else f"{solver}: no such function (at best by {number(t):.1e})"
-    return Found(loss, rate, margin, solver, shapes, why, weights)
+    none = None if margin > CONFIRMED else NoneOfThisKind(solver, number(t), "function")
+    return Found(loss, rate, margin, solver, shapes, none, weights)
 
 
 def _moves(loop: Delayed, back: Array, rate: float, moments: int) -> tuple[list[Array], list[Array]]:

@@ -11,7 +11,9 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from design.robustness.certificates.certificate import Certificate
+from design.robustness.certificates.certificate import Certificate, LoopClass, Switching
+from design.robustness.certificates.continuous.signals import rates, slopes
+from design.robustness.certificates.reasons import UnstableMode
 from design.robustness.certificates.sampled.lifted import Delayed, lifted, window_quadratic
 from design.robustness.certificates.sampled.switched import (
     Search,
@@ -25,7 +27,6 @@ from design.robustness.certificates.sampled.words import Word, named, search_wor
 from design.robustness.loop_model import LoopModel
 from plants.errors import InputError
 from plants.linear import RATES
-from plants.wrist import SAMPLE_TIME
 
 Array = NDArray[np.float64]
 
@@ -40,9 +41,9 @@ STEPS = (11, 8)
 """Bisections of the decay, without and with dead time: to about 1 % and 4 % of itself."""
 
 
-def vertices(model: LoopModel, dt: float = SAMPLE_TIME) -> dict[str, Array]:
+def vertices(model: LoopModel) -> dict[str, Array]:
     """The sampled loop at each slope and each end of the regulator's share, by name, each (3, 3);
-    sample time dt [s].
+    at the model's sample time.
 
     The matrix is affine in the slope and in the share, so that all between are in the convex hull.
 
@@ -52,20 +53,20 @@ def vertices(model: LoopModel, dt: float = SAMPLE_TIME) -> dict[str, Array]:
     ['transit at the slow rate', 'transit at the fast rate']
     """
     return {
-        f"{branch} at the {rate} rate": model.sampled_matrix(slope, -np.log1p(-share) / dt, dt)
+        f"{branch} at the {rate} rate": model.sampled_matrix(slope, -np.log1p(-share) / model.dt)
         for branch, slope in model.distinct_slopes.items()
-        for rate, share in zip(RATES, model.sampled_shares(dt), strict=True)
+        for rate, share in zip(RATES, model.sampled_shares(), strict=True)
     }
 
 
-def delay_samples(model: LoopModel, dead_time: float, dt: float = SAMPLE_TIME) -> int:
+def delay_samples(model: LoopModel, dead_time: float) -> int:
     """Whole samples of a dead time [s] and the plant's own, rounded up.
 
     Raises InputError for one that is negative or not finite.
     """
     if not (np.isfinite(dead_time) and dead_time >= 0.0):
         raise InputError(f"dead time {dead_time:g} s: give a finite one that is not negative")
-    return ceil((dead_time + model.dead_time) / dt - 1e-9)
+    return ceil((dead_time + model.dead_time) / model.dt - 1e-9)
 
 
 def certify_sampled(
@@ -90,7 +91,7 @@ def certify_sampled(
         samples = delay_samples(model, dead_time)
         rungs = _rungs(model) if samples == 0 else _delayed_rungs(model, samples)
         for name, search, high, back in rungs:
-            found.append(_certificate(name, search, high, back, dead_time, samples, word))
+            found.append(_certificate(model, name, search, high, back, dead_time, samples, word))
     return found
 
 
@@ -107,8 +108,8 @@ def word_of(model: LoopModel, seed: int = 1) -> Word | None:
     True
     """
     loops = vertices(model)
-    system = discrete(list(loops.values()), SAMPLE_TIME)
-    word = search_word(system, 2.0 * SAMPLE_TIME, 4.0 / model.k_slow, seed=seed)
+    system = discrete(list(loops.values()), model.dt)
+    word = search_word(system, 2.0 * model.dt, 4.0 / model.k_slow, seed=seed)
     return named(word, list(loops)) if word.grows else None
 
 
@@ -117,20 +118,20 @@ Rung = tuple[str, Search, float, Array | None]
 
 
 def _rungs(model: LoopModel) -> Iterator[Rung]:
-    system = discrete(list(vertices(model).values()), SAMPLE_TIME)
+    system = discrete(list(vertices(model).values()), model.dt)
     even, back = rounded(system)
     high = float(np.min(even.fates))
-    yield "sampled: common quadratic", common_quadratic(even), high, back
-    yield "sampled: poly-quadratic", poly_quadratic(even), high, None
+    yield "common quadratic", common_quadratic(even), high, back
+    yield "poly-quadratic", poly_quadratic(even), high, None
     for degree in DEGREES:
         forms = lifted(even, degree // 2)
-        name = f"sampled: forms of degree {degree}"
+        name = f"forms of degree {degree}"
         yield name, common_quadratic(forms), float(np.min(forms.fates)), None
 
 
-def delayed(model: LoopModel, samples: int, dt: float = SAMPLE_TIME) -> Delayed:
+def delayed(model: LoopModel, samples: int) -> Delayed:
     """The vertices of the loop whose changes of command z = Kp (x0+ - x0) + Ki dt x0 enter q after so
-    many samples of dt [s]; the other states move as they do without dead time.
+    many samples; the other states move as they do without dead time.
 
     >>> from plants import Wrist
     >>> from design.controllers.pi import PI
@@ -139,38 +140,33 @@ def delayed(model: LoopModel, samples: int, dt: float = SAMPLE_TIME) -> Delayed:
     True
     """
     entry, loops, reads = np.array([0.0, 0.0, 1.0]), [], []
-    for matrix in vertices(model, dt).values():
-        z = model.Kp * (matrix[0] - np.array([1.0, 0.0, 0.0])) + np.array([model.Ki * dt, 0.0, 0.0])
+    for matrix in vertices(model).values():
+        z = model.Kp * (matrix[0] - np.array([1.0, 0.0, 0.0])) + np.array([model.Ki * model.dt, 0.0, 0.0])
         loops.append(matrix - np.outer(entry, z))
-        reads.append(z / dt)
-    return Delayed(tuple(loops), entry, tuple(reads), dt, samples)
+        reads.append(z / model.dt)
+    return Delayed(tuple(loops), entry, tuple(reads), model.dt, samples)
 
 
 def _delayed_rungs(model: LoopModel, samples: int) -> Iterator[Rung]:
     loop = delayed(model, samples)
     high = float(np.min(discrete(loop.full, loop.dt).fates))
-    yield "sampled: common quadratic", window_quadratic(loop), high, None
-    yield "sampled: poly-quadratic", window_quadratic(loop, follows=True), high, None
+    yield "common quadratic", window_quadratic(loop), high, None
+    yield "poly-quadratic", window_quadratic(loop, follows=True), high, None
 
 
 def _certificate(
-    rung: str, search: Search, high: float, back: Array | None, dead_time: float, samples: int,
-    word: Word | None,
+    model: LoopModel, name: str, search: Search, high: float, back: Array | None, dead_time: float,
+    samples: int, word: Word | None,
 ) -> Certificate:  # fmt: skip
-    behind = f" behind {samples} samples of dead time" if samples else ""
-    claim = (
-        f"the sampled loop{behind}, slope and regulator rate changed at will at every sample, "
-        "dies away while the command is not clipped"
-    )
+    about = LoopClass(Switching.EVERY_SAMPLE, rates(model), slopes(model), samples=samples)
     if high <= 0.0:
-        why = "one branch at one rate is unstable on its own"
-        return Certificate(rung, claim, dead_time, False, None, None, "", why)
+        return Certificate(name, about, dead_time, False, None, None, "", UnstableMode())
     calm = search(LEAST * high)
     if not calm.holds:
-        why = calm.why
-        if word is not None and word.grows and samples == 0:
-            why += f"; none exists: {word} (of the class, not of the real loop)"
-        return Certificate(rung, claim, dead_time, False, None, calm.margin, calm.solver, why)
+        against = word if word is not None and word.grows and samples == 0 else None
+        return Certificate(
+            name, about, dead_time, False, None, calm.margin, calm.solver, calm.reason, against
+        )
     found = best(search, LEAST * high, high, STEPS[samples > 0])
     shape = None
     if back is not None:
@@ -178,5 +174,5 @@ def _certificate(
         shape = inverse.T @ found.shapes[0] @ inverse
     evidence = {"margin_at_least_decay": calm.margin, "least_decay": calm.rate, "samples": samples}
     return Certificate(
-        rung, claim, dead_time, True, found.rate, found.margin, found.solver, shape=shape, evidence=evidence
+        name, about, dead_time, True, found.rate, found.margin, found.solver, shape=shape, evidence=evidence
     )

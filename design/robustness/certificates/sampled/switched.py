@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.convex import Unsolved, solve
+from design.robustness.certificates.reasons import NoneOfThisKind, NoSolver
 
 Array = NDArray[np.float64]
 
@@ -94,7 +95,7 @@ class Found:
     margin: of the check outside the solver: the least eigenvalue of the worst inequality as a share of
     the largest, in states in which P is the identity; the proof holds where it exceeds `CONFIRMED`.
     shapes: P, or P_i of each mode, each (n, n), positive definite; weights: s and r of a window
-    (`lifted.window_quadratic`); why: where it does not hold.
+    (`lifted.window_quadratic`); reason: why it does not hold.
     """
 
     loss: float
@@ -102,7 +103,7 @@ class Found:
     margin: float
     solver: str = ""
     shapes: tuple[Array, ...] = ()
-    why: str = ""
+    reason: NoSolver | NoneOfThisKind | None = None
     weights: tuple[float, ...] = ()
 
     @property
@@ -162,10 +163,10 @@ def _searching(
         try:
             solver = solve(problem)
         except Unsolved as error:
-            return Found(wanted, rate, -1.0, why=str(error))
+            return Found(wanted, rate, -1.0, reason=NoSolver(str(error)))
         shapes, margin = confirm(wanted)
-        why = "" if margin > CONFIRMED else f"{solver}: no such {what} (at best by {number(best):.1e})"
-        return Found(wanted, rate, margin, solver, shapes, why)
+        none = None if margin > CONFIRMED else NoneOfThisKind(solver, number(best), what)
+        return Found(wanted, rate, margin, solver, shapes, none)
 
     return search
 

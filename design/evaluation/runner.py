@@ -1,0 +1,149 @@
+"""The runner: plants and tasks side by side, one a lane, played by any kind of controller.
+
+A controller either acts in every sample, and is compiled with the plant, or once a period
+(`plants.simulation.periodic`); plants, sensors, noise and judge are the same for both.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design import metrics
+from design.controllers.controller import Controller
+from design.metrics import Metrics, Yardstick
+from plants.kernel import pytrees
+from plants.simulation import periodic
+from plants.simulation.closed_loop import (
+    ClosedLoop,
+    SampledClosedLoop,
+    Trajectory,
+    advance,
+    clock,
+    holding,
+    recorded,
+    trajectory,
+)
+from plants.simulation.periodic import Periodic
+from plants.simulation.reference_profile import ReferenceProfile
+from plants.simulation.sensor import HOLD, PERFECT, Sensor
+from plants.wrist import State, Wrist
+
+Number = Any
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Lanes:
+    """What is to be played, leaves floats or arrays (lanes,): wrists and the states that they start from,
+    reference profiles, judge, duration [s], the sensor and its noise of standard deviation 1 (rows, lanes), a
+    row for every 10 samples; time of the start [s], for effects that depend on it; pressure of the other
+    motion [kPa] (samples, lanes), at rest where not given."""
+
+    wrist: Wrist
+    state: State
+    reference: ReferenceProfile
+    judge: Yardstick
+    duration: float
+    sensor: Sensor = PERFECT
+    noise: Array | None = None
+    begin: float = 0.0
+    other_pressure: Array | None = None
+
+    @property
+    def dt(self) -> float:
+        """Sample time [s]."""
+        return self.wrist.rig.sample_time
+
+    @property
+    def samples(self) -> int:
+        """Samples of a run."""
+        return round(self.duration / self.dt)
+
+    @property
+    def count(self) -> int:
+        """Number of lanes."""
+        leaves = [*pytrees.leaves((self.state, self.reference, self.judge)), *self.wrist.values.values()]
+        return max(np.size(x) for x in leaves)
+
+    def loop(self, controller: Controller, held: Any = None) -> tuple[ClosedLoop, SampledClosedLoop]:
+        """First state and coefficients of the loop; `held`: the controller's state, which holds the plants
+        where not given."""
+        held = holding(self.wrist, controller, self.state, self.begin) if held is None else held
+        tally = self.judge.begin(controller.command(held), self.state.angle)
+        c = SampledClosedLoop(
+            self.wrist.sampled(), controller.sampled(self.dt), self.reference, self.judge, self.sensor
+        )
+        return ClosedLoop(self.state, held, tally), c
+
+
+@dataclass(frozen=True)
+class Played:
+    """What became of lanes: metrics, leaves (lanes,); the last state; the controller's, of one that acts once
+    a period a list of each lane's; where they were asked for the signals of every sample, and rows of some;
+    what a periodic controller told of each period."""
+
+    metrics: Metrics
+    last: ClosedLoop
+    held: Any
+    trajectory: Trajectory | None
+    rows: Array
+    periods: list[Any]
+
+
+def step_from(
+    wrist: Wrist, state: State, reference: Number, duration: float = 10.0, begin: float = 0.0
+) -> Lanes:
+    """A step to a reference [deg] at time 0, from where the wrist is, for a duration [s], begun at a time
+    [s]."""
+    judge = metrics.of_step(state.angle, reference, wrist.rig.sample_time)
+    return Lanes(wrist, state, ReferenceProfile((reference,)), judge, duration, begin=begin)
+
+
+def play(
+    lanes: Lanes,
+    controller: Controller | Periodic,
+    held: Any = None,
+    record: bool = False,
+    signals: tuple[str, ...] = (),
+    every: int = 1,
+    jobs: int | None = None,
+) -> Played:
+    """Play a controller, whose settings may be arrays of lanes where it acts in every sample.
+
+    record: all signals of every sample; signals: rows of some instead, such as ``plant.angle``, after every
+    `every` samples (of a periodic controller, every sample).  Raises InputError where the duration is no
+    whole number of a controller's periods.
+    """
+    if isinstance(controller, Periodic):
+        return _play_periodic(lanes, controller, held, record, signals)
+    first, c = lanes.loop(controller, held)
+    names = recorded(first) if record else signals
+    own = {} if lanes.noise is None or not lanes.sensor.noise else {"noise": lanes.noise}
+    hold = HOLD
+    if lanes.other_pressure is not None:  # another value in every sample
+        own = {n: np.repeat(x, HOLD, axis=0)[: lanes.samples] for n, x in own.items()}
+        own["other_pressure"], hold = lanes.other_pressure, 1
+    times = clock(lanes.wrist, lanes.samples, lanes.begin)
+    last, rows = advance(first, c, lanes.samples, times, own, hold, every if names else 0, names, jobs)
+    went = trajectory(rows, lanes.state, c.plant, lanes.dt, lanes.begin) if record else None
+    return Played(c.judge.finish(last.judge, lanes.samples), last, last.controller, went, rows, [])
+
+
+def _play_periodic(
+    lanes: Lanes, controller: Periodic, held: Any, record: bool, signals: tuple[str, ...]
+) -> Played:
+    first = begun(lanes, controller, held)
+    last, rows = periodic.play(first, recorded(first.loop) if record else signals)
+    went = trajectory(rows, lanes.state, first.c.plant, lanes.dt, lanes.begin) if record else None
+    judged = lanes.judge.finish(last.loop.judge, lanes.samples)
+    return Played(judged, last.loop, last.memories, went, rows, last.periods)
+
+
+def begun(lanes: Lanes, controller: Periodic, held: Any = None) -> periodic.PeriodicLoop:
+    """The loop of a periodic controller before its first period."""
+    return periodic.begin(
+        lanes.wrist, controller, lanes.state, lanes.reference, lanes.judge, lanes.duration, lanes.count,
+        lanes.sensor, lanes.noise, lanes.begin, held,
+    )  # fmt: skip

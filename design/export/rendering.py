@@ -1,0 +1,48 @@
+"""Files of an exported law, from the templates beside: C, its header, README, test program, Makefile."""
+
+from functools import cache
+from importlib.metadata import version
+from textwrap import fill, wrap
+from typing import Any
+
+from design.export.part import Part
+
+
+def render(template: str, part: Part, **values: Any) -> str:
+    """A file of a part; values: what its template needs beside.  The same for the same law whenever and
+    wherever it is exported."""
+    name = part.name
+    return str(
+        _environment()
+        .get_template(template)
+        .render(part=part, n=name, N=name.upper(), out=part.output.member, version=VERSION, **values)
+    )
+
+
+VERSION = version("wrist-workbench")
+
+
+@cache
+def _environment() -> Any:
+    import jinja2
+
+    made = jinja2.Environment(
+        loader=jinja2.PackageLoader("design.export", "templates"),
+        autoescape=False,
+        keep_trailing_newline=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    made.filters |= {"repr": repr, "fill": lambda text: fill(text, 110)}
+    made.globals |= {"comment": comment}
+    return made
+
+
+def comment(*paragraphs: str) -> str:
+    """A block comment, its lines at most 100 characters long."""
+    lines = [
+        line for p in paragraphs for line in (wrap(p, 96, subsequent_indent="  " * p.startswith(" ")) or [""])
+    ]
+    text = "\n".join(f"   {line}".rstrip() for line in lines).replace("*/", "* /")
+    return "/*" + text[2:] + " */"

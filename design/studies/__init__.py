@@ -1,0 +1,1 @@
+"""Studies: what was asked, plants and controllers, what they did, and the evidence, as values for pages."""

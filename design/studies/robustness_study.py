@@ -1,0 +1,52 @@
+"""A study of a PI's robustness: what can be trusted of its gains, and all that its page shows beside."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from design.requirements import default_problem
+from design.robustness.assess import Assessment
+from design.robustness.certificates.continuous.search import RUNGS
+from design.robustness.gain_plane import GainPlane, gain_plane
+from design.robustness.samples.monte_carlo import Envelopes, envelopes
+from design.robustness.samples.worst import Worst
+from design.rules import PAPER_GAINS, baselines
+from design.sequence import Played, play
+
+Tell = Callable[[str, float], None]
+
+
+@dataclass(frozen=True)
+class RobustnessStudy:
+    """An assessment with what is drawn of it.
+
+    plane: of the gains; envelopes: of the samples, None where none is within reach; worst_run: the worst
+    scenario, with its signals; gains: of the textbook rules and the paper's stand-in, for comparison.
+    """
+
+    assessment: Assessment
+    plane: GainPlane
+    envelopes: Envelopes | None
+    worst_run: Played
+    gains: Mapping[str, tuple[float, float]]
+
+
+def robustness_study(
+    assessment: Assessment, points: int = 20, jobs: int | None = None, progress: Tell | None = None
+) -> RobustnessStudy:
+    """The study of an assessment, with a plane of `points` gains either way, which takes its time."""
+    problem = default_problem(assessment.wrist, assessment.limits, jobs=jobs)
+    return study_of(assessment, gain_plane(problem, tuple(RUNGS), points=points, progress=progress))
+
+
+def study_of(assessment: Assessment, plane: GainPlane) -> RobustnessStudy:
+    """The study of an assessment with a plane that is known."""
+    rules = {n: (float(c.Kp), float(c.Ki)) for n, c in baselines(assessment.wrist).items() if n != "paper"}
+    return RobustnessStudy(
+        assessment, plane, envelopes(assessment.cases), worst_run(assessment.worst),
+        {"paper's stand-in": PAPER_GAINS, **rules},
+    )  # fmt: skip
+
+
+def worst_run(worst: Worst) -> Played:
+    """A worst scenario played by the simulator, with its signals."""
+    return play([worst.sequence], worst.controller, record=True)

@@ -1,0 +1,198 @@
+"""A study of controllers: what was asked of which plants, and all that came of it.
+
+Whoever shows one (the command, a page, a notebook) takes the value and computes nothing.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from design.alternatives.designs import FORWARD_PI, Design, design_mpcs, design_others
+from design.answer import Answer, Refusal, answer
+from design.break_even import BreakEven, break_even
+from design.compare import FORWARD, TUNED, Comparison, compare, controllers
+from design.contest import Contest, contest
+from design.controllers.controller import Controller
+from design.deadlines import deadlines
+from design.mpc.timing import Ledger
+from design.requirements import controller, default_problem
+from design.studies.panels import Panel
+from design.studies.paper import redrawn
+from design.studies.verdict import Verdict, verdicts
+from design.tuning import Region, Tuning, tune
+from plants.errors import InputError
+from plants.measured.fit import Fit
+from plants.quantities import ParameterSet
+from plants.wrist import Wrist
+
+Tell = Callable[[str, float], None]
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked: which PI is best for each plant, and how it stands beside other designs.
+
+    plants: a parameter set for each motion, in the order in which they are shown; fits: those that sets
+    came from, of motions that were measured; points: of the map in each gain; samples: perturbed plants of
+    each motion, 0 for none; mpc_plants: of these, plants that the MPCs meet too; more: further controllers
+    by motion and name; jobs: threads, all processors where None.
+    """
+
+    plants: Mapping[str, ParameterSet]
+    fits: Mapping[str, Fit] = field(default_factory=dict)
+    points: int = 40
+    samples: int = 50
+    mpc_plants: int = 10
+    more: Mapping[str, Mapping[str, Controller]] = field(default_factory=dict)
+    seed: int = 0
+    jobs: int | None = None
+
+    @cached_property
+    def wrists(self) -> dict[str, Wrist]:
+        """The wrist of each motion."""
+        return {motion: Wrist.of(plant) for motion, plant in self.plants.items()}
+
+
+@dataclass(frozen=True)
+class Study:
+    """What came of a question.
+
+    answers: of the tuning of each motion; comparison: of every controller; contest: on perturbed plants,
+    None where none were asked for or can be drawn; break_even: how wrong the model of a feedforward may
+    be, by motion, of those that have one; execution_times: of the steps of each controller, by motion and
+    name; redrawn: what the paper's figures show of these plants, by number, where they are the paper's two
+    motions; without_mpc: why MPCs were left out, empty where they were not.
+    """
+
+    question: Question
+    answers: Mapping[str, Answer]
+    comparison: Comparison
+    contest: Contest | None = None
+    break_even: Mapping[str, BreakEven] | None = None
+    execution_times: Mapping[str, Mapping[str, Ledger]] | None = None
+    redrawn: Mapping[int, tuple[Panel, ...]] = field(default_factory=dict)
+    without_mpc: str = ""
+
+    @property
+    def tunings(self) -> dict[str, Tuning]:
+        """The tuning of each motion."""
+        return {motion: a.tuning for motion, a in self.answers.items()}
+
+    @property
+    def plants(self) -> Mapping[str, ParameterSet]:
+        """The parameter set of each motion."""
+        return self.question.plants
+
+    @property
+    def fits(self) -> Mapping[str, Fit]:
+        """The fits of motions that were measured."""
+        return self.question.fits
+
+    @property
+    def motions(self) -> list[str]:
+        """Motions that were compared, in the order in which they are shown."""
+        return list(dict.fromkeys(s.motion for s in self.comparison.standings))
+
+    @property
+    def refusals(self) -> dict[str, Refusal]:
+        """Why no gains hold every limit, of the motions of which none do."""
+        return {m: a.refusal for m, a in self.answers.items() if a.refusal is not None}
+
+    @property
+    def verdicts(self) -> dict[str, Verdict]:
+        """What the comparison concludes of each motion."""
+        return verdicts(self.comparison, self.refusals)
+
+    @property
+    def unperturbed(self) -> list[str]:
+        """Motions that perturbed plants were asked for and cannot be drawn: their wrist has effects."""
+        return [m for m, plant in self.plants.items() if plant.effects and self.question.samples]
+
+
+def study(question: Question, progress: Tell | None = None) -> Study:
+    """Tune, design, compare and perturb; `progress` is told what is going on, and the share that is done.
+
+    Raises InputError as `design.contest.contest` does.
+    """
+    tell = progress or (lambda stage, share: None)
+    wrists, jobs = question.wrists, question.jobs
+    tunings = {
+        m: tune(
+            default_problem(w, jobs=jobs), Region(points=question.points), seed=question.seed,
+            progress=_part(tell, f"tune {m}"),
+        )
+        for m, w in wrists.items()
+    }  # fmt: skip
+    tuned = {m: controller(t.problem, t.Kp, t.Ki) for m, t in tunings.items()}
+    tell("MPCs", 0.0)
+    mpcs, without_mpc = _mpcs(wrists)
+    designs = {m: design_others(t.problem, _part(tell, f"{m}, other designs")) for m, t in tunings.items()}
+    comparison = compare(
+        wrists, tuned, designs=designs, more=question.more, periodic=mpcs,
+        progress=_part(tell, "compare"),
+    )  # fmt: skip
+    alone = _alone(question, tuned, designs)
+    maps = _break_evens(wrists, alone, jobs, tell)
+    tell("times of steps", 0.0)
+    times = {m: deadlines(w, alone[m], mpcs.get(m)) for m, w in wrists.items()}
+    broad = _contest(question, alone, mpcs, _part(tell, "other plants"))
+    answers = {m: answer(t) for m, t in tunings.items()}
+    return Study(question, answers, comparison, broad, maps, times, redrawn(wrists), without_mpc)
+
+
+def _part(tell: Tell, what: str) -> Tell:
+    """Progress of a part of the study."""
+    tell(what, 0.0)
+    return lambda stage, share: tell(f"{what}, {stage}", share)
+
+
+def _mpcs(wrists: Mapping[str, Wrist]) -> tuple[dict[str, dict[str, Any]], str]:
+    """The MPCs of each motion; none, and why, where their solver is not installed."""
+    try:
+        return {motion: design_mpcs(wrist) for motion, wrist in wrists.items()}, ""
+    except InputError as error:
+        return {}, str(error)
+
+
+def _alone(
+    question: Question, tuned: Mapping[str, Any], designs: Mapping[str, Mapping[str, Design | str]]
+) -> dict[str, dict[str, Controller]]:
+    """One controller of each kind, by motion and name: of the paper's range the stand-in."""
+    return {
+        m: {n: alike[0] for n, alike in controllers(w, tuned[m], designs[m], question.more.get(m)).items()}
+        for m, w in question.wrists.items()
+    }
+
+
+def _break_evens(
+    wrists: Mapping[str, Wrist],
+    alone: Mapping[str, Mapping[str, Controller]],
+    jobs: int | None,
+    tell: Tell,
+) -> dict[str, BreakEven]:
+    """The break-even map of each motion: what has a feedforward against the tuned PI, of a wrist that has an
+    inverse and no effects of its own."""
+    found = {}
+    for motion, wrist in wrists.items():
+        others = {n: c for n, c in alone[motion].items() if n in (FORWARD, FORWARD_PI)}
+        if others and not wrist.effects:
+            tell(f"{motion}, break-even map", 0.0)
+            found[motion] = break_even(wrist, alone[motion][TUNED], others, jobs=jobs)
+    return found
+
+
+def _contest(
+    question: Question,
+    alone: Mapping[str, Mapping[str, Controller]],
+    mpcs: Mapping[str, Mapping[str, Any]],
+    tell: Tell,
+) -> Contest | None:
+    """On perturbed plants, of the motions whose wrist has no effects of its own."""
+    bare = {m: plant for m, plant in question.plants.items() if not plant.effects}
+    if not question.samples or not bare:
+        return None
+    return contest(
+        bare, {m: alone[m] for m in bare}, count=question.samples, seed=question.seed, jobs=question.jobs,
+        progress=tell, periodic=mpcs if question.mpc_plants else None, periodic_count=question.mpc_plants,
+    )  # fmt: skip

@@ -1,0 +1,289 @@
+"""Modified Prandtl-Ishlinskii hysteresis: a sum of plays, seen through a monotone output curve.
+
+With x = P - rest_pressure, n plays p_i of thresholds r_i = reach i / n and weights v_i >= 0,
+
+    u = v0 x + sum_i v_i p_i,        p_i+ = min(max(p_i, x - r_i), x + r_i),        h = C(u),
+
+where C is a superposition of one-sided dead zones: piecewise linear and rising, of slope 1 between -span
+and span, c1 and c2 beyond span and 2 span, b1 and b2 below -span and -2 span.  It makes the loop curved and
+lets it be narrow at one end.  The law that most of the literature on pneumatic muscles and piezo stages uses
+(Kuhnen, European J. Control 9 (2003) 407, doi 10.3166/ejc.9.407-418).
+
+Four straight segments with equal slopes are the special case of one play and a straight curve: s = v0,
+a = v0 + v1, w = v1 reach.  Only the initial curve differs: here it has the slope v0, there it has none.
+
+The exact inverse.  Plays of one input are ordered, |p_i - p_j| <= |r_i - r_j|, so that on a monotone move
+they engage one after the other, the smallest threshold first, and u(x) is convex on the way up and concave on
+the way down.  The pressure is then the least (largest) of the n + 1 straight pieces', in closed form.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from itertools import accumulate, pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Role, Start
+from plants.hysteresis.play import kept, play
+from plants.parameters.spec import Kind
+
+Number = Any
+
+LEVEL = 1e-30
+"""A slope below this [deg/kPa] counts as none, so that no quotient overflows."""
+
+PLAYS = 4
+"""Plays of a set that does not say how many."""
+
+CURVE = ("span", "b2", "b1", "c1", "c2")
+
+
+class PlayMemory(NamedTuple):
+    """State of the loop: static angle h [deg], and the plays [kPa], the smallest threshold first."""
+
+    h: Number
+    plays: tuple[Number, ...]
+
+
+@dataclass(frozen=True)
+class PrandtlIshlinskii(HysteresisLaw):
+    """Parameters: weights v0 and v = (v1, ... vn) [deg/kPa] of the plays, largest threshold `reach` [kPa],
+    span of the curve [deg] and its slopes relative to the middle, rest_pressure [kPa].
+
+    >>> loop = PrandtlIshlinskii(0.08, (0.28,), 20.0)     # four segments of slopes 0.36 and 0.08
+    >>> up = loop.step(loop.initial(), 100.0, 150.0)
+    >>> round(float(up.h), 9), round(float(loop.step(up, 150.0, 140.0).h), 9)
+    (12.4, 11.6)
+    """
+
+    NAME = "prandtl-ishlinskii"
+
+    v0: Number
+    v: tuple[Number, ...]
+    reach: Number
+    span: Number = 20.0
+    b2: Number = 1.0
+    b1: Number = 1.0
+    c1: Number = 1.0
+    c2: Number = 1.0
+    rest_pressure: Number = 100.0
+
+    @classmethod
+    def kinds(cls, names: Iterable[str] = ()) -> dict[str, Kind]:
+        """One weight more than there are plays: as many as `names` has, `PLAYS` where it has none."""
+        given = [n for n in names if n[:1] == "v" and n[1:].isdigit() and n != "v0"]
+        n = len(given) or PLAYS
+        slope = "relative slope of the output curve "
+        return {
+            "v0": Kind("deg/kPa", "weight of the pressure itself: slope after a reversal", 0.0, 5.0),
+            **{f"v{i}": Kind("deg/kPa", f"weight of play {i} of {n}", 0.0, 5.0) for i in range(1, n + 1)},
+            "reach": Kind("kPa", "threshold of the largest play: half the loop's width", 0.1, 1000.0),
+            "span": Kind("deg", "angle beyond which the output curve bends", 0.5, 1000.0),
+            "b2": Kind("1", f"{slope}below -2 span", 0.05, 20.0),
+            "b1": Kind("1", f"{slope}from -2 span to -span", 0.05, 20.0),
+            "c1": Kind("1", f"{slope}from span to 2 span", 0.05, 20.0),
+            "c2": Kind("1", f"{slope}above 2 span", 0.05, 20.0),
+            "rest_pressure": REST_PRESSURE,
+        }
+
+    @property
+    def values(self) -> dict[str, Number]:
+        """The weights as v0, v1, ... vn."""
+        own = {f"v{i}": v for i, v in enumerate(self.v, start=1)}
+        rest = {n: getattr(self, n) for n in ("reach", *CURVE, "rest_pressure")}
+        return {"v0": self.v0, **own, **rest}
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, Number]) -> "PrandtlIshlinskii":
+        """With as many plays as `values` has weights."""
+        names = [n for n in cls.kinds(values) if n[0] == "v" and n != "v0"]
+        rest = {n: values[n] for n in ("reach", *CURVE, "rest_pressure")}
+        return cls(values["v0"], tuple(values[n] for n in names), **rest)
+
+    @classmethod
+    def roles(cls, names: Iterable[str]) -> dict[Role, tuple[str, ...]]:
+        """The weights of the plays, that of the pressure itself, the thresholds."""
+        weights = tuple(n for n in cls.kinds(names) if n[0] == "v" and n != "v0")
+        return {"outer": weights, "inner": ("v0",), "width": ("reach",)}
+
+    @classmethod
+    def guess(cls, outer: float, inner: float, gap: float, rest: float, reach: float) -> dict[str, float]:
+        """Equal weights; the mean threshold is the loop's half width, the curve is straight."""
+        largest = 2.0 * gap * PLAYS / (PLAYS + 1.0)
+        weights = {f"v{i}": (outer - inner) / PLAYS for i in range(1, PLAYS + 1)}
+        curve = {"span": max(outer * reach / 3.0, 0.5), "b2": 1.0, "b1": 1.0, "c1": 1.0, "c2": 1.0}
+        return {"v0": inner, **weights, "reach": largest, **curve, "rest_pressure": rest}
+
+    def problem(self, low: float, high: float) -> str | None:
+        """Nothing is wrong with plays whose weights are not negative, of which one at least acts."""
+        if min(self.v0, *self.v) < 0.0:
+            return "a weight of a play is negative, so the loop runs backwards"
+        return None if sum(self.v) > 0.0 and self.reach > 0.0 else "no play has a weight, so there is no loop"
+
+    @property
+    def thresholds(self) -> tuple[Number, ...]:
+        """Of the plays [kPa], equally spaced."""
+        n = len(self.v)
+        return tuple(self.reach * (i / n) for i in range(1, n + 1))
+
+    def curve(self, u: Number) -> Number:
+        """The output curve C: what the sum of plays u [deg] is seen as [deg]."""
+        s = self.span
+        up = self.c1 * (kept(u, s, 2.0 * s) - s) + self.c2 * (np.maximum(u, 2.0 * s) - 2.0 * s)
+        down = self.b1 * (kept(u, -2.0 * s, -s) + s) + self.b2 * (np.minimum(u, -2.0 * s) + 2.0 * s)
+        return kept(u, -s, s) + up + down
+
+    def uncurved(self, angle: Number) -> Number:
+        """The inverse of the output curve, in closed form: it is piecewise linear."""
+        s = self.span
+        high, low = s * (1.0 + self.c1), -s * (1.0 + self.b1)
+        up = (kept(angle, s, high) - s) / self.c1 + (np.maximum(angle, high) - high) / self.c2
+        down = (kept(angle, low, -s) + s) / self.b1 + (np.minimum(angle, low) - low) / self.b2
+        return kept(angle, -s, s) + up + down
+
+    def initial(self) -> PlayMemory:
+        """All plays at 0."""
+        return PlayMemory(0.0, (0.0,) * len(self.v))
+
+    def _summed(self, x: Number, plays: Iterable[Number]) -> Number:
+        return self.v0 * x + sum(v * p for v, p in zip(self.v, plays, strict=True))
+
+    def step(self, memory: PlayMemory, before: Number, after: Number, bend: Bend | None = None) -> PlayMemory:
+        """Every play by itself.  A bend shifts the angle by what it does to the two outer branches, in
+        proportion to where between them it lies; the slope between them follows."""
+        x = after - self.rest_pressure
+        plays = tuple(play(p, x, r) for p, r in zip(memory.plays, self.thresholds, strict=True))
+        h = self.curve(self._summed(x, plays))
+        if bend is not None:
+            low, high = self.ascending(after), self.descending(after)
+            share = (h - low) / np.maximum(high - low, LEVEL)
+            h = h + (1.0 - share) * bend.low + share * bend.high
+        return PlayMemory(h, plays)
+
+    @property
+    def _outer(self) -> Number:
+        return self.v0 + sum(self.v)
+
+    @property
+    def _width(self) -> Number:
+        """Half width of the loop before the curve [deg]."""
+        return sum(v * r for v, r in zip(self.v, self.thresholds, strict=True))
+
+    def ascending(self, pressure: Number) -> Number:
+        """All plays carried along by rising pressure."""
+        return self.curve(self._outer * (pressure - self.rest_pressure) - self._width)
+
+    def descending(self, pressure: Number) -> Number:
+        """All plays carried along by falling pressure."""
+        return self.curve(self._outer * (pressure - self.rest_pressure) + self._width)
+
+    def ascending_pressure(self, angle: Number) -> Number:
+        """In closed form."""
+        return self.rest_pressure + (self.uncurved(angle) + self._width) / self._outer
+
+    def descending_pressure(self, angle: Number) -> Number:
+        """In closed form."""
+        return self.rest_pressure + (self.uncurved(angle) - self._width) / self._outer
+
+    @property
+    def steepness(self) -> tuple[Number, Number]:
+        """With every play engaged, in the middle of the curve."""
+        return self._outer, self._outer
+
+    @property
+    def flattest(self) -> Number:
+        """With no play engaged, in the middle of the curve."""
+        return self.v0
+
+    def _spread(self, angle: Number, share: Number, pressure: Number) -> PlayMemory:
+        """Plays at a share (-1 ascending, 1 descending) of their thresholds from the pressure [kPa]."""
+        x = pressure - self.rest_pressure
+        return PlayMemory(angle, tuple(x + share * r for r in self.thresholds))
+
+    def resting(
+        self, start: Start, angle: Number, pressure: Number, low: Number = 0.0, high: Number = 0.0
+    ) -> PlayMemory:
+        """Every play at the same share of its threshold: what a demagnetising motion leaves."""
+        if start == "virgin":
+            return self.initial()
+        if start != "inside":
+            return self._spread(angle, -1.0 if start == "line1" else 1.0, pressure)
+        least, most = self.ascending(pressure) + low, self.descending(pressure) + high
+        straight = self.ascending(pressure) + (angle - least) / np.maximum(most - least, LEVEL) * (
+            self.descending(pressure) - self.ascending(pressure)
+        )
+        return self.recalled(straight, pressure)._replace(h=angle)
+
+    def recalled(self, angle: Number, pressure: Number) -> PlayMemory:
+        """Every play at the same share of its threshold."""
+        inside = kept(angle, self.ascending(pressure), self.descending(pressure))
+        x = pressure - self.rest_pressure
+        share = (self.uncurved(inside) - self._outer * x) / np.maximum(self._width, LEVEL)
+        return self._spread(inside, kept(share, -1.0, 1.0), pressure)
+
+    def moved(self, memory: PlayMemory, shift: Number, pressure: Number) -> PlayMemory:
+        """All plays moved alike, each as far as its gap allows."""
+        x = pressure - self.rest_pressure
+        aim = self.uncurved(memory.h + shift) - self.uncurved(memory.h)
+        by = aim / np.maximum(sum(self.v), LEVEL)
+        plays = tuple(play(p + by, x, r) for p, r in zip(memory.plays, self.thresholds, strict=True))
+        return PlayMemory(self.curve(self._summed(x, plays)), plays)
+
+    def pressure_for(self, memory: PlayMemory, before: Number, angle: Number) -> Number:
+        """The first of the pieces to get there on the way up, or on the way down.
+
+        >>> loop = PrandtlIshlinskii(0.05, (0.1, 0.1), 20.0, span=5.0, c1=2.0)
+        >>> up = loop.step(loop.initial(), 100.0, 150.0)
+        >>> round(float(loop.step(up, 150.0, loop.pressure_for(up, 150.0, 3.0)).h), 12)
+        3.0
+        """
+        aim = self.uncurved(angle) - self._summed(0.0, memory.plays)
+        slopes = list(accumulate((self.v0, *self.v)))
+        ends = []
+        for sign in (1.0, -1.0):
+            corners = [p + sign * r for p, r in zip(memory.plays, self.thresholds, strict=True)]
+            offsets = accumulate(v * c for v, c in zip(self.v, corners, strict=True))
+            pieces = [
+                (aim + offset) / np.maximum(slope, LEVEL)
+                for slope, offset in zip(slopes, (0.0, *offsets), strict=True)
+            ]
+            best = pieces[0]
+            for piece in pieces[1:]:
+                best = np.minimum(best, piece) if sign > 0 else np.maximum(best, piece)
+            ends.append(self.rest_pressure + best)
+        moved = np.where(angle > memory.h, ends[0], ends[1])
+        return np.where(angle == memory.h, before, moved)
+
+    def turn(self, memory: PlayMemory, before: Number, end: Number, up: Number) -> tuple[Number, Number]:
+        """Half-way: the slope grows play by play."""
+        middle = 0.5 * (before + end)
+        return middle, self.step(memory, before, middle).h
+
+    def straight(self) -> bool:
+        """Where the output curve is."""
+        return all(float(m) == 1.0 for m in (self.b2, self.b1, self.c1, self.c2))
+
+    def branches(self, low: float, high: float) -> dict[str, float]:
+        """By the number of plays that are engaged, on the flattest and on the steepest piece of the curve
+        that these pressures reach."""
+        outer, width = float(self._outer), float(self._width)
+        ends = [outer * (p - float(self.rest_pressure)) + w for p in (low, high) for w in (-width, width)]
+        s = float(self.span)
+        knots = (-np.inf, -2.0 * s, -s, s, 2.0 * s, np.inf)
+        slopes = (self.b2, self.b1, 1.0, self.c1, self.c2)
+        reached = [
+            float(m)
+            for m, (a, b) in zip(slopes, pairwise(knots), strict=True)
+            if a < max(ends) and b > min(ends)
+        ]
+        found = {}
+        n = len(self.v)
+        for k, slope in enumerate(accumulate((float(self.v0), *map(float, self.v)))):
+            name = "after a reversal" if k == 0 else "outer branch" if k == n else f"{k} of {n} plays"
+            if max(reached) == min(reached):
+                found[name] = slope * max(reached)
+            else:
+                found[f"{name}, flattest"] = slope * min(reached)
+                found[f"{name}, steepest"] = slope * max(reached)
+        return found

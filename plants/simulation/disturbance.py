@@ -1,0 +1,50 @@
+"""Disturbances of a loop as effects of its plant: a dead time and a constant load beside the plant's own."""
+
+from typing import Any
+
+from plants import wrist as plant
+from plants.effects.dead_time import DeadTime
+from plants.effects.effect import Around
+from plants.effects.load_step import LoadStep
+from plants.errors import InputError
+from plants.wrist import Start, State, Wrist
+
+Number = Any
+BEFORE = -1.0
+"""Moment [s] of a constant load: before the run, and before the wrist came to rest."""
+
+
+def burdened(wrist: Wrist, dead_time: Number | None, load: Number | None) -> Wrist:
+    """The wrist with more dead time [s] and a constant load [deg]; None leaves an effect out.
+
+    Raises InputError for a load on a wrist that has a load step of its own.
+    """
+    if dead_time is not None:
+        own = wrist.values.get("dead-time.delay")
+        wrist = (
+            wrist + DeadTime(dead_time)
+            if own is None
+            else wrist.with_values(**{"dead-time.delay": own + dead_time})
+        )
+    if load is not None:
+        if any(e.NAME == LoadStep.NAME for e in wrist.effects):
+            raise InputError("load: the plant has a load step of its own; leave the load at 0")
+        wrist = wrist + LoadStep(load, BEFORE)
+    return wrist
+
+
+def at_rest(
+    wrist: Wrist, start: Start, angle: Number, dead_time: Number | None = None, load: Number | None = None
+) -> State:
+    """State of the wrist with dead time and load that holds still at an angle [deg], the virgin one
+    where the load puts it."""
+    loaded = burdened(wrist, dead_time, load)
+    if start == "virgin":
+        state = loaded.rest()
+        return state if load is None else plant.settled(state, loaded.sampled(), Around())
+    if wrist.effects:
+        return loaded.rest(start, angle)
+    # The same in closed form, since a search asks for it thousands of times: only the load bends it.
+    state = wrist.rest(start, angle if load is None else angle - load)
+    effects = tuple(e.rest(loaded, state.pressure, state.memory.h) for e in loaded.effects)
+    return state._replace(angle=angle, effects=effects)

@@ -1,0 +1,165 @@
+"""The broad comparison on a page: tables with paired intervals and ranks, and the differences as a figure."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from design.compare import TUNED
+from design.contest.scores import BESIDE, BOTH, Contest, Score
+from design.contest.statistics import FEWEST, LEVEL, Interval
+from design.evaluation.tasks import families, lasts
+from reports.shared.names import name_of, title_of
+from reports.shared.style import BLACK, GREY, controller_line, new_figure, styled
+from reports.shared.tables import Cell, Column, Group, Table, fixed, row
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MAIN = ("perturbed plants", "steps")
+"""Field and family of the table that stands in the open; the others are folded."""
+
+CAPTION = (
+    "Steps of 15 deg on the perturbed plants: mean difference of the IAE to that of the tuned PI on the "
+    f"same plants, with its {100 * LEVEL:g} % interval; an arrow where it lies beyond the axis. See who "
+    "stands left of the line with its whole interval: that is less error than the tuned PI's."
+)
+
+
+def main_table(found: Contest, overshoot: float | None) -> Table:
+    """The steps on the perturbed plants, and both motions at once; overshoot beyond the limit is marked."""
+    keys = [k for k in found.tables if is_main(k)]
+    return _table(found, keys, overshoot)
+
+
+def further_tables(found: Contest, overshoot: float | None) -> Table:
+    """All other tables of the contest."""
+    keys = [k for k in found.tables if not is_main(k)]
+    return _table(found, keys, overshoot)
+
+
+def is_main(key: tuple[str, str, str]) -> bool:
+    """Whether a table (motion, field, family) is of steps on perturbed plants, or of both motions."""
+    motion, field, family = key
+    return motion == BOTH or (field.removesuffix(BESIDE), family) == MAIN
+
+
+def _table(found: Contest, keys: list[tuple[str, str, str]], overshoot: float | None) -> Table:
+    groups = []
+    for motion, field, family in keys:
+        scores = found.of(motion, field, family)
+        aside = found.set_aside.get((motion, field), 0)
+        plants = f"{scores[0].plants} plant{'s' * (scores[0].plants != 1)}"
+        plants += f", {aside} set aside as out of reach" if aside else ""
+        heading = (
+            f"{'Both motions at once' if motion == BOTH else title_of(motion)}: {field}, {family} ({plants})"
+        )
+        lasting = lasts("side by side", found.rig)
+        rows = tuple(_row(s, overshoot, lasting) for s in scores)
+        groups.append(
+            Group(heading, rows, tuple(i for i, s in enumerate(scores) if s.controller == found.reference))
+        )
+    columns = (
+        Column("Controller", number=False), Column("IAE", "deg s"),
+        Column("less the tuned PI's", "deg s"), Column("Rank in it", "1"), Column("Settling", "s"),
+        Column("less the tuned PI's", "s"), Column("Rank in it", "1"), Column("95 % settle in", "s"),
+        Column("Not settled", "%"),
+        Column("Overshoot", "%"), Column("Command travel", "V"), Column("Pressure travel", "kPa"),
+    )  # fmt: skip
+    return Table(columns, tuple(groups))
+
+
+def _row(s: Score, overshoot: float | None, lasting: float) -> tuple[Cell, ...]:
+    m = s.mean
+    beyond = overshoot is not None and m["overshoot_percent"] > overshoot
+    return row(
+        name_of(s.controller), fixed(m["iae_deg_s"], 2), _difference(s.against["iae_deg_s"]),
+        _rank(s, "iae_deg_s"), fixed(m["settling_time_s"], 2), _difference(s.against["settling_time_s"]),
+        _rank(s, "settling_time_s"),
+        fixed(s.settling_q95, 2) if s.settling_q95 < lasting else f"> {lasting:g}",
+        fixed(100.0 * m["unsettled"], 0),
+        Cell(fixed(m["overshoot_percent"], 1), "", beyond),
+        fixed(m["total_variation_V"], 1), fixed(m["pressure_travel_kPa"], 0),
+    )  # fmt: skip
+
+
+def _difference(i: Interval) -> Cell:
+    if i.low == i.high == 0.0:
+        return Cell("–")
+    text = f"+{fixed(i.mean, 2)}" if i.mean > 0.0 else fixed(i.mean, 2)
+    return Cell(text, f"{fixed(i.low, 2)} to {fixed(i.high, 2)}" if np.isfinite(i.low) else "")
+
+
+def _rank(s: Score, metric: str) -> str:
+    if s.plants < FEWEST:
+        return "–"
+    best, worst = s.ranks[metric]
+    return f"{best}" if best == worst else f"{best} to {worst}"
+
+
+def _less(found: Contest) -> str:
+    """Where a loop allows only a share of the spread, in words."""
+    parts = [f"{100 * share:g} % of it for {motion}" for motion, share in found.spread.items() if share < 1.0]
+    return f" ({' and '.join(parts)}, since its lines would cross with more)" if parts else ""
+
+
+def differences_figure(found: Contest) -> "Figure":
+    """Paired differences of the IAE on the perturbed plants, one panel a motion."""
+    motions = [m for m, field, family in found.tables if (field, family) == MAIN]
+    with styled():
+        most = max(len(found.of(m, *MAIN)) for m in motions)
+        figure, axes = new_figure(1, len(motions), height=0.9 + 0.3 * most, sharey=True)
+        for panel, motion in zip(axes, motions, strict=True):
+            _panel(panel, found.of(motion, *MAIN))
+            panel.set(title=title_of(motion), xlabel="IAE less the tuned PI's [deg s]")
+    return figure
+
+
+def _panel(axes: "Axes", scores: list[Score]) -> None:
+    shown = [s for s in scores if s.controller != TUNED]
+    means = np.array([s.against["iae_deg_s"].mean for s in shown])
+    # One that is far behind would press all others into a corner.
+    reach = 1.6 * float(np.quantile(np.abs(means), 0.7)) if means.size else 1.0
+    axes.grid(axis="y", visible=False)
+    axes.axvline(0.0, color=BLACK, linewidth=0.9)
+    for place, s in enumerate(shown):
+        i, look = s.against["iae_deg_s"], controller_line(s.controller, place)
+        bar: dict[str, Any] = {"color": look["color"], "linewidth": 2.2, "solid_capstyle": "butt"}
+        if abs(i.mean) > reach:
+            axes.plot(np.sign(i.mean) * reach, place, ">" if i.mean > 0.0 else "<", color=look["color"], ms=7)
+            axes.annotate(
+                f"{i.mean:+.1f}", (np.sign(i.mean) * reach, place), (-8, 0), textcoords="offset points",
+                ha="right", va="center", fontsize=8.5, color=GREY,
+            )  # fmt: skip
+            continue
+        axes.plot([i.low, i.high], [place, place], **bar)
+        axes.plot(i.mean, place, "o", color=look["color"], ms=5)
+    axes.set_yticks(range(len(shown)), [name_of(s.controller) for s in shown])
+    axes.set(xlim=(-1.1 * reach, 1.1 * reach), ylim=(len(shown) - 0.5, -0.5))
+
+
+def how(found: Contest) -> list[str]:
+    """How the contest was played, in sentences."""
+    c, rig = found.conditions, found.rig
+    band = f"{rig.task.band * rig.task.step:g} {rig.units.angle}"
+    lasting = f"{lasts('side by side', rig):g} s"
+    return [
+        f"{found.plants} plants of each motion are drawn independently, within the spread from day to day "
+        "that gains are tuned for, or two standard errors where these are wider; drawn inside, where the "
+        f"tuning scenarios are corners{_less(found)}; the same plants for every controller. Every run of "
+        f"{lasting} has the same range and sampling, and the same "
+        f"sensor: white noise of {c.noise:g} deg, held for 10 ms, shown in steps of {c.quantum:g} deg; "
+        "the pressure is seen as it is. None of these plants, rigs, courses and noises was tuned on.",
+        "On each plant the error is the mean over the tasks of a family, settling and overshoot are the "
+        f"worst; what does not settle within ±{band} counts as {lasting}. The tables give "
+        f"means over the plants; beneath a difference stands its paired {100 * LEVEL:g} % interval "
+        "(bootstrap over the plants, BCa). Ranks are given as far as the pairs of a table support them "
+        "together: “2 to 4” is a tie that these plants do not break; fewer than "
+        f"{FEWEST} plants give neither interval nor "
+        "rank. An overshoot beyond the limit is marked.",
+        "The MPCs, slow to simulate, do every task on the plant as it is. Where a field says "
+        f"“{BESIDE.strip(', ')}”, all do the steps once more with them, on the first of the perturbed "
+        "plants, on the plant as it is with the effect of a rig, or on one coupled pair. The weights of "
+        "the MPCs are not tuned on scenarios.",
+        "The families: " + "; ".join(f"{n}: {words}" for n, words in families(rig).items()) + ".",
+    ]

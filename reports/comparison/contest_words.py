@@ -1,0 +1,50 @@
+"""What a contest says in sentences."""
+
+from design.contest.plants import RIGS
+from design.contest.scores import BOTH, Contest, Score
+from design.contest.statistics import FEWEST
+from reports.comparison.contest import is_main
+
+
+def sentences(found: Contest) -> list[str]:
+    """One sentence for each motion on the perturbed plants, one on the rigs: who is ahead of the reference
+    controller in the error, who cannot be told apart from it, who is behind."""
+    said = []
+    for motion, field, family in found.tables:
+        told = found.of(motion, field, family)[0].plants >= FEWEST
+        if told and is_main((motion, field, family)):
+            said.append(
+                f"{motion}, {field}, steps: {against(found.of(motion, field, family), found.reference)}."
+            )
+    return said + rig_sentences(found)
+
+
+def against(scores: list[Score], reference: str, metric: str = "iae_deg_s") -> str:
+    """How the controllers of a table stand to the reference controller, by the intervals of the
+    differences, the least first; the number of plants at the end."""
+    groups: dict[int, list[str]] = {-1: [], 0: [], 1: []}
+    for s in sorted(scores, key=lambda s: s.mean[metric]):
+        if s.controller != reference:
+            groups[s.against[metric].sign].append(s.controller)
+    words = {-1: "less IAE than the tuned PI", 0: "not told apart from it", 1: "more"}
+    parts = [f"{words[sign]}: {', '.join(names)}" for sign, names in groups.items() if names]
+    return f"{'; '.join(parts)} ({scores[0].plants} plants)"
+
+
+def rig_sentences(found: Contest) -> list[str]:
+    """Of each motion, who loses its lead over the reference controller in IAE on which rigs, of rigs that
+    enough plants were seen with."""
+    said = []
+    for motion in dict.fromkeys(m for m, _, _ in found.tables if m != BOTH):
+        ahead = {s.controller for s in found.of(motion, "perturbed plants", "steps")
+                 if s.against["iae_deg_s"].sign < 0}  # fmt: skip
+        lost: dict[tuple[str, ...], list[str]] = {}
+        for name in RIGS:
+            scores = [s for s in found.of(motion, name, "steps") if s.plants >= FEWEST]
+            losers = tuple(s.controller for s in scores
+                           if s.controller in ahead and s.against["iae_deg_s"].sign >= 0)  # fmt: skip
+            if losers:
+                lost.setdefault(losers, []).append(name)
+        for losers, names in lost.items():
+            said.append(f"{motion}, {' and '.join(names)}: the lead in IAE is lost by {', '.join(losers)}.")
+    return said

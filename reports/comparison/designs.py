@@ -1,0 +1,111 @@
+"""What a comparison page says of the designs beside the tuned PI."""
+
+from collections.abc import Mapping
+from math import log
+
+from design.alternatives.convex_concave import ConvexConcave
+from design.alternatives.designs import Design
+from design.alternatives.feedforward_design import FeedforwardDesign
+from design.alternatives.lqi_design import RobustLQI
+from design.compare import TUNED, Comparison
+from design.tuning import Tuning
+from plants.wrist import SAMPLE_TIME
+from reports.shared.names import COST_WORDS, limit_name, name_of
+from reports.shared.tables import number
+
+NAMES = {"noise_gain": "the noise gain", "Mt": "Mt", "delay_margin_s": "the delay margin"}
+"""What a sentence calls limits that only these designs have, or that are not called as in tables."""
+
+
+def designs(comparison: Comparison, motion: str) -> list[str]:
+    """What the other designs of a motion are, a paragraph each, or why there is none."""
+    found = []
+    for (m, name), design in comparison.designs.items():
+        if m == motion:
+            said = f"none: {design}." if isinstance(design, str) else _design(design)
+            title = name_of(name)
+            found.append(f"{title[:1].upper()}{title[1:]}: {said}")
+    return found
+
+
+def budgets(comparison: Comparison, tunings: Mapping[str, Tuning]) -> str:
+    """How many candidates of each design were simulated on all tuning scenarios, the most of any motion."""
+    tried = {TUNED: max((t.region.points**2 for t in tunings.values()), default=0)}
+    for (_, name), d in comparison.designs.items():
+        if isinstance(d, RobustLQI | FeedforwardDesign):
+            tried[name] = max(tried.get(name, 0), d.tried)
+    counts = ", ".join(f"{name_of(n)} {count}" for n, count in tried.items() if count)
+    return (
+        f"Candidates that were simulated on all tuning scenarios before one was chosen: {counts} (of the "
+        "tuned PI, its map alone); the convex-concave PI is the result of convex programs; textbook rules, "
+        "feedforward alone and MPCs were not tuned on scenarios at all. The budgets differ."
+    )
+
+
+def _design(d: Design) -> str:
+    """How a design was found, what it costs, and which limits it breaks on the tuning scenarios."""
+    unit = COST_WORDS.get(d.problem.cost, "").partition("[")[2].rstrip("]")
+    cost = f"Worst cost over the tuning scenarios {number(float(d.at.cost[0]))} {unit}".rstrip()
+    broken = " and ".join(_named(n) for n in d.breaks)
+    held = f"the nearest to the limits that was found, it breaks {broken}" if broken else "every limit held"
+    if isinstance(d, ConvexConcave):
+        words = _convex(d)
+    else:
+        words = _forward(d) if isinstance(d, FeedforwardDesign) else _lqi(d)
+    return f"{words} {cost}; {held}."
+
+
+def _forward(d: FeedforwardDesign) -> str:
+    c = d.controller
+    return (
+        f"Kp = {number(c.Kp)} kPa/deg, Ki = {number(c.Ki)} kPa/(deg s) on what the wrist lacks of its model, "
+        f"which is taken to the reference at {number(c.speed)} 1/s or as fast as the command's range "
+        f"allows; the best of {d.tried} that were simulated on all tuning scenarios. Its margins are those "
+        "of the PI, for the feedforward stands outside the loop."
+    )
+
+
+def _named(limit: str) -> str:
+    return NAMES.get(limit, limit_name(limit))
+
+
+def _convex(d: ConvexConcave) -> str:
+    s, pi = d.shaped, d.controller
+    active = " and ".join(_named(n) for n in s.active) or "no limit"
+    words = (
+        f"Kp = {number(pi.Kp)} kPa/deg, Ki = {number(pi.Ki)} kPa/(deg s). Under the limits of the linear "
+        f"loop the largest Ki is {number(s.Ki)}, with Kp = {number(s.Kp)} ({s.iterations} convex programs, "
+        f"{s.solver}; active: {active})."
+    )
+    if d.share < 1.0:
+        words += (
+            " Limits that only a simulation shows are not convex; all are met with both gains scaled down to "
+            if not d.breaks
+            else " Limits that only a simulation shows are not convex; both gains were scaled down to "
+        ) + f"{100 * d.share:.0f} % of that."
+    return words
+
+
+def _lqi(d: RobustLQI) -> str:
+    c, f = d.controller, d.choice.feedback
+    words = (
+        f"the command, in kPa, moves at {number(c.Ke)} (r − y) {_signed(c.Kd)} (h − y) {_signed(c.Kq)} "
+        f"(gain v − P) kPa/s and jumps by {number(c.jump)} kPa per degree of a step; both poles of the "
+        f"observer of h lie at −{number(c.bandwidth)} rad/s; the best of {d.tried} in its family of weights "
+        f"and bandwidths. With h and the regulator's gain known, and in continuous time, the feedback is "
+        f"certified ({f.solver}, checked outside it) to die away at {number(f.decay, 2)} 1/s or faster in "
+        "whatever order branches and rates come, while the command is not clipped."
+    )
+    if d.pole is not None:
+        speed = -log(d.pole[0]) / SAMPLE_TIME
+        words += (
+            f" With the observer, on a single branch, the slowest mode dies away at {number(speed, 2)} 1/s "
+            f"({d.pole[1]})."
+            if speed > 0.0
+            else f" With the observer it is unstable ({d.pole[1]})."
+        )
+    return f"{words} Noise gain {number(float(d.at.values['noise_gain'][0]), 2)} V/deg."
+
+
+def _signed(value: float) -> str:
+    return f"{'−' if value < 0.0 else '+'} {number(abs(value))}"

@@ -1,0 +1,195 @@
+"""Figures of a comparison: steps, worst values, the loop under the tuned controller."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from design.compare import PAPER, TUNED, Comparison
+from design.tasks import STEP
+from plants.hysteresis import HysteresisLaw
+from plants.wrist import COMMAND_RANGE, Wrist
+from reports.shared.names import WINDOW, name_of, title_of
+from reports.shared.style import (
+    BLACK,
+    BLUE,
+    DASHED,
+    GREY,
+    PALE,
+    VERMILLION,
+    controller_line,
+    new_figure,
+    styled,
+)  # fmt: skip
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SOON = 2.5
+"""How long a step is drawn large [s]: the tuned one is over then, the paper's is on its way."""
+
+SOONER = 1.0
+"""The same for the other designs, which are quicker."""
+
+PIS = (TUNED, "robust PI", "convex-concave PI", "SIMC", "AMIGO", "Ziegler-Nichols", PAPER)
+"""Controllers that are drawn together as PIs; all others are other designs."""
+
+
+def step_responses(comparison: Comparison, motion: str) -> "Figure":
+    """The step from rest: a column for PIs, one for the other designs, the tuned PI in both; angle,
+    pressure and command of the first seconds, and in the last row the angle until the end."""
+    named = [name for m, name in comparison.steps if m == motion]
+    others = [n for n in named if n not in PIS]
+    columns = {"PIs": [n for n in named if n in PIS]}
+    columns |= {"Other designs": [TUNED, *others]} if others else {}
+    with styled():
+        figure, axes = new_figure(4, len(columns), height=6.4, sharey="row", height_ratios=(4, 2.4, 2.4, 2.2))
+        grid = np.array(axes).reshape(4, len(columns))
+        for column, (title, names) in zip(grid.T, columns.items(), strict=True):
+            _responses(column, comparison, motion, names, SOON if title == "PIs" else SOONER)
+            column[0].set_title(title)
+        labels = ("Angle [deg]", "Pressure [kPa]", "Command [V]", "Angle [deg]")
+        for panel, label in zip(grid[:, 0], labels, strict=True):
+            panel.set_ylabel(label)
+        handles: dict[str, Any] = {}
+        for panel in grid[0]:
+            lines, names = panel.get_legend_handles_labels()
+            handles |= dict(zip(names, lines, strict=True))
+        figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=3, handlelength=4.0)
+        figure.suptitle(title_of(motion), x=0.01, ha="left", fontsize=10, fontweight="bold")
+    return figure
+
+
+def _responses(column: Any, comparison: Comparison, motion: str, names: list[str], end: float) -> None:
+    """The four panels of some controllers, the first three until `end` [s]."""
+    angle, pressure, command, late = column
+    for place, name in enumerate(names):
+        t, look = comparison.steps[motion, name], controller_line(name, place)
+        every: dict[str, Any] = {"zorder": 4 - 0.1 * place, "label": name_of(name), **look}
+        soon = slice(0, int(np.searchsorted(t.time, end)) + 1, 5)
+        for panel, values in ((angle, t.angle), (pressure, t.pressure), (command, t.command)):
+            panel.plot(t.time[soon], values[soon, 0], **every)
+        late.plot(t.time[::10], t.angle[::10, 0], **every)
+    for panel in (angle, late):
+        panel.axhline(STEP, color=BLACK, linewidth=0.8, zorder=1)
+    for panel in (angle, pressure, command):
+        panel.set_xlim(0.0, end)
+    for bound in COMMAND_RANGE:
+        command.axhline(bound, color=GREY, linewidth=0.8, linestyle=DASHED)
+    command.set_ylim(COMMAND_RANGE[0] - 0.2, COMMAND_RANGE[1] + 0.2)
+    command.set_xlabel("Time [s]")
+    near = 0.35 * STEP
+    late.set(xlim=(0.0, WINDOW), ylim=(STEP - near, STEP + near), xlabel="Time, all of it [s]")
+
+
+def loop_trajectories(comparison: Comparison, wrists: Mapping[str, Wrist]) -> "Figure":
+    """The tuned step of each motion in the plane of pressure and angle, between lines 1 and 2."""
+    motions = [m for m in wrists if (m, TUNED) in comparison.steps]
+    with styled():
+        figure, both = new_figure(1, len(motions), height=3.8)
+        for axes, motion in zip(both, motions, strict=True):
+            t, loop = comparison.steps[motion, TUNED], wrists[motion].hysteresis
+            pressure, angle, static = t.pressure[:, 0], t.angle[:, 0], t.static_angle[:, 0]
+            low, high = float(pressure.min()) - 28.0, float(pressure.max()) + 8.0
+            p = np.array([low, high])
+            axes.plot(p, loop.ascending(p), color=GREY, linestyle=DASHED, linewidth=1.0)
+            axes.plot(p, loop.descending(p), color=GREY, linestyle=DASHED, linewidth=1.0)
+            axes.axhline(STEP, color=BLACK, linewidth=0.8)
+            axes.plot(pressure, static, color=VERMILLION, linestyle=DASHED, label="static angle of the loop")
+            axes.plot(pressure, angle, color=BLUE, linewidth=2.0, label="angle")
+            _mark_times(axes, t.time, pressure, angle)
+            axes.set(
+                title=title_of(motion), xlabel="Pressure [kPa]", xlim=(low, high),
+                ylim=(-3.5, max(float(angle.max()), float(static.max())) + 3.5),
+            )  # fmt: skip
+            _line_names(axes, loop, low, high)
+        both[0].set_ylabel("Angle [deg]")
+        figure.legend(*both[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    return figure
+
+
+def _mark_times(axes: "Axes", time: Any, pressure: Any, angle: Any) -> None:
+    """Dots at some instants on the path, labelled with their times."""
+    seen: list[tuple[float, float]] = []
+    for instant in (0.1, 0.2, 0.5, 1.0):
+        i = int(np.searchsorted(time, instant))
+        here = (float(pressure[i]) / 8.0, float(angle[i]) / 1.2)  # in sizes of a label
+        if any(np.hypot(here[0] - x, here[1] - y) < 1.0 for x, y in seen):
+            continue
+        seen.append(here)
+        axes.plot(pressure[i], angle[i], "o", color=BLUE, markerfacecolor="white", ms=4.5)
+        axes.annotate(
+            f"{instant:g} s", (pressure[i], angle[i]), (6, -3), textcoords="offset points", fontsize=8.5,
+            va="top",
+        )  # fmt: skip
+
+
+def _line_names(axes: "Axes", loop: HysteresisLaw, low: float, high: float) -> None:
+    bottom, top = axes.get_ylim()
+    for name, y, pressure, dx, side in (
+        ("line 1", bottom + 0.06 * (top - bottom), loop.ascending_pressure, 4, "left"),
+        ("line 2", 0.62 * top, loop.descending_pressure, -4, "right"),
+    ):
+        x = float(pressure(y))
+        if low < x < high:
+            axes.annotate(
+                name, (x, y), (dx, 0), textcoords="offset points", fontsize=8.5, color=GREY, ha=side,
+                va="center",
+            )  # fmt: skip
+
+
+def worst_values(comparison: Comparison) -> "Figure":
+    """Worst settling time and overshoot of each controller over the tasks of a motion, as dots; the
+    bar is what the paper's PI takes over the range of its gains, the line the limit."""
+    motions = list({s.motion: None for s in comparison.standings})
+    columns = (
+        ("settling_time_s", "Worst settling time [s]", None),
+        ("overshoot_percent", "Worst overshoot [% of the step]", comparison.limits.overshoot_percent),
+    )
+    most = max(sum(s.motion == m for s in comparison.standings) for m in motions)
+    with styled():
+        figure, axes = new_figure(
+            len(motions), 2, height=0.75 + (0.4 + 0.27 * most) * len(motions), sharey="row", sharex="col"
+        )
+        for row, motion in enumerate(motions):
+            for column, (metric, label, limit) in enumerate(columns):
+                panel = axes[2 * row + column]
+                _dots(panel, comparison, motion, metric)
+                if limit is not None:
+                    panel.axvline(limit, color=VERMILLION, linestyle=DASHED, linewidth=1.2)
+                    if row == 0:
+                        panel.text(limit, 1.0, f" limit {limit:g} %", transform=panel.get_xaxis_transform(),
+                                   fontsize=8.5, color=VERMILLION, va="bottom")  # fmt: skip
+                if row == len(motions) - 1:
+                    panel.set_xlabel(label)
+            axes[2 * row].set_title(title_of(motion))
+        axes[0].set_xlim(0.0, WINDOW * 1.13)
+        axes[1].set_xlim(0.0, 1.1 * axes[1].get_xlim()[1])  # room for the numbers
+    return figure
+
+
+def _dots(axes: "Axes", comparison: Comparison, motion: str, metric: str) -> None:
+    names = [s.controller for s in comparison.standings if s.motion == motion]
+    axes.grid(axis="y", visible=False)
+    for position, name in enumerate(names):
+        rows = [r for r in comparison.rows if (r.motion, r.controller) == (motion, name)]
+        low, value, high = (max(getattr(r, k)[metric] for r in rows) for k in ("low", "metrics", "high"))
+        look = controller_line(name, position)
+        end = WINDOW * 1.06 if not np.isfinite(high) else high
+        if high > low:
+            bar: dict[str, Any] = {"color": PALE, "linewidth": 8, "solid_capstyle": "butt", "zorder": 1}
+            axes.plot([low, end], [position, position], **bar)
+        at, marker = (value, "o") if np.isfinite(value) else (WINDOW * 1.06, ">")
+        axes.plot(at, position, marker, color=look["color"], ms=7, zorder=3)
+        digits = 2 if metric.endswith("_s") else 1
+        words = f"{value:.{digits}f}" if np.isfinite(value) else f"> {WINDOW:g}"
+        place: dict[str, Any] = {"ha": "center", "va": "bottom"} if high > low else {"va": "center"}
+        axes.annotate(
+            words, (at, position), (0, 5) if high > low else (7, 0), textcoords="offset points", fontsize=8.5,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.3}, **place,
+        )  # fmt: skip
+        if not np.isfinite(high) and high > low:
+            axes.plot(end, position, ">", color=GREY, ms=6, zorder=2)
+    axes.set_yticks(range(len(names)), [name_of(n) for n in names])
+    axes.set_ylim(len(names) - 0.4, -0.75)

@@ -1,0 +1,217 @@
+"""The comparison as a page for a colleague, and beside it the same as JSON, CSV and pictures."""
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from design.answer import Answer
+from design.break_even import BreakEven
+from design.compare import Comparison
+from design.contest import Contest
+from design.metrics import SETTLING_BAND
+from design.mpc.timing import Ledger
+from design.studies.study import Study
+from design.tasks import STEP
+from plants.measured.fit import Fit
+from plants.quantities import Fitted, ParameterSet
+from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
+from reports.comparison import contest as broad
+from reports.comparison import costs, figures, tables, words
+from reports.comparison.break_even_figure import break_even_figure
+from reports.comparison.contest_words import sentences
+from reports.comparison.designs import budgets, designs
+from reports.comparison.record import comparison_record, contest_csv_text, csv_text
+from reports.comparison.verdict_words import verdict_sentences
+from reports.paper import figures as paper
+from reports.shared.fit import draw_fit
+from reports.shared.gain_map import gain_map
+from reports.shared.html import Made, Shown, markup, render
+from reports.shared.names import COST_WORDS, WINDOW, title_of
+from reports.shared.plant_tables import assumption_table, error_table, parameter_table
+from reports.shared.style import save, svg
+from reports.shared.tables import number, spaced
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["comparison_page", "write_comparison"]
+
+
+def comparison_page(study: Study, made: Made) -> str:
+    """The whole study as one self-contained HTML text; sections of what the study lacks are left out."""
+    return _page(study, made, main_figures(study))
+
+
+def write_comparison(folder: str | Path, study: Study, made: Made) -> Path:
+    """Write comparison.html, .json and .csv, contest.csv where there was a contest, and the main figures
+    as PNG into a folder, each complete or not at all.  Returns the path of the page; raises InputError where
+    it cannot be written."""
+    from plants.files import json_text, write_atomically
+
+    folder = Path(folder)
+    drawn = main_figures(study)
+    page = _page(study, made, drawn)
+    for name, figure in drawn.items():
+        save(figure, folder / f"{name}.png")
+    write_atomically(folder / "comparison.json", json_text(comparison_record(study, made)))
+    write_atomically(folder / "comparison.csv", csv_text(study.comparison))
+    if study.contest:
+        write_atomically(folder / "contest.csv", contest_csv_text(study.contest))
+    write_atomically(folder / "comparison.html", page)
+    return folder / "comparison.html"
+
+
+def main_figures(study: Study) -> dict[str, "Figure"]:
+    """The figures of the comparison by the names of their files."""
+    comparison = study.comparison
+    found = {
+        "worst-values": figures.worst_values(comparison),
+        "loops": figures.loop_trajectories(comparison, study.question.wrists),
+    }
+    found |= {f"steps-{slug(m)}": figures.step_responses(comparison, m) for m in study.motions}
+    if study.contest:
+        found["differences"] = broad.differences_figure(study.contest)
+    found |= {f"break-even-{slug(m)}": break_even_figure(b) for m, b in (study.break_even or {}).items()}
+    found |= {f"gains-{slug(m)}": gain_map(t) for m, t in study.tunings.items()}
+    return found | {f"fit-{slug(m)}": draw_fit(f) for m, f in study.fits.items()}
+
+
+def slug(motion: str) -> str:
+    """A motion's name as part of an id or a file.
+
+    >>> slug("left wrist/flexion")
+    'left-wrist-flexion'
+    """
+    return re.sub(r"[^A-Za-z0-9_]+", "-", motion).strip("-") or "motion"
+
+
+def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:
+    def shown(name: str, caption: str) -> Shown:
+        return Shown(markup(svg(drawn[name], name, caption)), caption)
+
+    comparison, motions = study.comparison, study.motions
+    least = {t.problem.cost for t in study.tunings.values()}
+    assumed = assumption_table(study.plants)
+    responses = [shown(f"steps-{slug(m)}", words.steps_caption(comparison, m)) for m in motions]
+    responses.append(shown("loops", words.LOOPS_CAPTION))
+    return render(
+        "comparison.html",
+        title=f"Holding {STEP:g} degrees: the tuned PI beside the paper's, textbook rules and other designs",
+        kind="comparison of controllers", remarks=[made.remark] if made.remark else [],
+        summary=words.summary(study), sections=_sections(study),
+        verdicts=[v[:1].upper() + v[1:] for v in verdict_sentences(study)],
+        step=STEP, sample_ms=1000.0 * SAMPLE_TIME, command_range=COMMAND_RANGE, window=WINDOW,
+        band=100.0 * SETTLING_BAND, tasks=_tasks(comparison),
+        limits=tables.limits_table(comparison.limits),
+        plants=[_plant(m, s, study.fits.get(m), shown) for m, s in study.plants.items()],
+        cost=" and ".join(COST_WORDS.get(c, c) for c in sorted(least)),
+        tunings=[_tuning(m, a, shown) for m, a in study.answers.items()],
+        designs=[(title_of(m), designs(comparison, m)) for m in motions if comparison.designs],
+        standings=tables.standings_table(comparison), worst=shown("worst-values", words.WORST_CAPTION),
+        all_tasks=tables.task_table(comparison), row_count=len(comparison.rows),
+        paper_note=tables.paper_note(),
+        contest=_contest(study, study.contest, shown) if study.contest else None,
+        wrong=[_wrong(m, b, shown) for m, b in (study.break_even or {}).items()],
+        times=_times(study.execution_times) if study.execution_times else None,
+        responses=responses, paper=_paper(study),
+        assumed=assumed, assumed_count=sum(len(g.rows) for g in assumed.groups),
+        further=words.further(motions), motion_count=len(motions),
+        made=made,
+    )  # fmt: skip
+
+
+def _sections(study: Study) -> dict[str, str]:
+    """Titles of the page's sections by their ids, of those that there are."""
+    titles = {
+        "asked": "What was asked",
+        "table": "The comparison",
+        "steps": "How they respond",
+        "contest": "On other plants and tasks, with a noisy sensor" if study.contest else "",
+        "wrong": "How wrong the model of a feedforward may be" if study.break_even else "",
+        "times": "How long the steps take" if study.execution_times else "",
+        "tuning": "How the PI was tuned",
+        "designs": "Other designs under the same limits" if study.comparison.designs else "",
+        "fit": "The plant and its fit" if study.fits else "The plant",
+        "assumptions": "Assumptions",
+        "paper": "The paper, redrawn" if study.redrawn else "",
+    }
+    return {name: title for name, title in titles.items() if title}
+
+
+def _wrong(motion: str, found: BreakEven, shown: Any) -> dict[str, Any]:
+    return {
+        "title": title_of(motion),
+        "words": costs.break_even_words(motion, found),
+        "figure": shown(f"break-even-{slug(motion)}", costs.break_even_caption(motion, found)),
+        "table": costs.break_even_table(found),
+    }
+
+
+def _times(ledger: Mapping[str, Mapping[str, Ledger]]) -> dict[str, Any]:
+    return {
+        "words": costs.ledger_words(ledger), "table": costs.ledger_table(ledger),
+        "caption": costs.LEDGER, "note": costs.TIMES,
+    }  # fmt: skip
+
+
+def _contest(study: Study, contest: Contest, shown: Any) -> dict[str, Any]:
+    overshoot = study.comparison.limits.overshoot_percent
+    return {
+        "said": [s[:1].upper() + s[1:] for s in sentences(contest)],
+        "how": [*broad.how(contest), budgets(study.comparison, study.tunings)],
+        "main": broad.main_table(contest, overshoot),
+        "further": broad.further_tables(contest, overshoot),
+        "figure": shown("differences", broad.CAPTION),
+    }
+
+
+def _tasks(comparison: Comparison) -> list[str]:
+    """The tasks of a motion in words, steps by their starts."""
+    names = list({spaced(r.task): None for r in comparison.rows})
+    steps: dict[str, list[str]] = {}
+    for name in names:
+        step, _, start = name.partition(", ")
+        steps.setdefault(step, []).append(start)
+    return [f"{step}, from {', '.join(s)}" if all(s) else step for step, s in steps.items()]
+
+
+def _plant(motion: str, s: ParameterSet, fit: Fit | None, shown: Any) -> dict[str, Any]:
+    title = title_of(motion)
+    if fit is None:
+        measured = any(isinstance(p.provenance, Fitted) for p in s.parameters.values())
+        as_is = "as given" if s.effects or measured else "as declared"
+        note = f"{s.title}. No recordings were given for this motion: the parameters are {as_is}."
+        none = {"errors": None, "misfit": "", "judged_on": "", "figure": None}
+        return {"title": title, "words": note, "parameters": parameter_table(s), **none}
+    apart = any(r.role == "validate" for r in fit.runs)
+    return {
+        "title": title,
+        "words": words.fit_words(fit),
+        "parameters": parameter_table(fit.fitted, fit.before),
+        "errors": error_table(fit),
+        "misfit": words.misfit(fit),
+        "figure": shown(f"fit-{slug(motion)}", words.fit_caption(motion, fit)),
+        "judged_on": " on the recordings that took no part" if apart else "",
+    }
+
+
+def _tuning(motion: str, answer: Answer, shown: Any) -> dict[str, Any]:
+    t = answer.tuning
+    return {
+        "title": title_of(motion),
+        "gains": f"Kp = {number(t.Kp)} kPa/deg, Ki = {number(t.Ki)} kPa/(deg s).",
+        "found": words.found(answer),
+        "evidence": words.evidence(answer),
+        "table": tables.tuning_table(t),
+        "figure": shown(f"gains-{slug(motion)}", words.map_caption(motion)),
+    }
+
+
+def _paper(study: Study) -> list[Shown]:
+    """The figures of the paper, of its two motions."""
+    found = []
+    for which, panels in study.redrawn.items():
+        drawing = svg(paper.draw(which, panels), f"paper-{which}", paper.FIGURES[which].title)
+        found.append(Shown(markup(drawing), paper.caption(which, study.plants)))
+    return found

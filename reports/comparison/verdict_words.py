@@ -1,0 +1,37 @@
+"""The verdicts of a comparison in sentences."""
+
+from math import isfinite
+
+from design.studies.study import Study
+from design.studies.verdict import Rank, Settling, Verdict
+from reports.shared.tuning import refused
+
+AGAINST = {
+    Rank.AHEAD: "ahead of the paper's PI over the whole range of its gains",
+    Rank.BEHIND: "behind the paper's PI over the whole range of its gains",
+    Rank.UNDECIDED: "not to be ranked against the paper's PI, whose gains are not known well enough",
+}
+
+
+def verdict_sentences(study: Study) -> list[str]:
+    """What the table says, one sentence a motion."""
+    return [verdict_sentence(motion, v) for motion, v in study.verdicts.items()]
+
+
+def verdict_sentence(motion: str, v: Verdict) -> str:
+    """What the table says of a motion.
+
+    >>> verdict_sentence("flexion", Settling(1.684, 5.0, 7.0, ()))[:62]
+    'flexion: the tuned PI settles the worst 15 degree task in 1.68'
+    """
+    if not isinstance(v, Settling):
+        return f"{motion}: {refused(v)}; what stands as tuned is only the nearest there is."
+    tail = f"; {', '.join(v.breaking)} break the limits" if v.breaking else ""
+    return (
+        f"{motion}: the tuned PI settles the worst 15 degree task in {_seconds(v.tuned)} "
+        f"(paper's stand-in {_seconds(v.paper_low)} to {_seconds(v.paper_high)}), {AGAINST[v.rank]}{tail}."
+    )
+
+
+def _seconds(value: float) -> str:
+    return f"{value:.2f} s" if isfinite(value) else "more than 10 s"

@@ -1,0 +1,1 @@
+"""The page of what can be trusted of a pair of gains."""

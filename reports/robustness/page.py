@@ -1,0 +1,109 @@
+"""Robustness as a page for a colleague, and beside it the same as JSON, pictures and a scenario."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from design.robustness.samples.scenario_file import save as save_scenario
+from design.studies.robustness_study import RobustnessStudy
+from design.tasks import STEP
+from reports.robustness import branch_figures, tables, words
+from reports.robustness import figures as robust_figures
+from reports.robustness.disagreements import disagreement_sentences
+from reports.robustness.record import assessment_record
+from reports.shared.html import Made, Shown, markup, render
+from reports.shared.plant_tables import assumption_table
+from reports.shared.style import save, svg
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["robust_page", "write_robust"]
+
+SECTIONS = {
+    "verdict": "What holds, and how that is known",
+    "gains": "The plane of the gains",
+    "worst": "The worst scenario found",
+    "samples": "Samples",
+    "margins": "Margins on every branch",
+    "cycles": "Limit cycles",
+    "certificates": "Certificates",
+    "box": "Box and assumptions",
+}
+"""Titles of the page's sections by their ids."""
+
+
+def write_robust(folder: str | Path, study: RobustnessStudy, made: Made) -> Path:
+    """Write robust.html, robust.json, worst.toml and the figures as PNG into a folder, each complete or
+    not at all.  Returns the path of the page; raises InputError where it cannot be written."""
+    from plants.files import json_text, write_atomically
+
+    folder = Path(folder)
+    drawn = draw_all(study)
+    page = _page(study, made, drawn)
+    for name, figure in drawn.items():
+        save(figure, folder / f"{name}.png")
+    write_atomically(folder / "robust.json", json_text(assessment_record(study.assessment)))
+    save_scenario(study.assessment.worst, folder / "worst.toml")
+    write_atomically(folder / "robust.html", page)
+    return folder / "robust.html"
+
+
+def robust_page(study: RobustnessStudy, made: Made) -> str:
+    """The whole study as one self-contained HTML text."""
+    return _page(study, made, draw_all(study))
+
+
+def draw_all(study: RobustnessStudy) -> dict[str, "Figure"]:
+    """The figures by the names of their files."""
+    a = study.assessment
+    marks = {"these gains": (float(a.controller.Kp), float(a.controller.Ki)), **study.gains}
+    found = {
+        "gains": robust_figures.draw_gain_plane(study.plane, a.limits, marks),
+        "nyquist": branch_figures.nyquist(a.wrist, {"these gains": a.controller}),
+        "sensitivities": branch_figures.sensitivities(a.wrist, a.controller, a.limits),
+        "describing": branch_figures.describing(a.wrist, a.controller, a.cycles),
+        "worst": robust_figures.draw_worst(a.worst, study.worst_run),
+    }
+    if study.envelopes is not None:
+        found["samples"] = robust_figures.draw_envelopes(study.envelopes, STEP)
+    return found
+
+
+def _page(study: RobustnessStudy, made: Made, drawn: Mapping[str, "Figure"]) -> str:
+    a = study.assessment
+
+    def shown(name: str, caption: str) -> Shown:
+        return Shown(markup(svg(drawn[name], name, caption)), caption)
+
+    content: dict[str, Any] = {
+        "title": words.title(a),
+        "kind": f"robustness of a PI, {a.box.plant.axis}",
+        "sections": SECTIONS,
+        "summary": words.summary(a),
+        "remarks": words.remarks(a),
+        "verdict": tables.verdict_table(a),
+        "disagreements": disagreement_sentences(a),
+        "plane": shown("gains", words.plane_caption(a)),
+        "margins": tables.margin_table(a),
+        "nyquist": shown("nyquist", words.NYQUIST),
+        "sensitivities": shown("sensitivities", words.SENSITIVITIES),
+        "model_words": words.model_words(a),
+        "ladder": tables.ladder_table(a),
+        "claims": words.claims(a),
+        "constant": tables.constant_table(a),
+        "region": words.region(a),
+        "describing": shown("describing", words.DESCRIBING),
+        "cycles": tables.cycle_table(a.cycles) if a.cycles else None,
+        "no_cycles": words.NO_CYCLES,
+        "sample_words": words.sample_words(a),
+        "violations": tables.violation_table(a.cases),
+        "quantiles": tables.quantile_table(a.cases),
+        "envelope": shown("samples", words.ENVELOPE) if "samples" in drawn else None,
+        "worst_words": words.worst_words(a),
+        "worst": shown("worst", words.worst_caption(a)),
+        "box": tables.box_table(a.box),
+        "assumptions": words.assumptions(a),
+        "assumed": assumption_table({a.box.plant.axis: a.box.plant}),
+    }
+    return render("robust.html", made=made, **content)

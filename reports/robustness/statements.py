@@ -1,0 +1,307 @@
+"""Statements in words and for machines: what is claimed, and why it holds or does not."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from design.robustness.assess import UnstableCentre
+from design.robustness.box import AssumedShare, Given, Origin
+from design.robustness.certificates.certificate import LoopClass, Switching
+from design.robustness.certificates.constant.mu_sweep import Gap, HoldsBarely, NoBound
+from design.robustness.certificates.constant.robust_stability import (
+    Centre,
+    MuBounds,
+    Refuted,
+    RobustStability,
+    StableWhileConstant,
+)
+from design.robustness.certificates.constant.uncertain_loop import NAMES
+from design.robustness.certificates.continuous.virgin import VirginBounds
+from design.robustness.certificates.reasons import (
+    NoCertificate,
+    NoneOfThisKind,
+    NoSolver,
+    NotConfirmed,
+    UnstableBranch,
+    UnstableMode,
+)
+from design.robustness.certificates.statements import (
+    ClassDiesAway,
+    Confirmed,
+    Covered,
+    DiesAway,
+    LeavesVirginCurve,
+    NoneFound,
+    NotFound,
+    StaysInRange,
+    VirginTimes,
+)
+from design.robustness.predictions.limit_cycles import (
+    Balanced,
+    HasCycle,
+    LimitCycle,
+    NoOscillation,
+    Simulated,
+)
+from design.robustness.predictions.margins import MarginHeld, OfRows, StableEverywhere
+from design.robustness.samples.statements import Counted, RarelyBroken
+from design.robustness.statement import Claim, Reason, Statement
+
+MARGINS = {
+    "Ms": "Ms", "delay_margin_s": "delay margin", "gain_margin": "gain margin",
+    "phase_margin_deg": "phase margin", "Mt": "Mt", "disk_margin": "disk margin",
+}  # fmt: skip
+
+CLASSES = {
+    Switching.FIXED_LAW: "dies away however the slope switches, the regulator's law being fixed",
+    Switching.ANY_TIME: "dies away however slope and regulator rate switch",
+    Switching.EVERY_SAMPLE: "dies away however slope and regulator rate switch from one sample to the next",
+}
+
+
+def statement_record(s: Statement) -> dict[str, Any]:
+    """A statement for JSON."""
+    evidence: dict[str, Any] = dict(s.evidence)
+    if isinstance(s.reason, VirginTimes):
+        evidence = virgin_record(s.reason.bounds)
+    if "virgin_curve" in evidence:
+        evidence["virgin_curve"] = virgin_record(evidence["virgin_curve"])
+    if "region" in evidence:
+        evidence["region"] = {**evidence["region"], "why": region_words(evidence["region"])}
+    return {
+        "statement": claim_words(s.claim),
+        "status": s.status.value,
+        "holds": s.holds,
+        "value": s.value,
+        "unit": s.unit,
+        "branch": s.branch,
+        "because": because(s),
+        **evidence,
+    }
+
+
+def virgin_record(bounds: VirginBounds) -> dict[str, Any]:
+    """Bounds of the time on the virgin curve for JSON."""
+    if bounds.stuck is not None:
+        return {"leaves": False, "why": virgin_words(bounds)}
+    times = {"earliest_s": bounds.earliest, "latest_s": bounds.latest, "clipped": bounds.clipped}
+    return {"leaves": True, **times, "q_kPa": [bounds.q_least, bounds.q_most]}
+
+
+def region_words(region: Mapping[str, Any]) -> str:
+    """Why a region says nothing of a step, or has no shape in the states alone; empty where it has."""
+    if region["largest_step_deg"] is None:
+        if region.get("curved"):
+            return "the outer branches are curved, so that no two planes bound the command"
+        return "no step was found that surely keeps the command in its range"
+    return "no shape in x alone: what is on its way counts too" if "S" in region["form"] else ""
+
+
+def late(dead_time: float) -> str:
+    """A dead time [s] in words; empty where there is none."""
+    return f", {1000 * dead_time:g} ms of dead time" if dead_time else ""
+
+
+def claim_words(claim: Claim) -> str:
+    """What is claimed.
+
+    >>> claim_words(StaysInRange(15.0, 0.05))
+    'a step of 15 deg from a line never meets the end of the command, 50 ms of dead time'
+    """
+    match claim:
+        case DiesAway(rung, about, dead_time):
+            return f"{rung}{late(dead_time)}: {'' if about is None else class_words(about)}"
+        case ClassDiesAway(switching, dead_time):
+            return CLASSES[switching] + late(dead_time)
+        case StaysInRange(step, dead_time):
+            return f"a step of {step:g} deg from a line never meets the end of the command{late(dead_time)}"
+        case LeavesVirginCurve(step):
+            return f"a step of {step:+g} deg from rest leaves the virgin curve by this time"
+        case StableWhileConstant(gain, dead_time):
+            parameters = "slope, rate, Tw and gain" if gain else "slope, rate and Tw"
+            behind = f", with up to {1e3 * dead_time:g} ms of dead time" if dead_time > 0.0 else ""
+            return f"stable for every constant {parameters} within the box{behind}"
+        case StableEverywhere():
+            return "the linear loop is stable on every branch at every rate"
+        case MarginHeld(key, at_most, limit):
+            if limit is None:
+                return f"{MARGINS[key]} on every branch"
+            shown = f"{1e3 * limit:g} ms" if key == "delay_margin_s" else f"{limit:g}"
+            return f"{MARGINS[key]} {'at most' if at_most else 'at least'} {shown} on every branch"
+        case NoOscillation():
+            return "no lasting oscillation about the reference"
+        case HasCycle(c):
+            return (
+                f"a limit cycle that {'attracts' if c.stable else 'repels'}: {c.amplitude_deg:.3g} deg, "
+                f"{c.amplitude_kPa:.3g} kPa at {c.frequency_rad_s:.3g} rad/s"
+            )
+        case RarelyBroken(words, level):
+            return f"{words} in at most {100 * level:g} % of cases"
+    raise TypeError(f"no words for {claim!r}")
+
+
+def class_words(c: LoopClass) -> str:
+    """What is claimed of a class of loops."""
+    if c.switching is Switching.EVERY_SAMPLE:
+        behind = f" behind {c.samples} samples of dead time" if c.samples else ""
+        return (
+            f"the sampled loop{behind}, slope and regulator rate changed at will at every sample, "
+            "dies away while the command is not clipped"
+        )
+    (low, high), (shallow, steep) = c.rates, c.slopes
+    among = f"slope {shallow:.4g} to {steep:.4g} deg/kPa changing at any time"
+    if c.switching is Switching.ANY_TIME:
+        return f"dies away for a regulator rate {low:.4g} to {high:.4g} 1/s and a {among}"
+    law = "growing with q" if c.monotone else "without memory"
+    return (
+        f"dies away for every fixed law k(q) q of the regulator, k from {low:.4g} to {high:.4g} 1/s and "
+        f"k(q) q - {low:.4g} q {law}, and {among}"
+    )
+
+
+def because(s: Statement) -> str:
+    """Why a statement holds or does not, or how its figure was checked."""
+    match s.claim:
+        case StableEverywhere():
+            return "poles, or Nyquist's criterion where a delay leaves none; no switching is considered"
+        case MarginHeld(_, _, None):
+            return f"{reason_words(s.reason)}; no limit is set"
+    return reason_words(s.reason)
+
+
+def reason_words(reason: Reason) -> str:
+    """A reason in words."""
+    match reason:
+        case Confirmed(solver, margin, left_out, name):
+            words = f"{name}, " if name else ""
+            words += f"found by {solver}, confirmed outside it"
+            words += "" if margin is None else f" with a margin of {margin:.2g}"
+            return words + (f"; of the wrist without {', '.join(left_out)}" if left_out else "")
+        case NotFound(why, word):
+            none = "" if word is None else f"; none exists: {word} (of the class, not of the real loop)"
+            return no_certificate(why) + none
+        case NoneFound(names, word):
+            none = "" if word is None else "; none exists, since a word makes the class grow"
+            return f"none found ({', '.join(names)}){none}"
+        case Covered(rung):
+            return (
+                f"{rung}: steps up to this start within a set that is never left and in which the command is "
+                "not clipped"
+            )
+        case VirginTimes(bounds):
+            return virgin_words(bounds)
+        case UnstableCentre(said):
+            return said
+        case OfRows():
+            return "worst of the branches and rates"
+        case Balanced(attract, repel, swings):
+            return (
+                f"harmonic balance: {attract} that attract, {repel} that repel; {swings.lanes} large swings, "
+                f"{swings.duration:g} s each: {swings.persisting} persist"
+            )
+        case Simulated(cycle):
+            return cycle_words(cycle)
+        case Counted(v, noisy, uncounted):
+            words = (
+                f"{v.count} of {v.trials} independent samples, {100 * v.probability:.3g} %; "
+                f"95 % interval {100 * v.low:.3g} to {100 * v.high:.3g} %"
+            )
+            words += "; the sensor's noise moves the command too" if noisy else ""
+            return words + (f"; {uncounted} cases out of reach not counted" if uncounted else "")
+        case MuBounds(row):
+            return mu_words(row)
+    raise TypeError(f"no words for {reason!r}")
+
+
+def mu_words(r: RobustStability) -> str:
+    """What the bounds of mu say of a branch at a rate."""
+    if r.reason is Centre.UNSTABLE:
+        return Centre.UNSTABLE.value
+    if r.upper == 0.0:
+        return "no parameter of this loop is uncertain, and it is stable"
+    said = f"mixed mu at most {r.upper:.4g}"
+    if r.certified:
+        said += f", {r.intervals} intervals cover all frequencies, each checked with margin {r.margin:.1e}"
+    else:
+        said += f" at the frequencies looked at only: {_uncovered(r)}"
+    if r.destabilising is not None:
+        p = r.destabilising.parameters
+        names = [n for n, radius in zip(NAMES, r.loop.radius, strict=True) if radius > 0.0]
+        at = ", ".join(f"{n} {p[n]:.4g}" for n in names)
+        said += f"; unstable at {at}, in the box grown {r.destabilising.growth:.4g} x"
+    said += "; in continuous time"
+    return said + (f"; without {', '.join(r.left_out)}" if r.left_out else "")
+
+
+def _uncovered(r: RobustStability) -> str:
+    """Why the bound of mu is not proved at every frequency."""
+    match r.reason:
+        case Gap(tried, low, high):
+            return f"{tried} matrix inequalities left a gap from {low:.4g} to {high:.4g} rad/s"
+        case NoBound(at):
+            return f"no bound at {at:.4g} rad/s"
+        case HoldsBarely(share):
+            return f"the inequality holds by {share:.2g} only where it was looked at again"
+        case Refuted() | Centre():
+            return str(r.reason.value)
+        case None:
+            return ""
+
+
+def no_certificate(reason: NoCertificate | None) -> str:
+    """Why a rung found nothing."""
+    match reason:
+        case UnstableBranch(branch, rate, pole):
+            return f"the linear loop on {branch} at the {rate} rate has a pole at {pole:.3g} 1/s"
+        case UnstableMode():
+            return "one branch at one rate is unstable on its own"
+        case NoSolver(said):
+            return f"no solver found one: {said}"
+        case NoneOfThisKind(solver, margin, ""):
+            return f"none of this kind: the best that {solver} finds misses an inequality ({margin:.2g})"
+        case NoneOfThisKind(solver, margin, what):
+            return f"{solver}: no such {what} (at best by {margin:.1e})"
+        case NotConfirmed(solver, margin):
+            return f"not confirmed: {solver} claims one, the check outside it finds {margin:.2g}"
+        case None:
+            return ""
+
+
+def virgin_words(bounds: VirginBounds) -> str:
+    """When a step leaves the virgin curve at the earliest, or what keeps it there."""
+    s = bounds.stuck
+    if s is None:
+        return f"not before {1000 * bounds.earliest:.3g} ms, for any rate from k_slow to k_fast"
+    return (
+        f"the command comes no further than {s.furthest:.4g} kPa {'above' if s.up else 'below'} rest, "
+        f"and the line is met at {s.threshold:.4g} kPa"
+    )
+
+
+def cycle_words(c: LimitCycle) -> str:
+    """What a predicted limit cycle does, and what the simulator says to it."""
+    beyond = "; beyond the command range, which the prediction does not know" if c.clipped else ""
+    there = "no such cycle"
+    if c.seen_amplitude_deg is not None:
+        there = (
+            f"{c.seen_amplitude_deg:.3g} deg, {c.seen_amplitude_kPa:.3g} kPa at "
+            f"{c.seen_frequency_rad_s:.3g} rad/s"
+        )
+    if c.confirmed:
+        seen = f"confirmed: {there}"
+    elif c.seen_amplitude_deg is None:
+        seen = f"refuted: the simulated loop has {there}"
+    else:
+        seen = f"refuted: the simulated loop has one of {there} instead"
+    return f"{'attracts' if c.stable else 'repels'}{beyond}; {seen}"
+
+
+def origin_words(origin: Origin) -> str:
+    """Where an interval of a box comes from."""
+    if isinstance(origin, Given):
+        return "given"
+    if not isinstance(origin, AssumedShare):
+        return f"{origin.count:g} standard errors, {origin.data}"
+    if origin.together:
+        return f"assumed: {', '.join(origin.together)} within {100 * origin.share:g} %, together"
+    without = ", fitted without standard error" if origin.fitted else ""
+    return f"assumed: {100 * origin.share:g} % of the value{without}"

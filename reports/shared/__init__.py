@@ -1,0 +1,1 @@
+"""What all pages share: style, tables, names, HTML, and figures of more than one page."""

@@ -1,0 +1,137 @@
+"""A page as one file: templates rendered with everything inside, and what made the page."""
+
+import os
+import re
+import subprocess
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+from plants.quantities import ParameterSet
+
+DISTRIBUTION = "wrist-workbench"
+
+
+@dataclass(frozen=True)
+class Made:
+    """What made a page: version of the workbench and its commit, the command line, the seed, the
+    titles of the parameter sets by motion, SHA-256 of the data by name, and a remark that a reader
+    has to know, such as that the recordings are synthetic."""
+
+    version: str
+    commit: str
+    command: str
+    seed: int | None
+    sets: Mapping[str, str] = field(default_factory=dict)
+    data: Mapping[str, str] = field(default_factory=dict)
+    remark: str = ""
+
+    @classmethod
+    def now(
+        cls,
+        command: str,
+        seed: int | None = None,
+        sets: Mapping[str, ParameterSet] | None = None,
+        data: Mapping[str, str] | None = None,
+        remark: str = "",
+    ) -> "Made":
+        """The provenance of a page that this installation is about to make."""
+        titles = {motion: s.title for motion, s in (sets or {}).items()}
+        return cls(version(), commit(), command, seed, titles, dict(data or {}), remark)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A figure in a page: SVG ready to be put in, and the words beneath."""
+
+    svg: Any
+    caption: str
+
+
+def version() -> str:
+    """Version of the installed workbench, ``unknown`` where it is not installed."""
+    from importlib.metadata import PackageNotFoundError
+    from importlib.metadata import version as installed
+
+    try:
+        return installed(DISTRIBUTION)
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def commit(root: Path | None = None) -> str:
+    """Commit of the checkout that this file belongs to, with ``-dirty`` where files differ from it;
+    ``not in a checkout`` for an installed package."""
+    root = root or Path(__file__).resolve().parents[2]
+    top = _git(root, "rev-parse", "--show-toplevel")
+    # An installed package may lie inside a checkout of something else.
+    if top is None or Path(top).resolve() != root:
+        return "not in a checkout"
+    return _git(root, "describe", "--always", "--abbrev=12", "--dirty", "--exclude=*") or "no commit yet"
+
+
+def _git(root: Path, *words: str) -> str | None:
+    environment = {**os.environ, "GIT_OPTIONAL_LOCKS": "0"}  # looking must not write
+    try:
+        done = subprocess.run(
+            ["git", "-C", str(root), *words], capture_output=True, text=True, timeout=10, env=environment
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    return done.stdout.strip() if done.returncode == 0 else None
+
+
+def render(template: str, **content: Any) -> str:
+    """A template of ``reports/templates`` with its content, as one HTML text.
+
+    Strings are escaped; SVG goes in as ``markup(svg)``.  Figures and tables are numbered in the order in
+    which they stand.  Every template needs what ``base.html`` shows: title, kind (what kind of report of
+    what), summary (three sentences), remarks, sections (titles by id, in their order) and made.  Raises
+    ``jinja2.UndefinedError`` for content that the template needs and did not get.
+    """
+    import jinja2
+
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("reports", "templates"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.globals |= {"figure_number": count(1).__next__, "table_number": count(1).__next__}
+    return shared_glyphs(environment.get_template(template).render(**content))
+
+
+_GLYPH = re.compile(r'<path id="([^"]+)" d="([^"]*)"( transform="scale\([\d.]+\)")?\s*/>')
+
+
+def shared_glyphs(page: str) -> str:
+    """A page in which every letter that figures draw is defined once, at its beginning, instead of in each
+    figure; the figures look the same."""
+    shapes: dict[tuple[str, str], str] = {}
+    names: dict[str, str] = {}
+
+    def noted(found: re.Match[str]) -> str:
+        name, d, scale = found.groups()
+        if "DejaVu" not in name:
+            return found.group(0)
+        names[name] = shapes.setdefault((d, scale or ""), f"letter-{len(shapes)}")
+        return ""
+
+    page = _GLYPH.sub(noted, page)
+    if not shapes:
+        return page
+    page = re.sub(r'(href="#)([^"]+)"', lambda m: f'{m.group(1)}{names.get(m.group(2), m.group(2))}"', page)
+    page = re.sub(r"<defs>\s*</defs>\n?", "", page)
+    letters = "\n".join(f'<path id="{name}" d="{d}"{scale}/>' for (d, scale), name in shapes.items())
+    hidden = 'width="0" height="0" style="position:absolute" aria-hidden="true"'
+    return page.replace("<body>", f"<body>\n<svg {hidden}><defs>\n{letters}\n</defs></svg>", 1)
+
+
+def markup(text: str) -> Any:
+    """Text that is HTML already and is to be put into a page as it is."""
+    from markupsafe import Markup
+
+    return Markup(text)

@@ -1,0 +1,41 @@
+"""What pages call controllers, motions, channels, limits and costs."""
+
+from design.compare import PAPER, TUNED
+
+WINDOW = 10.0
+"""How long a task is watched [s]; what has not settled by then counts as infinite."""
+
+NAMES = {
+    TUNED: "tuned PI", PAPER: "paper's PI (stand-in)", "SIMC": "SIMC", "AMIGO": "AMIGO",
+    "Ziegler-Nichols": "Ziegler-Nichols",
+}  # fmt: skip
+
+TITLES = {"flexion": "Palmar/dorsal flexion", "deviation": "Radial/ulnar deviation"}
+
+LIMITS = {
+    "overshoot_percent": ("Overshoot", "at most", "of the step, on every task"),
+    "Ms": ("Ms", "at most", "peak of the sensitivity on every branch of the loop, at both regulator rates"),
+    "delay_margin_s": ("Delay margin", "at least", "dead time that may come on top before the loop swings"),
+    "total_variation_V": ("Travel of the command", "at most", "up and down added up, in one step"),
+    "steady_error_percent": ("Steady error", "at most", f"of the step, what is left after {WINDOW:g} s"),
+}
+"""Each limit's name for people, which side is allowed, and its meaning."""
+
+CHANNELS = {"angle_deg": ("Angle", "deg"), "pressure_kPa": ("Pressure", "kPa")}
+
+COST_WORDS = {"iae": "IAE [deg s]", "itae": "ITAE [deg s²]", "settling_time": "settling time [s]"}
+
+
+def name_of(controller: str) -> str:
+    """What a page calls a controller."""
+    return NAMES.get(controller, controller)
+
+
+def title_of(motion: str) -> str:
+    """What a page calls a motion."""
+    return TITLES.get(motion, motion)
+
+
+def limit_name(name: str) -> str:
+    """What a page calls a limit."""
+    return LIMITS[name][0] if name in LIMITS else name

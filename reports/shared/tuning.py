@@ -1,0 +1,79 @@
+"""What a tuning answers, in words and for machines."""
+
+from typing import Any
+
+import numpy as np
+
+from design.answer import UNITS, Answer, OutOfReach, Refusal
+from design.requirements import COSTS, LIMIT_UNITS
+
+
+def refused(no: Refusal) -> str:
+    """Why the limits cannot be met, in one line.
+
+    >>> refused(OutOfReach("0 to +15 deg from virgin, nominal plant", None, 0.1234))
+    'no: the command range is 0.123 V too small to hold 0 to +15 deg from virgin, nominal plant'
+    """
+    if isinstance(no, OutOfReach):
+        if no.obstacle is not None:
+            return f"no: {no.obstacle} keeps the wrist from holding {no.scenario}"
+        return f"no: the command range is {no.volts:.3g} V too small to hold {no.scenario}"
+    unit = "" if LIMIT_UNITS[no.limit] == "1" else f" {LIMIT_UNITS[no.limit]}"
+    (low_p, high_p), (low_i, high_i) = no.Kp_range, no.Ki_range
+    return (
+        f"no: no gains in Kp {low_p:g} to {high_p:g}, Ki {low_i:g} to {high_i:g} hold every limit; nearest "
+        f"are Kp {no.Kp:.4g}, Ki {no.Ki:.4g}, where {no.limit} is {no.value:.4g}{unit} against {no.bound:g} "
+        f"on {no.place}"
+    )
+
+
+def tuning_record(found: Answer, axis: str) -> dict[str, Any]:
+    """A tuning as dictionaries, lists, numbers and text, for JSON.
+
+    `metrics` are of the nominal step from rest, `worst_case` over all scenarios.
+    """
+    t = found.tuning
+    problem, at = t.problem, t.at
+    worst = int(at.cost_at[0])
+    on_map = np.where(t.map.feasible, t.map.cost, np.inf)
+    return {
+        "axis": axis,
+        "Kp": t.Kp,
+        "Ki": t.Ki,
+        "units": UNITS,
+        "feasible": found.refusal is None,
+        "refusal": None if found.refusal is None else refused(found.refusal),
+        "cost": problem.cost,
+        "metrics": {
+            **found.nominal,
+            "Ms": float(at.values["Ms"][0]),
+            "delay_margin_s": float(at.values["delay_margin_s"][0]),
+        },
+        "worst_case": {
+            "scenario": problem.place("cost", worst),
+            COSTS[problem.cost]: float(at.cost[0]),
+            "each_metric_over_all_scenarios": found.everywhere,
+        },
+        "limits": {
+            n: {
+                "limit": limit,
+                "value": float(at.values[n][0]),
+                "on": problem.place(n, int(at.values_at[n][0])),
+            }
+            for n, limit in problem.limits.named.items()
+        },
+        "active_constraint": t.active,
+        "optimality": {
+            "map_points": [t.region.points, t.region.points],
+            "map_Kp": list(t.region.Kp),
+            "map_Ki": list(t.region.Ki),
+            "map_resolution": list(t.region.resolution),
+            "map_feasible": int(t.map.feasible.sum()),
+            "map_best_cost": float(on_map.min()),
+            "local_searches": [vars(s) for s in t.searches],
+            "spread_of_best_searches": t.spread,
+            "on_edge_of_region": t.on_edge,
+        },
+        "scenarios": len(problem.scenarios),
+        "set_aside": [s.name for s in problem.set_aside],
+    }

@@ -1,0 +1,1 @@
+"""The page of what a declared wrist lacks of a measured rig."""

@@ -1,0 +1,189 @@
+"""What a trace's page says around its figures and tables."""
+
+from design.metrics import SETTLING_BAND
+from design.retune import Control
+from design.tasks import STEP
+from plants.measured.trace.choose import SHARE, TRIFLE, WORTH
+from plants.measured.trace.stage import BLOCK
+from plants.measured.trace.trace import StageTrace, Trace
+from reports.shared.names import CHANNELS
+from reports.shared.tables import listed, number
+from reports.trace.fit_figures import shown_run
+from reports.trace.words import added, describe, description
+
+TITLES = {
+    "nothing-missing": "Nothing is missing",
+    "explained": "What the declared wrist lacks: {}",
+    "unexplained": "Something is left unexplained",
+}
+"""The title of a page, by verdict; the effects stand in it."""
+
+REVISED = "the revised wrist"
+
+ERRORS = (
+    "Errors of free runs on the recordings that took no part, their intervals at 95 % as bars. See how far "
+    "the model still is from the dashed line, the noise of the sensors: nothing can be nearer than that."
+)
+RANKING = (
+    "Each effect in the best of its forms: by how much it would lower chi-square, beyond what a refit of "
+    "the parameters that are there could do. See which bars pass the dashed line, the least that an effect "
+    "must bring. The tick is what the largest of so many comparisons would reach on noise alone, in 95 % of "
+    "draws."
+)
+DESCRIPTION = (
+    "What is left against what it depends on: rows of the recordings as dots, and their mean. See the shape "
+    "of the mean, and, where one earned its place, of the curve learnt from the rows: a description, not a "
+    "cause."
+)
+CAUTION = (
+    "The revised plant does not explain its recordings, so a rig may well answer otherwise than this says."
+)
+
+
+def title(trace: Trace) -> str:
+    """The heading of a page."""
+    return TITLES[trace.verdict].format(listed([e.name for e in trace.effects]))
+
+
+def choice_words() -> list[str]:
+    """How effects are chosen, in paragraphs."""
+    return [
+        "In each round every effect that the model lacks is ranked by how far it would bring down "
+        "chi-square, the mean square of the remainder in units of the noise: 1 is noise alone. The first "
+        "few are then refitted fully, together with all other parameters.",
+        "Where the tests above find structure in what is left, an effect is taken if chi-square on blocks "
+        f"of {BLOCK:g} s that did not fit it falls by more than {WORTH:g}, by more than {100 * SHARE:g} % "
+        f"of its excess over 1, and by more than {100 * TRIFLE:g} % of what effects taken before brought. "
+        "Where what is left looks like noise, chi-square on all rows must fall by as much, and the "
+        "log-likelihood of what is left, as noise of any colour, must rise by more than following slow "
+        "noise for a while would. Of several the best is taken; where there is none the search ends.",
+    ]
+
+
+def ranking(stage: StageTrace) -> str:
+    """How to read the ranking of a stage."""
+    words = [RANKING]
+    rounds = stage.search.rounds
+    if any(r.candidates for r in rounds):
+        words.append("Dark: refitted fully, with the chi-square that it came to.")
+    if any(r.taken is not None for r in rounds):
+        words.append("Hatched: taken.")
+    if len(rounds) > 1:
+        words.append("Of rounds after the first only the strongest are drawn.")
+    return " ".join(words)
+
+
+def after_words(trace: Trace) -> str:
+    """What the second of two models is."""
+    if trace.effects:
+        return f"the revised plant, with {added(trace.effects)} added and all parameters fitted anew."
+    return "the same wrist, since nothing was added."
+
+
+def series(trace: Trace, channel: str) -> str:
+    """What a figure over time shows."""
+    run, word = shown_run(trace, channel), CHANNELS[channel][0].lower()
+    part = "took no part in fitting or choosing" if run.role == "validate" else "took part in the fit"
+    return (
+        f"The {word} of {run.recording.name}, which {part}: measured, and simulated from the command alone. "
+        "See beneath whether what a model leaves, measured minus simulated, stays within the grey band, "
+        "which holds 95 % of the noise."
+    )
+
+
+def loop(trace: Trace) -> str:
+    """What the loop shows."""
+    models = "the declared and the revised wrist" if trace.effects else "the declared wrist"
+    return (
+        f"The loop: angle over pressure in the first seconds, measured and simulated with {models}. See "
+        "where the thin line leaves the broad one."
+    )
+
+
+def left(stage: StageTrace, after_name: str) -> str:
+    """What is left of a stage before the effects and after, in sentences."""
+    before, after, channel = stage.before, stage.after, stage.stage.channel
+    if not before.structured:
+        return f"nothing but noise, {number(before.rmse)} {CHANNELS[channel][1]}."
+    said = f"Before: {describe(before, channel)}"
+    if after is before:
+        return said
+    then = "After" if after_name == REVISED else f"With what was tried ({', '.join(stage.model.effects)})"
+    if after.structured:
+        return f"{said} {then}: {describe(after, channel)}"
+    return f"{said} {then}: {number(after.rmse)} {CHANNELS[channel][1]}, nothing but noise."
+
+
+def remainder(stage: StageTrace, after_name: str) -> str:
+    """What the figure of a remainder shows."""
+    both = stage.after is not stage.before
+    which = "the declared wrist" + (f" and by {after_name}" if both else "")
+    latter = ", drawn for the latter" if both else ""
+    return (
+        f"What is left by {which}: mean over the variables that tell most, autocorrelation and spectrum. See "
+        f"which points lie outside the grey band, where noise alone stays{latter}"
+        " (for the autocorrelation, white noise), and whether a peak stands out of the spectrum."
+    )
+
+
+def after_name(trace: Trace) -> str:
+    """What a stage's model after the search is called: it was not adopted where it does not help."""
+    return REVISED if trace.effects else "what was tried"
+
+
+def plant_words(trace: Trace) -> str:
+    """What the table of parameters shows."""
+    if not trace.effects:
+        return "Nothing was added: these are the declared parameters, fitted to the recordings."
+    return (
+        "Everything was fitted together, so the declared parameters moved too. revised.toml beside this page "
+        "holds the plant; wrist tune, compare, simulate and show take it with --plant."
+    )
+
+
+def no_alternatives(trace: Trace) -> str:
+    """That no effect could be another."""
+    if trace.effects:
+        return "None: no other effect does as well in its place."
+    return "None, since nothing was added."
+
+
+def nothing_refitted(stage: StageTrace) -> str:
+    """Why nothing was refitted."""
+    chi2 = stage.search.declared.model.chi2
+    if chi2 <= 1.0 + WORTH:
+        return f"The declared model is at the noise: chi-square {number(chi2)}. Nothing was to be added."
+    return f"Chi-square is {number(chi2)}, and no effect would lower it by more than chance would."
+
+
+def what_is_left(stage: StageTrace, adopted: bool) -> str:
+    """What no effect explains of a stage; `adopted`: what was tried became part of the plant."""
+    said = describe(stage.after, stage.stage.channel)
+    if stage.model.forms and not adopted:
+        return f"Even with what was tried ({', '.join(stage.model.effects)}) {said}"
+    return said
+
+
+def learnt(stage: StageTrace) -> str:
+    """The description of what is left, or that there is none."""
+    if stage.learnt is not None:
+        return description(stage.learnt)
+    return "No smooth curve of a variable describes it on blocks of time that were left out."
+
+
+def control(control: Control) -> str:
+    """What the figure of the steps shows."""
+    which = "the PI that was tuned" if control.same else "the PIs of the declared and of the revised plant"
+    return (
+        f"A step of {STEP:g} deg from rest on {control.judge}, under {which}: angle of the joint, and "
+        f"command. See when the angle comes to stay within the grey band of ±{100 * SETTLING_BAND:g} %."
+    )
+
+
+def versions() -> str:
+    """Python and the packages that computed a trace, with their versions."""
+    from importlib.metadata import version
+    from platform import python_version
+
+    packages = ("numpy", "scipy", "numba", "casadi", "scikit-learn")
+    return ", ".join([f"Python {python_version()}", *(f"{p} {version(p)}" for p in packages)])

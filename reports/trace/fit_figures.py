@@ -1,0 +1,176 @@
+"""Figures of a trace: errors before and after, time series, the loop, and tuning again."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from design.metrics import SETTLING_BAND
+from design.retune import Control
+from design.tasks import STEP
+from plants.measured.problem import measured
+from plants.measured.trace.trace import Played, Trace
+from reports.shared.fit import LOOP_SECONDS
+from reports.shared.names import CHANNELS
+from reports.shared.style import (
+    BLACK,
+    BLUE,
+    DASHED,
+    GREY,
+    PALE,
+    POINTS,
+    VERMILLION,
+    WIDTH,
+    new_figure,
+    seen,
+    styled,
+)
+from reports.shared.tables import number
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MEASURED: dict[str, Any] = {"color": BLACK, "linewidth": 0.9, "alpha": 0.7, "label": "measured"}
+BEFORE: dict[str, Any] = {"color": VERMILLION, "linestyle": DASHED, "linewidth": 1.2, "label": "declared"}
+AFTER: dict[str, Any] = {"color": BLUE, "linestyle": "-", "linewidth": 1.3, "label": "revised"}
+BAND: dict[str, Any] = {"color": PALE, "alpha": 0.9, "linewidth": 0.0, "zorder": 0}
+SPREAD = 1.96
+"""Standard deviations of the noise that its bounds are drawn at: 95 % of it stays within."""
+
+
+def draw_errors(trace: Trace) -> "Figure":
+    """Errors before and after of each channel with their intervals, beside the noise floor."""
+    channels = [c for c in CHANNELS if trace.before.get(c) is not None]
+    with styled():
+        figure, axes = new_figure(1, max(1, len(channels)), height=1.75)
+        for panel, channel in zip(axes, channels, strict=False):
+            _errors(panel, trace, channel)
+    return figure
+
+
+def _errors(axes: "Axes", trace: Trace, channel: str) -> None:
+    words, unit = CHANNELS[channel]
+    sides = (
+        ("before", trace.before[channel], trace.before_interval.get(channel), VERMILLION, "s"),
+        ("after", trace.after[channel], trace.after_interval.get(channel), BLUE, "o"),
+    )
+    noise = trace.noise.get(channel)
+    ends = [x for _, value, interval, _, _ in sides for x in (value, *(interval or ())) if x is not None]
+    top = max([*ends, 1.35 * (noise or 0.0)])
+    for y, (_, value, interval, colour, marker) in enumerate(sides):
+        assert value is not None
+        if interval is not None:
+            axes.plot(interval, (y, y), color=colour, linewidth=6, alpha=0.3, solid_capstyle="butt")
+        axes.plot(value, y, marker, color=colour, markersize=7)
+        axes.annotate(
+            number(value), (value, y), (0 if value > 0.1 * top else -4, 8), textcoords="offset points",
+            ha="center" if value > 0.1 * top else "left", fontsize=9,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.3},
+        )  # fmt: skip
+    if noise is not None:
+        axes.axvline(noise, color=GREY, linestyle=DASHED, linewidth=1.2)
+        axes.text(noise, 1.55, f" noise {number(noise)}", color=GREY, fontsize=8.5, va="center")
+    axes.set_yticks(range(2), [s[0] for s in sides])
+    axes.set(title=words, xlabel=f"Error, rms [{unit}]", xlim=(0.0, 1.18 * top), ylim=(1.85, -0.75))
+    axes.grid(axis="y", visible=False)
+
+
+def shown_run(trace: Trace, channel: str) -> Played:
+    """The recording to be drawn: of those that took no part, the one whose channel moves furthest."""
+    runs = [r for r in trace.runs if measured(r.recording, channel) is not None]
+    apart = [r for r in runs if r.role == "validate"] or runs
+    return max(apart, key=lambda r: float(np.ptp(_truth(r, channel))))
+
+
+def _truth(run: Played, channel: str) -> Any:
+    return measured(run.recording, channel)
+
+
+def _sides(run: Played, channel: str) -> tuple[Any, Any]:
+    if channel == "pressure_kPa":
+        return run.pressure_before, run.pressure
+    return run.angle_before, run.angle
+
+
+def draw_series(trace: Trace, channel: str) -> "Figure":
+    """Measured, declared and revised over time on one recording (`shown_run`), and the errors of both
+    with the bounds of the noise."""
+    run = shown_run(trace, channel)
+    words, unit = CHANNELS[channel]
+    time, truth, (before, after) = run.recording.time, _truth(run, channel), _sides(run, channel)
+    every = seen(len(time))
+    noise = SPREAD * (trace.noise.get(channel) or 0.0)
+    revised = bool(trace.effects)
+    with styled():
+        figure, (signal, large, small) = new_figure(
+            3, 1, height=6.2, sharex=True, height_ratios=(3, 1.5, 1.5)
+        )
+        took = "took no part" if run.role == "validate" else "took part"
+        signal.set(title=f"{run.recording.name} ({took})", ylabel=f"{words} [{unit}]")
+        signal.plot(time[every], truth[every], **MEASURED)
+        signal.plot(time[every], before[every], **BEFORE)
+        if revised:
+            signal.plot(time[every], after[every], **AFTER)
+        signal.legend(loc="best", ncols=3)
+        for panel, simulated, look in ((large, before, BEFORE), (small, after, AFTER)):
+            panel.axhspan(-noise, noise, **BAND)
+            left = (truth - simulated)[every]
+            panel.plot(time[every], left, **{**look, "linewidth": 0.8, "linestyle": "-"})
+            panel.set_ylabel(f"Left by\n{look['label']} [{unit}]")
+        small.set(xlabel="Time [s]", xlim=(time[0], time[-1]))
+    if not revised:
+        figure.delaxes(small)
+        large.tick_params(labelbottom=True)
+        large.set_xlabel("Time [s]")
+    return figure
+
+
+def draw_loop(trace: Trace) -> "Figure | None":
+    """Angle over pressure for the first seconds of one recording, beside the declared and the revised
+    wrist; None where angle or pressure was not logged."""
+    both = [r for r in trace.runs if r.recording.angle is not None and r.recording.pressure is not None]
+    if not both or trace.campaign.stage != "wrist":
+        return None
+    apart = [r for r in both if r.role == "validate"] or both
+    run = max(apart, key=lambda r: float(np.ptp(_truth(r, "angle_deg"))))
+    time, truth = run.recording.time, run.recording
+    first = slice(0, int(np.searchsorted(time, time[0] + LOOP_SECONDS)), max(1, len(time) // (2 * POINTS)))
+    sides = [(run.pressure_before, run.angle_before, BEFORE), (run.pressure, run.angle, AFTER)]
+    with styled():
+        figure, axes = new_figure(1, 2 if trace.effects else 1, height=3.5, sharex=True, sharey=True,
+                                  width=WIDTH if trace.effects else 4.2)  # fmt: skip
+        for panel, (pressure, angle, look) in zip(axes, sides, strict=False):
+            assert angle is not None
+            assert truth.pressure is not None
+            assert truth.angle is not None
+            beneath = {**MEASURED, "linewidth": 3.0, "alpha": 0.3}
+            panel.plot(truth.pressure[first], truth.angle[first], **beneath)
+            panel.plot(pressure[first], angle[first], **look)
+            panel.set(title=f"Measured and {look['label']}", xlabel="Pressure [kPa]")
+            panel.legend(loc="upper left")
+        axes[0].set_ylabel("Angle [deg]")
+    return figure
+
+
+def draw_control(control: Control) -> "Figure | None":
+    """The step under the PI of the declared and of the revised plant; None where neither could be tuned."""
+    sides = [control.declared] if control.same else [control.declared, control.revised]
+    shown = [(s, s.judged.response) for s in sides if s.judged is not None]
+    if not shown:
+        return None
+    looks = {
+        "declared": {**BEFORE, "linewidth": 1.6, "label": "tuned on the declared plant"},
+        "revised": {**AFTER, "linewidth": 1.9, "label": "tuned on the revised plant"},
+    }
+    with styled():
+        figure, (angle, command) = new_figure(2, 1, height=4.6, sharex=True, height_ratios=(3, 2))
+        angle.axhspan(STEP * (1.0 - SETTLING_BAND), STEP * (1.0 + SETTLING_BAND), **BAND)
+        angle.axhline(STEP, color=BLACK, linewidth=0.7)
+        for side, r in shown:
+            every = seen(len(r.time))
+            angle.plot(r.time[every], r.angle[every], **looks[side.plant])
+            command.plot(r.time[every], r.command[every], **looks[side.plant])
+        angle.set(ylabel="Angle [deg]", title=f"A step of {STEP:g} deg from rest")
+        command.set(xlabel="Time [s]", ylabel="Command [V]", xlim=(0.0, float(shown[0][1].time[-1])))
+        angle.legend(loc="lower right")
+    return figure

@@ -1,0 +1,110 @@
+"""A trace for machines: what ``wrist trace --json`` writes, in the keys that others read."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from design.answer import UNITS as GAIN_UNITS
+from design.retune import Control, Side
+from design.tasks import STEP
+from plants.measured.trace.trace import Named, StageTrace, Trace
+from reports.shared.tuning import refused
+from reports.trace.words import NO_LOOP, UNITS, describe
+
+
+def trace_record(trace: Trace, control: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """The answer of a trace as dictionaries, lists, numbers and text, for `plants.files.json_text`.
+
+    Errors and the noise floor of a channel that was not logged are None.  `control`:
+    what `control_record` gives, under the key ``control`` where there is one.
+    """
+    record: dict[str, Any] = {
+        "axis": trace.campaign.axis,
+        "verdict": trace.verdict,
+        "before": _errors(trace.before),
+        "after": _errors(trace.after),
+        "noise_floor": {c: trace.noise.get(c) for c in UNITS},
+        "effects": [_effect(e) for e in trace.effects],
+        "unexplained": _unexplained(trace.unexplained),
+        "cannot_judge": list(trace.cannot_judge),
+    }
+    return record if control is None else record | {"control": control}
+
+
+def _errors(errors: Mapping[str, float | None]) -> dict[str, float | None]:
+    return {
+        "angle_rmse_deg": errors.get("angle_deg"),
+        "pressure_rmse_kPa": errors.get("pressure_kPa"),
+    }
+
+
+def _effect(effect: Named) -> dict[str, Any]:
+    return {
+        "name": effect.name,
+        "stage": effect.stage,
+        "alternatives": list(effect.alternatives),
+        "parameters": {
+            n: {"value": value, "unit": unit, "std_error": error}
+            for n, (value, unit, error) in effect.parameters.items()
+        },
+        "form": effect.form,
+    }
+
+
+def _unexplained(left: list[StageTrace]) -> dict[str, Any] | None:
+    """The first stage in which something is left; all their names where there are several."""
+    if not left:
+        return None
+    record = _left(left[0])
+    return record | {"stages": [s.name for s in left]} if len(left) > 1 else record
+
+
+def _left(stage: StageTrace) -> dict[str, Any]:
+    after, learnt = stage.after, stage.learnt
+    return {
+        "stage": stage.name,
+        "depends_on": list(after.depends_on),
+        "description": describe(after, stage.stage.channel),
+        "learnt": None
+        if learnt is None
+        else {
+            "note": "a description, not a cause",
+            "variables": list(learnt.variables),
+            "described": learnt.described,
+            "curves": [
+                {"variable": c.variable, "at": list(map(float, c.at)), "term": list(map(float, c.term))}
+                for c in learnt.curves
+            ],
+        },
+    }
+
+
+def control_record(control: Control | None) -> dict[str, Any]:
+    """Both PIs as dictionaries, lists, numbers and text, for JSON; what is infinite becomes null there.
+    Of a campaign without an angle (None), why there are none."""
+    if control is None:
+        return {"refusal": NO_LOOP}
+    return {
+        "judge": control.judge,
+        "step_deg": STEP,
+        "same": control.same,
+        "tuned_without": list(control.left_out),
+        "declared": _side_record(control.declared),
+        "revised": _side_record(control.revised),
+    }
+
+
+def _side_record(side: Side) -> dict[str, Any]:
+    found, j = side.tuning, side.judged
+    record: dict[str, Any] = {"refusal": None if side.refusal is None else refused(side.refusal)}
+    if found is None or j is None:
+        return record | {"Kp": None, "Ki": None}
+    names = ("iae_deg_s", "overshoot_percent", "settling_time_s", "steady_error_deg", "total_variation_V",
+             "oscillates")  # fmt: skip
+    return record | {
+        "Kp": found.Kp,
+        "Ki": found.Ki,
+        "units": GAIN_UNITS,
+        **{n: getattr(j, n) for n in names},
+        "limits_broken_in_this_step": list(j.broken),
+        "limits_broken_on_the_revised_plant": list(side.broken),
+    }

@@ -1,0 +1,269 @@
+"""What a trace says in sentences: the verdict, what is left, what could not be told."""
+
+from collections.abc import Iterable, Sequence
+from math import isfinite
+
+from design.answer import UNITS as GAIN_UNITS
+from design.retune import Control, Side
+from plants.effects import EFFECTS
+from plants.measured.residual.examine import Examination
+from plants.measured.trace.learnt import Learnt
+from plants.measured.trace.trace import Named, StageTrace, Trace
+from reports.shared.names import limit_name
+from reports.shared.tables import fixed, listed, number
+from reports.shared.tuning import refused
+
+UNITS = {"angle_deg": "deg", "pressure_kPa": "kPa"}
+"""Channels of an answer, and their units."""
+
+VARIABLES = {
+    "pressure_kPa": "the pressure",
+    "pressure_rate_kPa_s": "how fast the pressure moves",
+    "direction": "the direction of motion",
+    "angle_deg": "the angle",
+    "time": "time",
+    "time_s": "time",
+    "since_reversal_s": "the time since the last reversal",
+    "work_kPa": "how far the pressure has travelled",
+    "command_V": "the command",
+    "other_pressure_kPa": "the other motion's pressure",
+    "reference_deg": "the set-point",
+}
+"""Variables that a remainder may depend on, for people; a channel of the user's own keeps its name."""
+
+SLOW = 1.25
+"""Noise that is this many times as large as its floor, which is taken from row to row, is slow."""
+
+BEHAVES = {"events": "jumps now and then", "changing size": "changes in size", "offset": "has an offset"}
+"""What else a remainder may do."""
+
+
+def summary(trace: Trace) -> list[str]:
+    """Three sentences: the verdict, what it rests on, what is open."""
+    return [verdict_sentence(trace), evidence(trace), still_open(trace)]
+
+
+def evidence(trace: Trace) -> str:
+    """How chi-square moved in each stage, and out of how many effects was chosen."""
+    said = []
+    for s in trace.stages:
+        declared, chosen = s.search.declared.model.chi2, s.search.chosen.model.chi2
+        moved = f"is {fixed(declared, 2)}"
+        if s.model.forms:
+            moved = f"falls from {fixed(declared, 2)} to {fixed(chosen, 2)} with {listed(s.model.effects)}"
+        said.append(f"{moved} for the {_channel(s.stage.channel)}")
+    rounds = [r for s in trace.stages for r in s.search.rounds]
+    tried = len({name for r in rounds for c in r.candidates for name in c.model.effects})
+    how = f"{tried} of which {'was' if tried == 1 else 'were'} refitted in full"
+    if not tried:
+        how = "none of which promised enough to be refitted in full"
+    return (
+        "Chi-square per row, the mean square of what is left in units of the noise (1: noise alone), "
+        f"{listed(said)}; the causes tried were {len(EFFECTS)} known effects, {how}."
+    )
+
+
+def still_open(trace: Trace) -> str:
+    """What these recordings do not tell, and how much of the plant is assumed."""
+    blind = list(trace.cannot_judge)
+    told = (
+        f"These recordings cannot tell whether the rig has {_or(blind)}"
+        if blind
+        else f"Each of the {len(EFFECTS)} effects would have shown in these recordings"
+    )
+    count, assumed = len(trace.revised.parameters), len(trace.revised.assumed)
+    rest = (
+        f"{assumed} of the plant's {count} parameters {'is' if assumed == 1 else 'are'} assumed, not measured"
+        if assumed
+        else f"all {count} parameters of the plant are fitted to them or stated by the paper"
+    )
+    return f"{told}, and {rest}."
+
+
+def _or(words: Sequence[str]) -> str:
+    return " or ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+def verdict_sentence(trace: Trace) -> str:
+    """The verdict in one sentence, with the errors that it rests on."""
+    if trace.verdict == "nothing-missing":
+        return _nothing(trace)
+    if trace.verdict == "explained":
+        said = f"{_happens(trace.effects)}: with {added(trace.effects)} added, {_falls(trace)}"
+        either = [f"{e.name} from {' or '.join(e.alternatives)}" for e in trace.effects if e.alternatives]
+        return f"{said}{f'; these recordings do not tell {_and(either)}' if either else ''}."
+    return _unexplained(trace)
+
+
+def _nothing(trace: Trace) -> str:
+    logged = _logged(trace)
+    left = _and(f"{_amount(trace.before[c], c)} of the {_channel(c)}" for c in logged)
+    noise = _and(_amount(trace.noise[c], c) for c in logged)
+    slow = [_channel(c) for c in logged if (trace.before[c] or 0.0) > SLOW * (trace.noise[c] or 0.0)]
+    said = (
+        f"Nothing is missing: on the recordings that took no part the declared wrist is off by {left}, "
+        f"and the noise is {noise}"
+    )
+    if slow:
+        said = said.replace(", and the noise is", ", successive rows scatter by")
+        said += f"; what is left of the {_and(slow)} has no more structure than slow noise"
+    return f"{said}."
+
+
+def _unexplained(trace: Trace) -> str:
+    stages = trace.unexplained
+    off = [w for i, s in enumerate(stages) if (w := _still(trace, s.stage.channel, i == 0))]
+    tried = f"with {added(trace.effects)} added, " if trace.effects else ""
+    on = depends(stages[0].after.depends_on)
+    if len(stages) > 1:
+        on = on.replace("what is left", f"what is left of the {_channel(stages[0].stage.channel)}")
+    head = f"Something is left that none of the {len(EFFECTS)} effects explains"
+    return f"{head}: {tried}{_and(off)}; {on}." if off else f"{head}; {on}."
+
+
+def _still(trace: Trace, channel: str, first: bool) -> str:
+    """How far off the plant is in a channel that is not explained; empty where it was not judged."""
+    after, noise = trace.after[channel], trace.noise[channel]
+    if after is None:
+        return ""
+    times = f" ({number(after / noise, 2)} times the noise)" if noise else ""
+    where = "on the recordings that took no part " if first else ""
+    still = "is still" if trace.effects else "is"
+    return f"the {_channel(channel)} error {where}{still} {_amount(after, channel)}{times}"
+
+
+def _falls(trace: Trace) -> str:
+    """What the effects do to the errors, of the channels that they act on."""
+    stages = {e.stage for e in trace.effects}
+    channels = [c for c in _logged(trace) if c == "angle_deg" or "regulator" in stages]
+    said = [
+        f"the {_channel(c)} error {'on the recordings that took no part ' if i == 0 else ''}"
+        f"falls from {number(trace.before[c])} to {_amount(trace.after[c], c)}"
+        for i, c in enumerate(channels)
+    ]
+    noise = _and(_amount(trace.noise[c], c) for c in channels)
+    return f"{_and(said)}; the noise is {noise}"
+
+
+def _logged(trace: Trace) -> list[str]:
+    """Channels that were logged and can be judged, the angle first."""
+    return [c for c in UNITS if trace.before.get(c) is not None and trace.noise.get(c) is not None]
+
+
+def _amount(value: float | None, channel: str) -> str:
+    return f"{number(value)} {UNITS[channel]}"
+
+
+def _channel(channel: str) -> str:
+    return channel.split("_")[0]
+
+
+def _happens(effects: Sequence[Named]) -> str:
+    words = [EFFECTS[e.name][0].HAPPENS for e in effects]
+    return _and([words[0], *(w[0].lower() + w[1:] for w in words[1:])])
+
+
+def added(effects: Sequence[Named]) -> str:
+    """Effects and their forms, as a list in a sentence."""
+    return _and(f"{e.name} ({e.form})" for e in effects)
+
+
+def _and(words: Iterable[str]) -> str:
+    return listed(list(words))
+
+
+def depends(names: Sequence[str]) -> str:
+    """What a remainder depends on, and how else it behaves, in words.
+
+    >>> depends(["angle_deg", "time", "events"]), depends([])
+    ('what is left depends on the angle and time, and jumps now and then', 'it goes with no variable tried')
+    """
+    does = [BEHAVES.get(n, f"is {n}") for n in names if n in BEHAVES or n.startswith("periodic at")]
+    on = [VARIABLES.get(n, n) for n in names if n not in BEHAVES and not n.startswith("periodic at")]
+    said = ([f"depends on {listed(on)}"] if on else []) + does
+    if not said:
+        return "it goes with no variable tried"
+    return f"what is left {', and '.join([', '.join(said[:-1]), said[-1]] if len(said) > 1 else said)}"
+
+
+def describe(after: Examination, channel: str) -> str:
+    """In one sentence, what is left of a channel and what it depends on."""
+    times = f", {number(after.ratio)} times the noise" if after.noise > 0.0 else ""
+    size = f"{number(after.rmse)} {UNITS[channel]} of the {_channel(channel)} are left{times}"
+    return f"{size}; {depends(after.depends_on)}."
+
+
+def description(learnt: Learnt) -> str:
+    """What a description of a remainder is worth, in a sentence."""
+    curves = "smooth curves of " if len(learnt.variables) > 1 else "a smooth curve of "
+    made = curves + listed([VARIABLES.get(v, v) for v in learnt.variables])
+    takes = "take" if len(learnt.variables) > 1 else "takes"
+    return (
+        f"A description, not a cause: {made} {takes} away {100 * learnt.described:.0f} % of what is left "
+        "beyond noise, on blocks of time left out."
+    )
+
+
+def stage_title(stage: StageTrace) -> str:
+    """What a page calls a stage."""
+    words = {
+        "regulator": "Regulator: from the command to the pressure",
+        "wrist": "Wrist: from the pressure to the angle",
+        "whole": "From the command to the angle, since no pressure was logged",
+    }
+    return words[stage.name]
+
+
+def limits_words(names: Sequence[str]) -> str:
+    """Limits that were broken, in words."""
+    return listed([limit_name(n).lower() if n != "Ms" else n for n in names]) or "none"
+
+
+NO_LOOP = "no: the campaign has no angle, so there is no loop to tune"
+
+
+def control_sentence(control: Control | None) -> str:
+    """What tuning again brings, in one or two sentences; control: None of a campaign without an angle."""
+    if control is None:
+        return f"Tuned again: {NO_LOOP}."
+    old, new = control.declared, control.revised
+    if control.same:
+        stands = f": {gains(old)}." if old.tuning else f", but there is none; {_refused(old)}."
+        return f"Nothing was revised, so the PI tuned on the declared wrist stands{stands}"
+    if old.judged is None or new.judged is None:
+        whose = "revised" if new.judged is None else "declared"
+        side = new if new.judged is None else old
+        return f"The {whose} plant cannot be tuned for this step; {_refused(side)}."
+    said = (
+        f"On {control.judge}, the PI tuned on the declared wrist ({gains(old)}) {_did(old)}; "
+        f"tuned on the revised one ({gains(new)}) it {_did(new)}."
+    )
+    if new.refusal:
+        said += f" No gains hold every limit on the revised plant; these are the nearest ({_refused(new)})."
+    if control.left_out:
+        said += f" Both were tuned without {_and(control.left_out)}, which no gains take away."
+    return said
+
+
+def _refused(side: Side) -> str:
+    return "" if side.refusal is None else refused(side.refusal)
+
+
+def gains(side: Side) -> str:
+    """Gains with their units."""
+    assert side.tuning is not None
+    return f"Kp {number(side.tuning.Kp)} {GAIN_UNITS['Kp']}, Ki {number(side.tuning.Ki)} {GAIN_UNITS['Ki']}"
+
+
+def _did(side: Side) -> str:
+    j = side.judged
+    assert j is not None
+    settles = "does not settle" if not isfinite(j.settling_time_s) else ""
+    settles = "oscillates" if j.oscillates else settles or f"settles in {number(j.settling_time_s)} s"
+    there = [n for n in side.broken if n not in j.broken]
+    broken = [f"breaks the limit on {limits_words(j.broken)}"] if j.broken else []
+    if there:
+        broken.append(
+            f"breaks the limit on {limits_words(there)} from another start or on a corner of the plant"
+        )
+    return f"{settles} with an IAE of {number(j.iae_deg_s)} deg s and {_and(broken) or 'holds every limit'}"

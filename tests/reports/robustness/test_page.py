@@ -1,0 +1,82 @@
+"""The page of robustness opens with what was seen, foreseen and proved, also where that is little."""
+
+from dataclasses import replace
+
+import pytest
+
+from reports.robustness.page import SECTIONS, robust_page
+from reports.robustness.tables import verdict_table
+from reports.robustness.words import summary
+from reports.shared.html import Made
+from reports.shared.tables import number
+from tests.reports.html_page import Page, summary_of
+from tests.reports.report_samples import small_assessment, small_robustness
+
+
+@pytest.fixture(scope="module")
+def assessed():
+    return small_assessment()
+
+
+@pytest.fixture(scope="module")
+def text(assessed):
+    made = Made.now("wrist robust", 0, {"flexion": assessed.box.plant})
+    return robust_page(small_robustness(), made)
+
+
+def test_it_opens_with_three_sentences_that_hold_the_numbers(text, assessed):
+    opening = summary_of(text)
+    assert opening == summary(assessed)
+    assert len(opening) == 3
+    assert opening[0].startswith("None of 60 independent simulated cases breaks a requirement, ")
+    assert f"a search of {assessed.worst.evaluations} runs" in opening[0]
+    Ms = max(m["Ms"] for m in assessed.margins)
+    assert f"Ms is at most {number(Ms)} (limit: 2)" in opening[1]
+    assert "more dead time (limit: 60 ms)" in opening[1]
+    best = max(c.decay for c in assessed.ladder if c.holds and c.dead_time)
+    assert f"dies away at {number(best, 2)} 1/s or faster" in opening[2]
+    assert "with 50 ms of dead time too" in opening[2]
+
+
+def test_every_section_is_there_in_the_order_of_the_contents(text):
+    page = Page(text)
+    ids = [a["id"] for t, a in page.tags if t == "h2"]
+    assert ids == [*SECTIONS, "made"]
+    links = [a["href"] for t, a in page.tags if t == "a"]
+    assert links == [f"#{name}" for name in SECTIONS]
+
+
+def test_samples_stand_first_and_what_has_no_limit_is_said_to_have_none(assessed):
+    groups = verdict_table(assessed).groups
+    assert [g.heading.split(":")[0] for g in groups] == ["Samples", "Predictions", "Certificates"]
+    holds = {r[0].text: r[1].text for g in groups for r in g.rows}
+    assert holds["phase margin on every branch"] == "no limit"
+    assert holds["Ms at most 2 on every branch"] == "yes"
+    assert not any("line1" in cell.text for g in groups for r in g.rows for cell in r[3:4])
+
+
+def test_nothing_proved_and_something_unstable_and_broken_is_said_so(assessed):
+    rungs = tuple(replace(c, holds=False, decay=None) for c in assessed.ladder)
+    margins = ({**assessed.margins[0], "stable": False}, *assessed.margins[1:])
+    broken = replace(assessed.cases.violations[0], count=9, trials=60, low=0.071, high=0.266)
+    cases = replace(assessed.cases, violations=(broken, *assessed.cases.violations[1:]))
+    worst = replace(assessed.worst, violated=())
+    poor = replace(
+        assessed, ladder=rungs, margins=margins, cases=cases, worst=worst, certificates=(), word=None
+    )
+    said = summary(poor)
+    assert said[0] == (
+        f"Of 60 independent simulated cases 9 break the requirement broken most ({broken.words}), which is "
+        f"7.1 to 27 % of cases at 95 % confidence, but a search of {worst.evaluations} runs for the worst "
+        "scenario found none that breaks a limit."
+    )
+    where = f"{margins[0]['branch'].replace('line', 'line ')} ({margins[0]['rate']} rate)"
+    assert said[1] == f"By linear theory the loop is unstable on {where} of the hysteresis."
+    assert said[2] == (
+        "Nothing is proved of a loop that switches between branches at will: no certificate was found."
+    )
+
+
+def test_a_limit_that_is_not_set_is_not_named(assessed):
+    free = replace(assessed, limits=replace(assessed.limits, Ms=None, delay_margin_s=None))
+    assert "limit" not in summary(free)[1]

@@ -1,0 +1,250 @@
+"""The page of a trace is one file that says what was found, on what evidence, and what is open."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from plants.measured.trace.choose import Round
+from plants.measured.trace.learnt import Curve, Learnt
+from reports.shared.html import Made
+from reports.shared.tables import fixed
+from reports.trace.page import draw_all, shown_channels, trace_page
+from reports.trace.record import trace_record
+from reports.trace.residual_figures import means, telling, thinned
+from reports.trace.tables import decision_table
+from reports.trace.words import depends, summary, verdict_sentence
+from tests.reports.html_page import Page, summary_of
+from tests.reports.report_samples import small_trace
+
+BENT = "branch-curvature"
+
+
+@pytest.fixture(scope="module")
+def bent():
+    return small_trace()
+
+
+def stripped(trace, **changes):
+    """The same trace with nothing added: effects were tried and did not help."""
+    declared = {"effects": (), "revised": trace.fit.fitted, "after": trace.before}
+    return replace(trace, after_interval=trace.before_interval, **{**declared, **changes})
+
+
+@pytest.fixture(scope="module")
+def unexplained(bent):
+    """The same with the effect tried and not adopted, and something left."""
+    regulator, wrist = bent.stages
+    at = np.linspace(-20.0, 20.0, 60)
+    learnt = Learnt(("angle_deg",), 0.4, (Curve("angle_deg", at, 0.1 * np.sin(at)),))
+    after = replace(wrist.before, depends_on=("angle_deg", "events"))
+    left = replace(wrist, explained=False, learnt=learnt, after=after)
+    return stripped(bent, verdict="unexplained", stages=(regulator, left), remarks=("Tried & dropped.",))
+
+
+@pytest.fixture(scope="module")
+def made(bent):
+    c = bent.campaign
+    return Made.now("wrist trace <c>", 7, {c.axis: bent.revised}, {c.name: c.checksum})
+
+
+@pytest.fixture(scope="module")
+def text(bent, made):
+    return trace_page(bent, made)
+
+
+@pytest.fixture(scope="module")
+def page(text):
+    return Page(text)
+
+
+def test_the_page_loads_nothing_from_elsewhere_and_its_links_lead_somewhere(page):
+    tags = [t for t, _ in page.tags]
+    assert not {"script", "link", "iframe", "img", "object", "embed"} & set(tags)
+    ids = [a["id"] for _, a in page.tags if "id" in a]
+    assert len(ids) == len(set(ids))
+    for _, attributes in page.tags:
+        for key in ("src", "href", "xlink:href", "data"):
+            target = attributes.get(key) or "#"
+            assert target.startswith("#")
+            assert target == "#" or target[1:] in ids
+
+
+def test_it_opens_with_three_sentences_the_verdict_first(text, page, bent):
+    opening = summary_of(text)
+    assert len(opening) == 3
+    assert opening[0] == verdict_sentence(bent)
+    chi2 = bent.stages[1].search
+    falls = f"falls from {chi2.declared.model.chi2:.2f} to {chi2.chosen.model.chi2:.2f} with {BENT}"
+    assert falls in opening[1]
+    assert all(name in opening[2] for name in bent.cannot_judge)
+    said = verdict_sentence(bent)
+    assert said.startswith("The branches of the loop are curved: with branch-curvature (")
+    assert ") added, the angle error on the recordings that took no part falls from " in said
+    assert said in page.text[page.text.index("}") :].split("Errors before and after")[0]
+
+
+def test_it_shows_errors_evidence_parameters_and_provenance(page, bent):
+    for name, p in bent.revised.parameters.items():
+        assert name in page.text
+        assert p.unit in page.text
+    for words in (
+        "On blocks left out",
+        f"Round 1, by blocks left out: {BENT} taken",
+        "Took no part",
+        "sine.csv",
+        "conditional mean",
+    ):
+        assert words in page.text
+    for name in bent.cannot_judge:
+        assert name in page.text
+    assert bent.campaign.checksum in page.text
+    assert "Seed 7" in page.text
+    assert "Synthetic" not in page.text
+    assert "nan" not in re.findall(r"[a-z]+", page.text.lower())
+
+
+def test_every_figure_has_data_labels_with_units_and_a_description(bent, page):
+    drawn = draw_all(bent)
+    assert {"errors", "fit-angle", "loop", "left-wrist", "left-regulator", "ranking-wrist"} <= set(drawn)
+    assert sum(a.get("class") == "figure" for t, a in page.tags if t == "svg") == len(drawn)
+    for name, figure in drawn.items():
+        for axes in figure.axes:
+            assert axes.lines or axes.patches or axes.collections, name
+        labels = [x for a in figure.axes for x in (a.get_xlabel(), a.get_ylabel()) if x]
+        assert labels, name
+        assert all(re.search(r"\[.+\]", x) for x in labels), (name, labels)
+
+
+def test_a_decision_in_what_looks_like_noise_is_told_by_its_likelihood(bent):
+    search = bent.stages[1].search
+    noise, other = search.chosen, search.declared
+    assert not noise.examined.structured
+    (group,) = decision_table((Round(noise, (), (other,), None),)).groups
+    assert group.heading == (
+        "Round 1, by likelihood, since what is left looks like noise: nothing more taken"
+    )
+    blocks, gained = (group.rows[1][i].text for i in (2, 3))
+    assert blocks == "–"
+    assert gained == fixed(other.log_likelihood - noise.log_likelihood, 1)
+    (group,) = decision_table((Round(other, (), (noise,), noise),)).groups
+    assert group.heading == f"Round 1, by blocks left out: {BENT} taken"
+    assert [cell.text for cell in group.rows[1][2:]] == [fixed(noise.held_out, 2), "–", "taken"]
+
+
+def test_what_is_open_is_said_where_nothing_is(bent, unexplained):
+    clear = replace(bent, stages=tuple(replace(s, cannot_judge={}) for s in bent.stages))
+    assert summary(clear)[2].startswith("Each of the 14 effects would have shown in these recordings, and ")
+    said = summary(unexplained)
+    assert len(said) == 3
+    assert said[0].startswith("Something is left that none of the 14 effects explains")
+
+
+def test_the_noise_is_drawn_where_the_errors_are_judged(bent):
+    figure = draw_all(bent)["errors"]
+    angle = next(a for a in figure.axes if a.get_title(loc="left") == "Angle")
+    verticals = [line.get_xdata()[0] for line in angle.lines if line.get_linestyle() == "--"]
+    assert verticals == [pytest.approx(bent.noise["angle_deg"])]
+
+
+def test_the_pressure_is_drawn_over_time_only_where_something_was_found_in_it(bent):
+    assert shown_channels(bent) == ["angle_deg"]
+    regulator = replace(bent.stages[0], explained=False)
+    assert shown_channels(replace(bent, stages=(regulator, bent.stages[1]))) == [
+        "angle_deg",
+        "pressure_kPa",
+    ]
+
+
+def test_what_no_effect_explains_is_described_and_not_called_a_cause(unexplained, made):
+    text = Page(trace_page(unexplained, made)).text
+    assert "What no effect explains of the angle" in text
+    assert "a description, not a cause" in text.lower()
+    assert "depends on the angle, and jumps now and then" in text
+    assert "Tried & dropped." in text
+    assert f"With what was tried ({BENT})" in text
+
+
+def test_the_record_says_what_is_left_and_on_what_it_depends(unexplained):
+    record = trace_record(unexplained)
+    left = record["unexplained"]
+    assert (left["stage"], left["depends_on"]) == ("wrist", ["angle_deg", "events"])
+    assert left["learnt"]["variables"] == ["angle_deg"]
+    assert left["learnt"]["note"] == "a description, not a cause"
+    assert "stages" not in left
+    assert record["effects"] == []
+    both = replace(unexplained, stages=tuple(replace(s, explained=False) for s in unexplained.stages))
+    assert trace_record(both)["unexplained"]["stages"] == ["regulator", "wrist"]
+    assert trace_record(both)["unexplained"]["stage"] == "regulator"
+
+
+def test_the_verdicts_read_well(bent, unexplained):
+    nothing = stripped(bent, verdict="nothing-missing", before=bent.noise)
+    said = verdict_sentence(nothing)
+    assert said.startswith(
+        "Nothing is missing: on the recordings that took no part the declared wrist is off"
+    )
+    assert "slow" not in said
+    loud = verdict_sentence(replace(nothing, before=bent.before))
+    assert loud.endswith("; what is left of the angle has no more structure than slow noise.")
+    left = verdict_sentence(unexplained)
+    assert left.startswith("Something is left that none of the 14 effects explains: the angle error on ")
+    assert left.endswith("; what is left depends on the angle, and jumps now and then.")
+    tied = replace(bent.effects[0], alternatives=("end-stop", "softening"))
+    said = verdict_sentence(replace(bent, effects=(tied,)))
+    assert said.endswith("; these recordings do not tell branch-curvature from end-stop or softening.")
+
+
+def test_a_channel_that_was_not_logged_is_null(bent):
+    def without(errors):
+        return {**errors, "pressure_kPa": None}
+
+    blind = replace(
+        bent,
+        before=without(bent.before),
+        after=without(bent.after),
+        fit=replace(bent.fit, noise=without(bent.noise)),
+    )
+    record = trace_record(blind)
+    assert record["before"]["pressure_rmse_kPa"] is None
+    assert record["noise_floor"] == {"angle_deg": bent.noise["angle_deg"], "pressure_kPa": None}
+    assert len(draw_all(blind)["errors"].axes) == 1
+
+
+def test_the_same_trace_makes_the_same_page(bent, made, text):
+    assert trace_page(bent, made) == text
+
+
+def test_a_remainder_of_a_hum_or_nothing_reads_well():
+    assert depends(["periodic at 2.31 Hz"]) == "what is left is periodic at 2.31 Hz"
+    assert (
+        depends(["direction", "flow_l_min"])
+        == "what is left depends on the direction of motion and flow_l_min"
+    )
+
+
+def test_the_most_telling_variables_come_first(bent):
+    stage = bent.stages[1]
+    found = telling(stage)
+    assert 1 <= len(found) <= 4
+    worst = max(
+        (
+            f
+            for f in stage.before.findings
+            if f.test == "conditional mean" and f.variable in stage.before.curves
+        ),
+        key=lambda f: f.statistic / f.bound,
+    )
+    assert found[0] == worst.variable
+
+
+def test_means_in_bins_and_a_thinned_spectrum_keep_the_mean(bent):
+    x = np.repeat(np.arange(10.0), 30)
+    at, mean = means(x, 2.0 * x)
+    np.testing.assert_allclose(mean, 2.0 * at)
+    assert at.size == 10
+    curve = bent.stages[1].before.curves["spectrum"]
+    f, power = thinned(replace(curve, mean=np.ones_like(curve.mean)))
+    np.testing.assert_allclose(power, 1.0)
+    assert np.all(np.diff(f) > 0.0)
