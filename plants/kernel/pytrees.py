@@ -1,24 +1,38 @@
 """Pytrees: nested tuples, NamedTuples and frozen dataclasses as flat lists of leaves."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields, is_dataclass
+from functools import cache
 from typing import Any
 
 
-def _branches(tree: Any) -> dict[str, Any] | None:
-    """Branches of a node by their names, in order; None for a leaf.  A field of a dataclass whose metadata
-    says ``static`` is none: it is the same in every lane, and `like` keeps it.
+@cache
+def _fields(kind: type) -> tuple[str, ...] | None:
+    """Names of the branches of a dataclass, None for a type that is none.  A field whose metadata says
+    ``static`` is no branch: it is the same in every lane, and `like` keeps it.
 
     Raises TypeError for a dataclass that is not frozen: what is a pytree must not change under a kernel.
     """
+    if not is_dataclass(kind):
+        return None
+    if not kind.__dataclass_params__.frozen:  # type: ignore[attr-defined]
+        raise TypeError(f"{kind.__name__}: a dataclass in a pytree must be frozen")
+    return tuple(f.name for f in fields(kind) if not f.metadata.get("static"))
+
+
+def _branches(tree: Any) -> Sequence[Any] | None:
+    """Branches of a node, in order; None for a leaf."""
     if isinstance(tree, tuple):
-        names = getattr(tree, "_fields", map(str, range(len(tree))))
-        return dict(zip(names, tree, strict=True))
-    if is_dataclass(tree) and not isinstance(tree, type):
-        if not tree.__dataclass_params__.frozen:  # type: ignore[attr-defined]
-            raise TypeError(f"{type(tree).__name__}: a dataclass in a pytree must be frozen")
-        return {f.name: getattr(tree, f.name) for f in fields(tree) if not f.metadata.get("static")}
-    return None
+        return tree
+    own = _fields(type(tree))  # type: ignore[arg-type]  # a class is hashable; mypy does not see it
+    return None if own is None else [getattr(tree, name) for name in own]
+
+
+def _names(tree: Any) -> Iterable[str]:
+    """Names of the branches of a node."""
+    if isinstance(tree, tuple):
+        return getattr(tree, "_fields", None) or map(str, range(len(tree)))
+    return _fields(type(tree)) or ()  # type: ignore[arg-type]
 
 
 def leaves(tree: Any) -> list[Any]:
@@ -29,7 +43,7 @@ def leaves(tree: Any) -> list[Any]:
     """
     if (branches := _branches(tree)) is None:
         return [tree]
-    return [leaf for branch in branches.values() for leaf in leaves(branch)]
+    return [leaf for branch in branches for leaf in leaves(branch)]
 
 
 def names(tree: Any, prefix: str = "") -> list[str]:
@@ -38,7 +52,7 @@ def names(tree: Any, prefix: str = "") -> list[str]:
         return [prefix]
     return [
         name
-        for field, branch in branches.items()
+        for field, branch in zip(_names(tree), branches, strict=True)
         for name in names(branch, f"{prefix}.{field}" if prefix else field)
     ]
 
@@ -57,12 +71,12 @@ def like(tree: Any, values: Any) -> Any:
 def _fill(tree: Any, values: Iterator[Any]) -> Any:
     if (branches := _branches(tree)) is None:
         return next(values)
-    filled = {name: _fill(branch, values) for name, branch in branches.items()}
+    filled = [_fill(branch, values) for branch in branches]
     if isinstance(tree, tuple):
-        return tuple.__new__(type(tree), filled.values())
+        return tuple.__new__(type(tree), filled)
     made = object.__new__(type(tree))
     kept = {f.name: getattr(tree, f.name) for f in fields(tree) if f.metadata.get("static")}
-    for name, branch in (kept | filled).items():
+    for name, branch in (kept | dict(zip(_names(tree), filled, strict=True))).items():
         object.__setattr__(made, name, branch)
     return made
 
@@ -70,7 +84,7 @@ def _fill(tree: Any, values: Iterator[Any]) -> Any:
 def places(tree: Any, kind: type, first: int = 0) -> list[int]:
     """Number of the first leaf of each part of a tree that is of a kind, in the order of `leaves`."""
     found = [first] if isinstance(tree, kind) else []
-    for branch in (_branches(tree) or {}).values():
+    for branch in _branches(tree) or ():
         found += places(branch, kind, first)
         first += len(leaves(branch))
     return found

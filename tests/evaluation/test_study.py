@@ -3,11 +3,11 @@
 from dataclasses import replace
 
 import pytest
-from design.evaluation.paper import SERIES, redrawn
 
 from design import Question, Study
 from design.answer import LimitBroken, answer, refusal
-from design.evaluation import study as module
+from design.studies import study as module
+from design.studies.paper import SERIES, redrawn
 from plants import InputError, Wrist, built_in
 from plants.effects import DeadTime
 from tests.reports.report_samples import small_study
