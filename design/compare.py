@@ -106,7 +106,8 @@ def compare(
     of each motion, by name; `periodic`: those that act once a period, such as an MPC; `progress` is told
     who plays and the share of the motion that is done.
     """
-    limits, tell = limits or Limits(), progress or (lambda stage, share: None)
+    limits = limits or Limits.of(next(iter(wrists.values())).rig)
+    tell = progress or (lambda stage, share: None)
     if designs is None:
         designs = {m: design_others(default_problem(w, limits)) for m, w in wrists.items()}
     rows: list[Row] = []

@@ -16,7 +16,6 @@ from design.loop import holding, run
 from design.mpc import loop as by_periods
 from design.mpc.fallback import SOLVED, Info
 from design.mpc.timing import Ledger, ledger
-from design.tasks import STEP
 from plants import tree
 from plants.wrist import STARTS, Wrist
 
@@ -53,7 +52,7 @@ def _of_samples(wrist: Wrist, controller: Controller) -> list[Info]:
     infos = []
     c = controller.sampled(wrist.rig.sample_time)
     for start in STARTS:
-        for reference in (STEP, -STEP):
+        for reference in (wrist.rig.task.step, -wrist.rig.task.step):
             rest = wrist.rest(start)
             went = run(wrist, controller, reference, rest, duration=DURATION, record=True)[2]
             assert went is not None
@@ -70,6 +69,6 @@ def _of_samples(wrist: Wrist, controller: Controller) -> list[Info]:
 def _of_periods(wrist: Wrist, controller: Any) -> list[Info]:
     infos = []
     for start in STARTS:
-        for reference in (STEP, -STEP):
+        for reference in (wrist.rig.task.step, -wrist.rig.task.step):
             infos += by_periods.run(wrist, controller, reference, wrist.rest(start), DURATION).periods
     return infos

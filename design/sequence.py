@@ -15,19 +15,18 @@ from design import metrics
 from design.controllers.controller import Controller
 from design.evaluation import runner
 from design.metrics import Metrics
-from design.tasks import STEP
 from plants.kernel import pytrees as tree
 from plants.simulation.closed_loop import Trajectory
 from plants.simulation.disturbance import at_rest, burdened
 from plants.simulation.periodic import Periodic
 from plants.simulation.reference_profile import ReferenceProfile
-from plants.wrist import SAMPLE_TIME, Start, State, Wrist
+from plants.wrist import Start, State, Wrist
 
 Number = Any
 Array = NDArray[np.float64]
 
-SMALLEST = 5.0
-"""What is judged relative to the step is so to one of at least this size [deg]: a reference that is
+SMALLEST = 1.0 / 3.0
+"""What is judged relative to a step is so to one of at least this share of the task's: a reference that is
 changed just as the wrist passes it would make any overshoot a large share of a tiny step."""
 
 
@@ -80,11 +79,13 @@ class Batch:
 @dataclass(frozen=True)
 class Played:
     """What became of sequences: metrics of the last step, leaves (lanes,); start [deg] (lanes,), the
-    true angle where that began; reference [deg] (samples, lanes) and trajectory where recorded."""
+    true angle where that began; size [deg] of that step, and of the task's;
+    reference [deg] (samples, lanes) and trajectory where recorded."""
 
     metrics: Metrics
     start: Array
     size: Array
+    step: float
     reference: Array | None = None
     trajectory: Trajectory | None = None
 
@@ -92,19 +93,20 @@ class Played:
     def values(self) -> dict[str, Array]:
         """What limits and cost are held against, by name, each (lanes,).
 
-        A step of 15 deg (`design.tasks.STEP`) is what the limits and the tuning set are made for, so
+        A step of the rig's task is what the limits and the tuning set are made for, so
         others are put on its footing: overshoot and steady error in percent of the step, of one of
-        `SMALLEST` at least; travel of the command of a larger step as if scaled down to 15 deg (a
+        `SMALLEST` at least; travel of the command of a larger step as if scaled down to it (a
         smaller one must travel for the play of the loop all the same, and is not scaled up); IAE and
-        ITAE per degree of a step of `SMALLEST` at least, times 15 deg.
+        ITAE per degree of a step of `SMALLEST` at least, times that step.
         """
-        m, size = self.metrics, np.maximum(self.size, SMALLEST)
+        smallest = SMALLEST * self.step
+        m, size = self.metrics, np.maximum(self.size, smallest)
         return {
-            "overshoot_percent": np.nan_to_num(m.overshoot_percent * np.minimum(self.size / SMALLEST, 1.0)),
+            "overshoot_percent": np.nan_to_num(m.overshoot_percent * np.minimum(self.size / smallest, 1.0)),
             "steady_error_percent": 100.0 * m.steady_state_error_deg / size,
-            "total_variation_V": m.total_variation_V * np.minimum(STEP / size, 1.0),
-            "iae_deg_s": m.iae_deg_s * STEP / size,
-            "itae_deg_s2": m.itae_deg_s2 * STEP / size,
+            "total_variation_V": m.total_variation_V * np.minimum(self.step / size, 1.0),
+            "iae_deg_s": m.iae_deg_s * self.step / size,
+            "itae_deg_s2": m.itae_deg_s2 * self.step / size,
             "settling_time_s": m.settling_time_s,
         }
 
@@ -129,9 +131,9 @@ def batch(
         state = at_rest(wrist, start, np.where(here, angle, 0.0), dead_time, load)
         for into, leaf in zip(found, tree.leaves(state), strict=True):
             into[here] = np.broadcast_to(leaf, here.shape)[here]
-    ends = np.round(np.cumsum(np.asarray(holds, float), axis=0) / SAMPLE_TIME)
+    ends = np.round(np.cumsum(np.asarray(holds, float), axis=0) / wrist.rig.sample_time)
     switches = np.vstack([np.zeros_like(ends[:1]), ends[:-1]])
-    judged = np.maximum(np.round(np.asarray(holds, float)[-1] / SAMPLE_TIME), 1.0)
+    judged = np.maximum(np.round(np.asarray(holds, float)[-1] / wrist.rig.sample_time), 1.0)
     return Batch(loaded, tree.like(loaded.rest(), found), np.asarray(references, float), switches, judged)
 
 
@@ -188,17 +190,20 @@ def play(
     ([5.59, inf], [0.0, 1.71])
     """
     b = sequences if isinstance(sequences, Batch) else stack(sequences)
-    judge = metrics.of_step_under_way(b.switches[-1], b.judged)
+    judge = metrics.of_step_under_way(b.switches[-1], b.judged, b.wrist.rig.sample_time)
     profile = ReferenceProfile(tuple(b.references), tuple(b.switches[1:]))
     samples = int(np.max(b.switches[-1] + b.judged))
     if isinstance(controller, Periodic):  # to the end of the last period, which is judged no further
         samples += -samples % int(controller.problem.substeps)
-    duration = samples * SAMPLE_TIME
+    duration = samples * b.wrist.rig.sample_time
     done = runner.play(
         runner.Lanes(b.wrist, b.state, profile, judge, duration), controller, record=record, jobs=jobs
     )
     start = done.last.judge.step.start
-    played = Played(done.metrics, start, np.abs(b.references[-1] - start), trajectory=done.trajectory)
+    played = Played(
+        done.metrics, start, np.abs(b.references[-1] - start), b.wrist.rig.task.step,
+        trajectory=done.trajectory,
+    )  # fmt: skip
     if done.trajectory is None:
         return played
     asked = profile.at(np.arange(len(done.trajectory.time))[:, None]).reference

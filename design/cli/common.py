@@ -16,6 +16,7 @@ from design.cli.screen import is_stdout
 if TYPE_CHECKING:
     from plants.measured.campaign import Campaign
     from plants.quantities import ParameterSet
+    from plants.rig import Rig
 
 
 class Axis(StrEnum):
@@ -64,6 +65,13 @@ def parameter_set(axis: Axis, plant: Path | None) -> "ParameterSet":
     from plants.quantities import built_in, load
 
     return load(plant) if plant else built_in(axis.value)
+
+
+def rig_of(plant: Path | None) -> "Rig | None":
+    """The rig of a parameter set that was given; None for the built-in one."""
+    from plants.quantities import load
+
+    return None if plant is None else load(plant).rig
 
 
 def starting_set(data: "Campaign", plant: Path | None) -> "ParameterSet":

@@ -162,9 +162,9 @@ def _plants(
         if one.axis in given:
             raise InputError(f"{path}: a set for {one.axis!r} was given before; give one a motion")
         given[one.axis] = one
-    campaigns = {}
+    files_of, campaigns = list(given.values()), {}
     for folder in folders:  # all are read before any is fitted, so that bad input ends the run at once
-        data = load_campaign(folder)
+        data = load_campaign(folder, next((s.rig for s in files_of), None))
         if data.stage == "regulator":
             raise InputError(f"{folder}: has no angle; a comparison needs a campaign of the whole wrist")
         if data.axis in campaigns:

@@ -11,6 +11,7 @@ from design.cli.common import (
     OutOption,
     SeedOption,
     StartOption,
+    rig_of,
     starting_set,
     write_json,
 )
@@ -44,7 +45,7 @@ def command(
     from reports.shared.fit import fit_record
 
     check_places({"--save": save, "--json": json}, out)
-    data = load_campaign(campaign)
+    data = load_campaign(campaign, rig_of(plant))
     with progress(f"fit {data.name}") as tell:
         fitted = fit_campaign(data, starting_set(data, plant), starts, seed, tell)
     said = console(json)

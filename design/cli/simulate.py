@@ -100,13 +100,14 @@ def _open(wrist: "Wrist", volts: float, start: "Start", duration: float) -> dict
     import warnings
 
     from plants.errors import InputError, InputWarning
-    from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
 
     if not abs(volts) <= 100.0:
         raise InputError(f"--volts: {volts} is no voltage of a regulator; give one of 0 to 4")
-    if not COMMAND_RANGE[0] <= volts <= COMMAND_RANGE[1]:
-        warnings.warn(f"--volts: {volts:g} V is outside the range of 0 to 4 V", InputWarning, stacklevel=2)
-    count = round(duration / SAMPLE_TIME)
+    low, high = wrist.rig.command_range
+    if not low <= volts <= high:
+        words = f"--volts: {volts:g} V is outside the range of {low:g} to {high:g} V"
+        warnings.warn(words, InputWarning, stacklevel=2)
+    count = round(duration / wrist.rig.sample_time)
     r = wrist.simulate([volts] * count, wrist.rest(start), every=10 if count % 10 == 0 else 1)
     summary = f"{volts:g} V for {duration:g} s leads to {r.pressure[-1]:.2f} kPa and {r.angle[-1]:.3f} deg"
     return {

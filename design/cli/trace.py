@@ -12,6 +12,7 @@ from design.cli.common import (
     SeedOption,
     StartOption,
     command_line,
+    rig_of,
     starting_set,
     write_json,
 )
@@ -58,7 +59,7 @@ def command(
     from reports.trace.words import control_sentence
 
     check_places({"--save": save, "--json": json}, out)
-    data = load_campaign(campaign)
+    data = load_campaign(campaign, rig_of(plant))
     start = starting_set(data, plant)
     with progress(f"trace {data.name}") as tell:
         trace = trace_campaign(data, start, seed, tell)

@@ -74,13 +74,13 @@ def _feedforward_pi(wrist: Wrist, g: Numbers) -> Controller:
 
 def _controlled(build: Callable[[Wrist, Numbers], Controller]) -> Callable[[str, str, Wrist, Numbers], Part]:
     def make(name: str, title: str, wrist: Wrist, gains: Numbers) -> Part:
-        return of_controller(name, title, build(wrist, gains))
+        return of_controller(name, title, build(wrist, gains), wrist.rig.sample_time)
 
     return make
 
 
 def _observer(name: str, title: str, wrist: Wrist, gains: Numbers) -> Part:
-    return of_observer(name, title, MemoryObserver.of(wrist, *gains))
+    return of_observer(name, title, MemoryObserver.of(wrist, *gains), wrist.rig.sample_time)
 
 
 def _mpc(setting: Callable[[Wrist], Problem]) -> Callable[[str, str, Wrist, Numbers], Part]:

@@ -31,7 +31,6 @@ from design.robustness.samples.statements import statements as of_samples
 from design.robustness.samples.worst import Worst
 from design.robustness.statement import Reason, Statement
 from design.status import BY_PROOF, Status
-from design.tasks import STEP
 from plants.effects.load_step import LoadStep
 from plants.errors import InputError
 from plants.wrist import Wrist
@@ -114,7 +113,7 @@ def assess(
     the worst case may take.  Raises InputError where the
     box holds no case that a command can hold, and as `design.cluster.each` does of a scheduler.
     """
-    limits, conditions = limits or Limits(), conditions or Conditions()
+    limits, conditions = limits or Limits.of(box.plant.rig), conditions or Conditions()
     tell = progress or (lambda stage, share: None)
     wrist = box.wrist
     # First, since they may refuse the conditions or find no scheduler.
@@ -141,7 +140,9 @@ def assess(
     predicted = [s for s in fixed if s.status is Status.PREDICTED]
     return Assessment(
         box, controller, limits, conditions,
-        (*of_ladder(rungs, left_out), *of_step(rungs, STEP), *_virgin(wrist, controller), *proved),
+        (
+            *of_ladder(rungs, left_out), *of_step(rungs, wrist.rig.task.step), *_virgin(wrist, controller), *proved,
+        ),
         (*margins.statements(rows, limits), *cycles.statements(found, swings), *predicted),
         tuple(of_samples(cases)),
         tuple(rungs), word, tuple(rows), tuple(found), cases, worst,
@@ -152,7 +153,7 @@ def _ladder(wrist: Wrist, controller: PI, stable: bool, tell: Tell) -> tuple[lis
     """Every rung, in continuous time and sampled, and a word that speaks against some."""
     model = LoopModel.of(wrist, controller)
     tell("certificates", 0.0)
-    rungs = ladder.certify(model, wrist, controller, STEP, DEAD_TIMES)
+    rungs = ladder.certify(model, wrist, controller, wrist.rig.task.step, DEAD_TIMES)
     tell("certificates", 0.4)
     word = sampled_loop.word_of(model) if stable else None
     tell("certificates", 0.7)
@@ -161,7 +162,8 @@ def _ladder(wrist: Wrist, controller: PI, stable: bool, tell: Tell) -> tuple[lis
 
 def _virgin(wrist: Wrist, controller: PI) -> list[Statement]:
     """The time on the virgin curve, for a step either way."""
-    return [of_virgin_curve(time_on_virgin_curve(wrist, controller, step), step) for step in (STEP, -STEP)]
+    size = wrist.rig.task.step
+    return [of_virgin_curve(time_on_virgin_curve(wrist, controller, step), step) for step in (size, -size)]
 
 
 def _constant(box: Box, controller: PI) -> list[Statement]:

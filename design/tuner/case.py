@@ -56,8 +56,8 @@ def case(wrist: Wrist, setting: Setting, limits: Limits | None = None, jobs: int
     )  # fmt: skip
     stacked = here.made_of({n: np.full(lanes, v) for n, v in here.values.items()})
     problem = Problem(
-        here, scenarios, limits or Limits(), "iae", tuple(branch_responses(here)),
-        (stacked, rest.state, references), 10.0, jobs,
+        here, scenarios, limits or Limits.of(here.rig), "iae", tuple(branch_responses(here)),
+        (stacked, rest.state, references), here.rig.task.duration, jobs,
     )  # fmt: skip
     coarse = replace(problem, branches=tuple(branch_responses(here, COARSE)))
     return TunedPlant(problem, coarse, note=out_of_reach(problem))

@@ -185,7 +185,7 @@ def worst_case(
     and where no sequence was found that is within reach.
     """
     _refuse(dead_time, load, steps, budget, duration)
-    limits, tell = limits or Limits(), progress or (lambda stage, share: None)
+    limits, tell = limits or Limits.of(box.plant.rig), progress or (lambda stage, share: None)
     space = Space(box, steps, dead_time, load, duration)
     wanted: list[Objective] = [objective]
     if not any(n in SIMULATED for n in limits.named):

@@ -18,7 +18,7 @@ from plants import tree
 from plants.effects.effect import Around, Effect
 from plants.rest import at_rest, searched
 from plants.simulation.sensor import HOLD
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, STARTS, Start, State, Wrist, settled
+from plants.wrist import STARTS, Start, State, Wrist, settled
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -98,7 +98,7 @@ def noise(task: Task, chunk: int, count: int = CHUNK) -> Array | None:
     samples; None where the conditions have none.  Row by row, so that a longer run begins like a shorter."""
     if task.conditions.noise == 0.0:
         return None
-    rows = -(-round(task.duration / SAMPLE_TIME) // HOLD)
+    rows = -(-round(task.duration / task.box.plant.rig.sample_time) // HOLD)
     return generator(task.seed, chunk, NOISE).standard_normal((rows, CHUNK))[:, :count]
 
 
@@ -154,7 +154,8 @@ def _chosen(start: NDArray[np.intp], rests: list[State]) -> State:
 def _beyond(controller: Controller, wrist: Wrist, pressure: Array) -> Flags:
     """Where the command that holds a pressure [kPa] is outside the controller's range."""
     command = pressure / wrist.regulator.gain
-    low, high = (getattr(controller, n, end) for n, end in zip(("low", "high"), COMMAND_RANGE, strict=True))
+    ends = zip(("low", "high"), wrist.rig.command_range, strict=True)
+    low, high = (getattr(controller, n, end) for n, end in ends)
     return np.asarray((command < low) | (command > high), np.bool_)
 
 

@@ -22,11 +22,9 @@ from design.requirements import LIMIT_UNITS, Limits
 from design.robustness.box import Box
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.draws import CHUNK, Draw, Flags, Task, draw, noise, remarks
-from design.tasks import STEP
 from plants.errors import InputError
 from plants.kernel.batches import default_jobs
 from plants.simulation.sensor import HOLD, sensor
-from plants.wrist import SAMPLE_TIME
 
 Array = NDArray[np.float64]
 QUANTILES = (0.05, 0.5, 0.95, 0.99)
@@ -89,17 +87,18 @@ def monte_carlo(
     samples: int = 2000,
     seed: int = 0,
     limits: Limits | None = None,
-    reference: float = STEP,
-    duration: float = 10.0,
+    reference: float | None = None,
+    duration: float | None = None,
     jobs: int | None = None,
     scheduler: str | None = None,
     progress: Callable[[str, float], None] | None = None,
 ) -> Samples:
-    """Run `samples` independent cases of a box under a controller, each a step of +-reference [deg].
+    """Run `samples` independent cases of a box under a controller, each a step of +-reference [deg], the
+    rig's where not given.
 
     Case i depends on `seed` and i alone: the first cases of a longer run are those of a shorter one, and
     the results are the same to the bit for any number of threads `jobs` and for a Dask cluster at
-    the address `scheduler`, whatever its workers.  duration [s] of each run.  Raises InputError for
+    the address `scheduler`, whatever its workers.  duration [s] of each run, likewise.  Raises InputError for
     numbers that make no sense, and as `design.cluster.each` does.
 
     >>> from design.controllers.pi import PI
@@ -109,7 +108,10 @@ def monte_carlo(
     >>> len(found), [v.requirement for v in found.violations]
     (200, ['overshoot_percent', 'settles', 'steady_error_percent', 'total_variation_V'])
     """
-    task = Task(box, controller, conditions or Conditions(), seed, float(reference), float(duration))
+    asked = box.plant.rig.task
+    reference = asked.step if reference is None else float(reference)
+    duration = asked.duration if duration is None else float(duration)
+    task = Task(box, controller, conditions or Conditions(), seed, reference, duration)
     _refuse(task, samples)
     pieces = [(k, min(CHUNK, samples - k * CHUNK)) for k in range(-(-samples // CHUNK))]
     tell = progress or (lambda stage, share: None)
@@ -117,7 +119,7 @@ def monte_carlo(
         partial(run_chunk, task), pieces, scheduler, lambda share: tell("samples", share),
         jobs or default_jobs(),
     )  # fmt: skip
-    return _gathered(task, limits or Limits(), parts)
+    return _gathered(task, limits or Limits.of(box.plant.rig), parts)
 
 
 Part = tuple[list[Array], dict[str, Array], NDArray[np.intp], Array, Array, Flags]
@@ -251,7 +253,7 @@ def envelopes(samples: Samples, count: int = 200) -> Envelopes | None:
     _, rows = _rollouts(samples.task, cases, piece, HOLD, ("plant.angle",))
     angle = (rows[0] * np.sign(cases.reference))[:, kept]
     low, middle, high = np.quantile(angle, (0.05, 0.5, 0.95), axis=1)
-    time = np.asarray(np.arange(len(angle)) * (HOLD * SAMPLE_TIME), float)
+    time = np.asarray(np.arange(len(angle)) * (HOLD * samples.task.box.plant.rig.sample_time), float)
     return Envelopes(time, low, middle, high, int(kept.size))
 
 

@@ -1,8 +1,8 @@
 """Where the worst case is searched for: a cube whose places are sequences on plants of a box.
 
 Coordinates, each from 0 to 1: those of the box; the starting memory (four equal parts); the references,
-each within the task's +-15 deg and at least `SMALLEST` from the one before; how long all but the last
-are held (log-spaced, within `HOLD`, the one before the last within `CALM`); dead time and load where
+each within the task's step either way and at least `SMALLEST` of it from the one before; how long all
+but the last are held (log-spaced, within `HOLD`, the one before the last within `CALM`); dead time and load where
 they are searched.
 """
 
@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from design.robustness.box import Box
 from design.sequence import SMALLEST, Batch, Sequence, batch
-from design.tasks import HEADROOM, STEP
+from design.tasks import HEADROOM
 from plants.effects.effect import Effect
 from plants.simulation.disturbance import at_rest
-from plants.wrist import COMMAND_RANGE, STARTS, Start, Wrist
+from plants.wrist import STARTS, Start, Wrist
 
 Array = NDArray[np.float64]
 HOLD = (0.3, 5.0)
@@ -54,7 +54,7 @@ class Space:
         first, n, lanes = len(self.box.intervals) + 1, self.steps, x.shape[1]
         angles, before = [], np.zeros(lanes)
         for share in x[first : first + n]:
-            before = reference(share, before)
+            before = reference(share, before, self.box.wrist.rig.task.step)
             angles.append(before)
         shares = x[first + n : first + 2 * n - 1]
         bounds = [HOLD] * (n - 2) + [CALM] * (n > 1)
@@ -89,7 +89,7 @@ class Space:
     def reachable(self, x: Array) -> NDArray[np.bool_]:
         """Where every reference can be held: by a command in the range, less the headroom of the tuning
         set, on the line on which the wrist arrives, with no effect that keeps it from there; (lanes,)."""
-        asked, n, (low, high) = self.asked(x), self.steps, COMMAND_RANGE
+        asked, n, (low, high) = self.asked(x), self.steps, self.box.wrist.rig.command_range
         angles = asked["references"].ravel()
         before = np.vstack([np.zeros(x.shape[1]), asked["references"][:-1]]).ravel()
         # All references at once, as lanes: for a plant with effects, rest is found by bisection.
@@ -103,18 +103,19 @@ class Space:
         return np.asarray(held.reshape(n, -1).all(axis=0))
 
 
-def reference(share: Array, before: Array) -> Array:
-    """References [deg] within the task's range and at least `SMALLEST` from those before; a share of 0
-    is the lowest and of 1 the highest.
+def reference(share: Array, before: Array, step: float) -> Array:
+    """References [deg] within the range of the task's step [deg] and at least the share `SMALLEST` of it
+    from those before; a share of 0 is the lowest and of 1 the highest.
 
-    >>> reference(np.array([0.0, 0.5, 1.0]), np.array([0.0, 12.0, -12.0])).tolist()
+    >>> reference(np.array([0.0, 0.5, 1.0]), np.array([0.0, 12.0, -12.0]), 15.0).tolist()
     [-15.0, -4.0, 15.0]
     """
-    below = np.maximum(before - SMALLEST + STEP, 0.0)
-    above = np.maximum(STEP - before - SMALLEST, 0.0)
+    smallest = SMALLEST * step
+    below = np.maximum(before - smallest + step, 0.0)
+    above = np.maximum(step - before - smallest, 0.0)
     way = share * (below + above)
     lower = (way <= below) & (below > 0.0)
-    return np.asarray(np.where(lower, way - STEP, before + SMALLEST + way - below), float)
+    return np.asarray(np.where(lower, way - step, before + smallest + way - below), float)
 
 
 def _unhindered(wrist: Wrist, pressures: Array, angles: Array) -> NDArray[np.bool_]:

@@ -69,7 +69,7 @@ class Worst:
     @property
     def cost_per_deg(self) -> float:
         """IAE of the last step per degree [s]."""
-        return self.values["iae_deg_s"] / STEP
+        return self.values["iae_deg_s"] / self.sequence.wrist.rig.task.step
 
     @property
     def settings(self) -> dict[str, float]:
@@ -141,7 +141,7 @@ def plain_worst(
         Sequence(s.start, s.angle, (s.reference,), (duration,), s.wrist, plant=s.plant) for s in scenarios
     ]
     played: Played = play(runs, controller, jobs=jobs)
-    beyond, cost = excesses(played.values, limits), played.values["iae_deg_s"] / STEP
+    beyond, cost = excesses(played.values, limits), played.values["iae_deg_s"] / played.step
     dearest = int(np.argmax(cost))
     if not beyond:
         return Plain(-1.0, "", "", float(cost[dearest]), scenarios[dearest].name)
