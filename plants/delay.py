@@ -10,12 +10,19 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.meanings import remembers
+
 Number = Any
 Array = NDArray[np.float64]
 LONGEST = 511
 """Samples that a line holds."""
 
 
+@remembers(
+    near=("deg", "angle of the model so many whole samples ago"),
+    far=("deg", "angle of the model one sample before that"),
+    newest=("deg", "angle of the model put into the delay last"),
+)
 class DelayLine(NamedTuple):
     """What a law sees of a line: the samples put in `samples` steps ago (near) and one step before
     that (far), and the one put in last (newest).  A line starts filled with its `newest`."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from plants import hysteresis, lag, regulator
 from plants.effects.effect import Around, Effect
 from plants.hysteresis import STARTS, Bend, HysteresisLaw, Start
+from plants.meanings import remembers
 from plants.regulator import Regulator
 from plants.rig import Rig, built_in_rig
 
@@ -28,6 +29,7 @@ COMMAND_RANGE = built_in_rig().command_range
 __all__ = ["COMMAND_RANGE", "SAMPLE_TIME", "STARTS", "Start", "State", "Wrist"]
 
 
+@remembers(pressure=("kPa", "pressure of the model"), angle=("deg", "angle of the model"))
 class State(NamedTuple):
     """What the wrist remembers: pressure [kPa], the memory of its hysteresis, which has the static angle
     `h` [deg], angle [deg], and the state of each effect."""

@@ -13,15 +13,16 @@ takes the error alone), `design.controllers.lqi` another, which uses angle and p
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol
 
 import numpy as np
 
 from plants.kernel import pytrees
+from plants.meanings import remembers
 from plants.simulation.sensor import Measured
 from plants.wrist import SAMPLE_TIME
 
-__all__ = ["ControlLaw", "Controller", "Measured", "SampledController", "stacked"]
+__all__ = ["ControlLaw", "Controller", "Measured", "SampledController", "remembers", "stacked"]
 
 Number = Any
 ControlLaw = Callable[[Any, Number, Any], tuple[Any, Number]]
@@ -67,22 +68,6 @@ class Controller(Protocol):
     def command(self, state: Any) -> Number:
         """The command [V] that a state gives while the error is zero."""
         ...
-
-
-MEANINGS: dict[tuple[type, str], tuple[str, str]] = {}
-"""Unit and meaning of the fields of states, for who takes a law to a target."""
-
-_State = TypeVar("_State", bound=type)
-
-
-def remembers(**fields: tuple[str, str]) -> Callable[[_State], _State]:
-    """Decorator of a state: unit and meaning of its fields, which exported code gives by name."""
-
-    def told(state: _State) -> _State:
-        MEANINGS.update({(state, name): known for name, known in fields.items()})
-        return state
-
-    return told
 
 
 def stacked(controllers: Sequence[Any], repeat: int = 1) -> Any:

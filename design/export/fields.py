@@ -1,18 +1,16 @@
 """Quantities that cross into C: name, unit and meaning of every field of a struct.
 
-A state is a tree of NamedTuples without units; a controller tells those of its own
-(`design.controllers.controller.remembers`).  A field that is not described is not exported, since a struct
-of numbers that nobody can name helps no one.
+A state is a tree of NamedTuples without units; plant, hysteresis law and controller tell those of their own
+(`plants.meanings.remembers`), of a field of several numbers once.  A field that is not described is not
+exported, since a struct of numbers that nobody can name helps no one.
 """
 
 from typing import Any, NamedTuple
 
-from design.controllers.controller import MEANINGS
 from plants.delay import DelayLine
 from plants.errors import InputError
-from plants.hysteresis import Memory
 from plants.kernel import pytrees
-from plants.wrist import State
+from plants.meanings import MEANINGS
 
 
 class Quantity(NamedTuple):
@@ -46,17 +44,6 @@ ANGLE = Quantity("angle", "deg", "angle that the sensor shows")
 PRESSURE = Quantity("pressure", "kPa", "pressure that the sensor shows")
 COMMAND = Quantity("command", "V", "command to the regulator, within its range")
 
-OF_THE_PLANT = {
-    (State, "pressure"): ("kPa", "pressure of the model"),
-    (State, "angle"): ("deg", "angle of the model"),
-    (Memory, "h"): ("deg", "static angle: the memory of the loop"),
-    (Memory, "virgin"): ("", "1 before the wrist has met a line of its loop, 0 afterwards"),
-    (DelayLine, "near"): ("deg", "angle of the model so many whole samples ago"),
-    (DelayLine, "far"): ("deg", "angle of the model one sample before that"),
-    (DelayLine, "newest"): ("deg", "angle of the model put into the delay last"),
-}
-"""Unit and meaning of what a controller's model of the wrist remembers."""
-
 
 def described(state: Any) -> tuple[Quantity, ...]:
     """The leaves of a state as members of a struct, in order.
@@ -73,18 +60,19 @@ def described(state: Any) -> tuple[Quantity, ...]:
 
 def _known(state: Any) -> list[tuple[str, str]]:
     found: list[tuple[str, str]] = []
-    known = {**OF_THE_PLANT, **MEANINGS}
-    for name, part in zip(getattr(state, "_fields", range(len(state))), state, strict=True):
-        if isinstance(part, tuple):
+    for name, part in zip(state._fields, state, strict=True):
+        if hasattr(part, "_fields"):
             found += _known(part)
             continue
-        key = (type(state), name)
-        if key not in known:
+        numbers, key = len(pytrees.leaves(part)), (type(state), name)
+        if not numbers:
+            continue
+        if key not in MEANINGS:
             raise InputError(
                 f"{type(state).__name__}.{name}: a state without unit or meaning; decorate "
-                f"{type(state).__name__} with design.controllers.controller.remembers"
+                f"{type(state).__name__} with plants.meanings.remembers"
             )
-        found.append(known[key])
+        found += [MEANINGS[key]] * numbers
     return found
 
 

@@ -26,7 +26,6 @@ from design.mpc import linear, observer
 from design.mpc.prediction import coefficients
 from design.mpc.problem import Believed, Problem
 from plants import tree, wrist
-from plants.hysteresis import FourSegment
 from plants.kernel.graphs import baked, c_source, graph
 from plants.wrist import SampledWrist, State
 
@@ -160,33 +159,18 @@ def believed_after(
 
 def parameters(m: MPCMemory, command: Number, reference: Number, c: SampledWrist, problem: Problem) -> Any:
     """theta, and the bounds [deg] on u: what `design.mpc.linear.plan` hands to its solver."""
-    b, loop, gain = m.believed, c.hysteresis, c.regulator.gain
-    assert isinstance(loop, FourSegment)
-    memory, P = b.plant.memory, b.plant.pressure
-
-    def static(v: Number) -> Number:
-        return loop.step(memory, P, gain * v + b.lack).h
-
-    least, most = static(problem.low), static(problem.high)
-    was = np.where(m.planned > 0.5, m.u, static(command))
-    transit = loop.s * (1.0 - memory.virgin)
-    up = reference - b.shift > memory.h
-    down_there = np.maximum(least, memory.h + transit * (gain * problem.low + b.lack - P))
-    up_there = np.minimum(most, memory.h + transit * (gain * problem.high + b.lack - P))
-    theta = (memory.h, b.plant.angle, b.shift - reference, was)
-    return theta, np.where(up, down_there, least), np.where(up, most, up_there)
+    b = m.believed
+    h = b.plant.memory.h
+    commands = problem.low, problem.high, command
+    least, most, was = linear.bounds(b.plant, b.lack, commands, reference - b.shift > h, c)
+    return (h, b.plant.angle, b.shift - reference, np.where(m.planned > 0.5, m.u, was)), least, most
 
 
 def pressure_wanted(b: Believed, u: Number, c: SampledWrist, of: linear.Planner) -> Number:
     """Pressure [kPa] that the first move u [deg] of a plan asks for at the end of the period."""
-    memory = b.plant.memory
-    angle = (
-        of.static_free[0, 0] * memory.h + of.static_free[0, 1] * b.plant.angle + of.static_forced[0, 0] * u
-    )
-    still = np.where(memory.virgin > 0.5, 1.0, 0.0) * np.where(
-        np.abs(angle - memory.h) < linear.STILL, 1.0, 0.0
-    )
-    return c.hysteresis.pressure_for(memory, b.plant.pressure, np.where(still > 0.5, memory.h, angle))
+    h = b.plant.memory.h
+    angle = of.static_free[0, 0] * h + of.static_free[0, 1] * b.plant.angle + of.static_forced[0, 0] * u
+    return linear.pressure_for(b.plant, angle, c)
 
 
 def condensed(of: linear.Planner) -> tuple[Array, Array]:

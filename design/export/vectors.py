@@ -99,12 +99,12 @@ def vector(part: Part, wrist: Wrist, steps: int = STEPS, seed: int = 0) -> Vecto
         coefficients(wrist),
         start_of(begin(0.0, wrist.hysteresis.rest_pressure, wrist)),
     )
-    at = float(state[0]), float(state[3])
+    at = float(state[0]), float(state[-1])
     law = TargetReplay(part)
     law.begin(*at)
     rows = np.empty((steps, 4))
     for k, (noise, hiss) in enumerate(draw.standard_normal((steps, 2))):
-        angle = np.round((float(state[3]) + NOISE_DEG * noise) / QUANTUM_DEG) * QUANTUM_DEG
+        angle = np.round((float(state[-1]) + NOISE_DEG * noise) / QUANTUM_DEG) * QUANTUM_DEG
         seen = [float(asked[k]), float(angle), float(state[0]) + NOISE_KPA * hiss]
         if k in which:
             seen[which[k]] = np.nan

@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from design.mpc.hybrid_model import Piecewise, piecewise, play, sampled_lag
 from design.mpc.problem import Believed, Problem
 from plants.errors import InputError
+from plants.hysteresis import FourSegment
 
 Array = NDArray[np.float64]
 Norm = Literal["one", "square"]
@@ -86,18 +87,24 @@ def solve(
 ) -> HybridPlan:
     """The best plan of the hybrid model, `before` [V] being the command of the period before.
 
-    Raises InputError where the loop's lines do not leave the transit (a slope of the transit that is not
-    below theirs), and where HiGHS finds no plan, within the time limit or at all.
+    Raises InputError for another hysteresis law than four segments, where the loop's lines do not leave the
+    transit (a slope of the transit that is not below theirs), and where HiGHS finds no plan, within the time
+    limit or at all.
     """
     from scipy.optimize import Bounds, LinearConstraint, milp
     from scipy.sparse import csr_matrix
 
     effort, p, P0 = effort or Effort(), problem.wrist, float(believed.plant.pressure)
+    if not isinstance(problem.loop, FourSegment):
+        raise InputError(
+            f"hybrid MPC: its branches are four straight segments, not {problem.loop.NAME!r}: "
+            "give a plant with those"
+        )
     if not problem.loop.s < min(problem.loop.a1, problem.loop.a2):
         raise InputError("hybrid MPC: the transit is not flatter than the lines: give a smaller slope s")
     pressures = [P0, *(p.regulator.gain * v + believed.lack for v in (problem.low, problem.high))]
     law = piecewise(problem, max(pressures) - min(pressures), effort.pieces)
-    made = _Milp(problem, believed, law, norm)
+    made = _Milp(problem, problem.loop, believed, law, norm)
     made.build(before, reference)
     rows = np.array(made.rows)
     result = milp(
@@ -122,8 +129,10 @@ class _Milp:
     """Columns and rows of the MILP.  An expression is a row of one coefficient for each column and a
     constant; rows are <= 0, and = 0 where `least` is 0."""
 
-    def __init__(self, problem: Problem, believed: Believed, law: Piecewise, norm: Norm) -> None:
-        self.problem, self.believed, self.law, self.norm = problem, believed, law, norm
+    def __init__(
+        self, problem: Problem, loop: FourSegment, believed: Believed, law: Piecewise, norm: Norm
+    ) -> None:
+        self.loop, self.problem, self.believed, self.law, self.norm = loop, problem, believed, law, norm
         self.segments, self.once = law.segments, float(believed.plant.memory.virgin) > 0.5
         self.width = 7 + 4 + 2 * len(self.segments)
         n = problem.horizon * self.width
@@ -202,7 +211,7 @@ class _Milp:
         on1: Array, along: Array, on2: Array,
     ) -> None:  # fmt: skip
         """h after a period, and whether the wrist is on the virgin curve still."""
-        p, one = self.problem.loop, self.one
+        p, one = self.loop, self.one
         line1 = p.a1 * P1 - (p.a1 * p.rest_pressure + p.w1) * one
         line2 = p.a2 * P1 - (p.a2 * p.rest_pressure - p.w2) * one
         at = np.array([self.problem.low, self.problem.high]) * self.problem.wrist.regulator.gain

@@ -29,12 +29,12 @@ from design.controllers.controller import Measured
 from design.mpc import observer, qp
 from design.mpc.fallback import Attempt, Fallback, Info, begin, step
 from design.mpc.fallback import State as MPCState
-from design.mpc.prediction import STATES, coefficients, plain
+from design.mpc.prediction import coefficients, example, plain, start_of, unloaded, variables
 from design.mpc.problem import Believed, Problem
-from plants import tree, wrist
-from plants.hysteresis import FourSegment, Memory
+from plants import wrist
+from plants.hysteresis import HysteresisLaw
 from plants.kernel.inlining import compiled, inlined, scalars, unpacked
-from plants.wrist import State, Wrist
+from plants.wrist import State
 
 Array = NDArray[np.float64]
 
@@ -43,13 +43,11 @@ STILL = 0.01
 any more would send it through its dead zone."""
 
 _LOOP = """\
-def run(start, angles, still, lowest, highest, rate, before, push, c, substeps, commands):
+def run(start, angles, lowest, highest, rate, before, push, c, substeps, commands):
     {coefficients}
-    {state} = start[0], start[1], start[2], start[3]
+    {start}
     for k in range(angles.shape[0]):
         u_angle = angles[k]
-        if x_virgin > 0.5 and abs(u_angle - x_h) < still:
-            u_angle = x_h
         {inverse}
         low, high = max(lowest, before - rate), min(highest, before + rate)
         # Illinois variant of false position: the pressure after a period rises with the command.
@@ -95,8 +93,41 @@ def run(start, angles, still, lowest, highest, rate, before, push, c, substeps, 
 """
 
 
+def pressure_for(state: State, angle: Any, c: Any) -> Any:
+    """Pressure [kPa] at which the loop has an angle [deg]; on a virgin curve it is left alone for a small
+    move."""
+    loop, memory = c.hysteresis, state.memory
+    if loop.DEAD_ZONE:
+        still = np.where(memory.virgin > 0.5, 1.0, 0.0) * np.where(np.abs(angle - memory.h) < STILL, 1.0, 0.0)
+        angle = np.where(still > 0.5, memory.h, angle)
+    return loop.pressure_for(memory, state.pressure, angle)
+
+
+def bounds(
+    state: State, lack: Any, commands: tuple[Any, Any, Any], rises: Any, c: Any
+) -> tuple[Any, Any, Any]:
+    """Static angles [deg] that bound u, and that of the command before; commands [V]: lowest, highest and
+    the one before; rises: whether the reference is above the static angle.
+
+    Against the way to the reference the angle moves less, along the slope just after a reversal.
+    """
+    loop, gain, memory, P = c.hysteresis, c.regulator.gain, state.memory, state.pressure
+    slope = loop.first_slope(memory)
+
+    def turned(v: Any) -> Any:
+        return memory.h + slope * (gain * v + lack - P)
+
+    low, high, _ = commands
+    least, most, was = (loop.step(memory, P, gain * v + lack).h for v in commands)
+    return (
+        np.where(rises, np.maximum(least, turned(low)), least),
+        np.where(rises, most, np.minimum(most, turned(high))),
+        was,
+    )
+
+
 def _inverse(state: State, angle: Any, c: Any) -> Any:
-    return c.hysteresis.pressure_for(state.memory, state.pressure, angle[0])
+    return pressure_for(state, angle[0], c)
 
 
 def _press(state: State, command: Any, c: Any) -> Any:
@@ -104,10 +135,10 @@ def _press(state: State, command: Any, c: Any) -> Any:
 
 
 @cache
-def _kernel() -> Callable[..., None]:
-    example = Wrist.flexion()
-    c, state = example.sampled(), example.rest()
-    x = [f"x_{n}" for n in STATES]
+def _kernel(shape: HysteresisLaw) -> Callable[..., None]:
+    model = example(shape)
+    c, state = model.sampled(), model.rest()
+    x = variables(state)
     names = scalars("c", c)
     command: Any = (state, ("command",), c)
     parts = {
@@ -116,8 +147,9 @@ def _kernel() -> Callable[..., None]:
         "body": inlined(plain, [*command], [x, ["u_command"], names], x),
     }
     return compiled(
-        "commands that follow static angles", _LOOP, coefficients=unpacked(names, "c"), state=x, **parts
-    )
+        "commands that follow static angles", _LOOP, coefficients=unpacked(names, "c"),
+        start=unloaded(state), **parts,
+    )  # fmt: skip
 
 
 class Planner(NamedTuple):
@@ -176,19 +208,13 @@ def plan(
 ) -> tuple[Array, qp.QPSolution]:
     """Static angles [deg] at the ends of the periods, shape (N,), and the QP's solution; `command` [V] is
     that of the period before, and `before` [deg] what u was then (that of the command where not given)."""
-    N, gain = of.problem.horizon, of.problem.wrist.regulator.gain
-    memory, P = believed.plant.memory, believed.plant.pressure
-    loop = of.problem.loop
-    least, most, was = (
-        _static(memory, P, gain * v + believed.lack, loop) for v in (of.problem.low, of.problem.high, command)
+    N = of.problem.horizon
+    memory, p = believed.plant.memory, of.problem
+    rises = reference - believed.shift > memory.h
+    least, most, was = map(
+        float, bounds(believed.plant, believed.lack, (p.low, p.high, command), rises, p.wrist)
     )
     was = was if before is None else before
-    # Against the way to the reference there is first the transit, along which the angle moves less.
-    transit = loop.s * (1.0 - memory.virgin)
-    if reference - believed.shift > memory.h:
-        least = max(least, memory.h + transit * (gain * of.problem.low + believed.lack - P))
-    else:
-        most = min(most, memory.h + transit * (gain * of.problem.high + believed.lack - P))
     x = np.array([memory.h, believed.plant.angle])
     missing = of.free @ x + (believed.shift - reference)
     f = (of.weights @ missing) @ of.forced
@@ -201,22 +227,22 @@ def plan(
     return of.static_free @ x + of.static_forced @ solution.x, solution
 
 
-def _static(memory: Memory, before: float, after: float, p: FourSegment) -> float:
-    """`FourSegment.step(...).h` of plain floats: the ufuncs cost more than the rest of a plan."""
-    inside = memory.h + p.s * (1.0 - memory.virgin) * (after - before)
-    low = p.a1 * (after - p.rest_pressure) - p.w1
-    high = p.a2 * (after - p.rest_pressure) + p.w2
-    return float(min(max(inside, low), high))
-
-
 def follow(of: Planner, believed: Believed, command: float, angles: Array) -> Array:
     """Commands [V] that take the static angle to `angles` [deg] at the ends of the periods, as far as the
     range and the rate let them; shape of angles."""
     commands, p = np.empty(len(angles)), of.problem
-    start = np.array(tree.leaves(believed.plant), float)
     push = believed.lack / p.wrist.regulator.gain
-    _kernel()(
-        start, angles, STILL, p.low, p.high, p.rate, command, push, of.coefficients, p.substeps, commands
+    _kernel(p.shape)(
+        start_of(believed),
+        angles,
+        p.low,
+        p.high,
+        p.rate,
+        command,
+        push,
+        of.coefficients,
+        p.substeps,
+        commands,
     )
     return commands
 
@@ -225,6 +251,7 @@ def follow(of: Planner, believed: Believed, command: float, angles: Array) -> Ar
 class LinearMPC:
     """The controller (a): pure `init` and `step`.
 
+    >>> from plants import Wrist
     >>> controller = linear_mpc(Problem(Wrist.flexion()))
     >>> state = controller.init(Measured(0.0, 0.0, 100.0))
     >>> state, command, info = controller.step(state, Measured(15.0, 0.0, 100.0))

@@ -50,16 +50,17 @@ def converger(problem: Problem) -> Converge:
     import casadi as ca
 
     N, n, gain = problem.horizon, problem.substeps, problem.wrist.regulator.gain
-    wrist, (x, u) = problem.wrist, (ca.SX.sym("x", 4), ca.SX.sym("u"))
-    c = wrist.sampled()
+    wrist = problem.wrist
+    leaves, c = len(tree.leaves(wrist.rest())), wrist.sampled()
+    x, u = ca.SX.sym("x", leaves), ca.SX.sym("u")
     step = graph(plain, wrist.rest(), ("command",), c)
     substep = ca.Function("substep", [x, u], [step(x, u, ca.DM(tree.leaves(c)))])
-    first, held = ca.MX.sym("first", 4), ca.MX.sym("held")
+    first, held = ca.MX.sym("first", leaves), ca.MX.sym("held")
     period = ca.Function("period", [first, held], [substep.mapaccum(n)(first, ca.repmat(held, 1, n))[:, -1]])
 
-    v, start, around = ca.MX.sym("v", N), ca.MX.sym("start", 4), ca.MX.sym("around", 3)
+    v, start, around = ca.MX.sym("v", N), ca.MX.sym("start", leaves), ca.MX.sym("around", 3)
     before, aim, push = around[0], around[1], around[2]
-    angles = period.mapaccum(N)(start, (v + push).T)[3, :].T
+    angles = period.mapaccum(N)(start, (v + push).T)[-1, :].T
     moves = v - ca.vertcat(before, v[:-1])
     cost = ca.sum1(ca.DM(problem.stage_weights) * (angles - aim) ** 2)
     cost += problem.weights.swing * ca.sumsqr(angles[1:] - angles[:-1])

@@ -26,10 +26,10 @@ from numpy.typing import NDArray
 from design.controllers.controller import Measured
 from design.controllers.double_pole import double_pole
 from design.controllers.memory_estimator import memory_at_rest
-from design.mpc.prediction import STATES
+from design.mpc.prediction import example, start_of, unloaded, variables
 from design.mpc.problem import Believed, Problem
 from plants import tree, wrist
-from plants.hysteresis import Memory
+from plants.hysteresis import HysteresisLaw
 from plants.kernel.inlining import compiled, inlined, scalars, unpacked
 from plants.wrist import State, Wrist
 
@@ -45,7 +45,7 @@ little at a time, a dead time by much."""
 _LOOP = """\
 def run(start, command, measured, c, substeps, after):
     {coefficients}
-    {state} = start[0], start[1], start[2], start[3]
+    {start}
     u_command = command
     path = np.empty(substeps + 1)
     path[0] = x_pressure
@@ -53,12 +53,12 @@ def run(start, command, measured, c, substeps, after):
         {press}
         path[i + 1] = x_pressure
     missed = measured - path[substeps] if math.isfinite(measured) else 0.0
-    after[4] = path[substeps]
+    after[after.size - 1] = path[substeps]
     x_pressure = start[0]
     for i in range(substeps):
         u_pressure = path[i + 1] + missed * ((i + 1.0) / substeps)
         {bend}
-    after[0], after[1], after[2], after[3] = {state}
+    {kept}
 """
 
 
@@ -71,21 +71,22 @@ def _bend(state: State, pressure: Any, c: Any) -> State:
 
 
 @cache
-def _kernel() -> Callable[..., None]:
-    example = Wrist.flexion()
-    c, state = example.sampled(), example.rest()
-    x = [f"x_{n}" for n in STATES]
+def _kernel(shape: HysteresisLaw) -> Callable[..., None]:
+    model = example(shape)
+    c, state = model.sampled(), model.rest()
+    x = variables(state)
     coefficients = scalars("c", c)
     press = inlined(_press, [state, ("command",), c], [x, ["u_command"], coefficients], ["x_pressure"])
     bend = inlined(_bend, [state, ("pressure",), c], [x, ["u_pressure"], coefficients], x)
     return compiled(
         "a period of the wrist, of measured pressure", _LOOP,
-        coefficients=unpacked(coefficients, "c"), state=x, press=press, bend=bend,
+        coefficients=unpacked(coefficients, "c"), start=unloaded(state), press=press, bend=bend,
+        kept=[f"after[{i}] = {name}" for i, name in enumerate(x)],
     )  # fmt: skip
 
 
 class Gains(NamedTuple):
-    """Corrections per degree and per kPa missed; gain [kPa/V]; share of the lack."""
+    """Corrections per degree and per kPa missed; gain [kPa/V]; share of the lack; shape of the law."""
 
     angle: float
     shift: float
@@ -93,6 +94,7 @@ class Gains(NamedTuple):
     gain: float
     share_at_rest: float
     substeps: int
+    shape: HysteresisLaw
 
 
 def gains(problem: Problem) -> Gains:
@@ -100,7 +102,10 @@ def gains(problem: Problem) -> Gains:
     keep, pole = exp(-problem.period / problem.wrist.Tw), exp(-problem.observer.bandwidth * problem.period)
     angle, shift = double_pole(keep, pole)
     at_rest = 1.0 - exp(-problem.wrist.regulator.k_slow * problem.period)
-    return Gains(angle, shift, problem.observer.lack, problem.wrist.regulator.gain, at_rest, problem.substeps)
+    return Gains(
+        angle, shift, problem.observer.lack, problem.wrist.regulator.gain, at_rest, problem.substeps,
+        problem.shape,
+    )  # fmt: skip
 
 
 def begin(angle: Any, pressure: Any, model: Wrist) -> Believed:
@@ -117,12 +122,14 @@ def update(before: Believed, command: float, seen: Measured, g: Gains, c: Array)
 
     A measurement that is not finite is left out: the model goes on alone.
     """
-    after = np.empty(5)
     pushed = command + before.lack / g.gain
-    start = np.array(tree.leaves(before.plant), float)
+    start = start_of(before)
+    after = np.empty(len(start) + 1)
     pressure, seen_angle = float(seen.pressure), float(seen.angle)
-    _kernel()(start, pushed, pressure, c, g.substeps, after)
-    P, h, virgin, angle, predicted = after.tolist()
+    _kernel(g.shape)(start, pushed, pressure, c, g.substeps, after)
+    *state, predicted = after.tolist()
+    plant = tree.like(before.plant, state)
+    angle = plant.angle
 
     lack = before.lack
     if isfinite(pressure):
@@ -135,4 +142,4 @@ def update(before: Believed, command: float, seen: Measured, g: Gains, c: Array)
         missed = seen_angle - (angle + shift)
         corrected, shift = angle + before.shift + g.angle * missed, shift + g.shift * missed
         angle = corrected - shift
-    return Believed(State(P, Memory(h, virgin), angle), lack, shift)
+    return Believed(plant._replace(angle=angle), lack, shift)

@@ -16,6 +16,7 @@ static angle.  Rawlings, Mayne & Diehl, Model Predictive Control (2017), chapter
 """
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,7 +24,8 @@ from numpy.typing import NDArray
 
 from design.controllers.controller import remembers
 from plants.errors import InputError
-from plants.hysteresis import FourSegment
+from plants.hysteresis import HysteresisLaw
+from plants.kernel import pytrees
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
 
 Array = NDArray[np.float64]
@@ -118,19 +120,18 @@ class Problem:
         if self.wrist.effects:
             names = ", ".join(e.NAME for e in self.wrist.effects)
             raise InputError(f"the MPC's model is the declared wrist: leave out its effects ({names})")
-        if not isinstance(self.wrist.hysteresis, FourSegment):
-            raise InputError(
-                f"the MPC's model has four straight segments, not {self.wrist.hysteresis.NAME!r}: "
-                "give a plant with those"
-            )
         if any(np.ndim(v) for v in self.wrist.values.values()):
             raise InputError("the MPC plans for one wrist at a time: give parameters that are numbers")
 
     @property
-    def loop(self) -> FourSegment:
+    def loop(self) -> HysteresisLaw:
         """The hysteresis that is believed in."""
-        assert isinstance(self.wrist.hysteresis, FourSegment)
         return self.wrist.hysteresis
+
+    @cached_property
+    def shape(self) -> HysteresisLaw:
+        """The same law with parameters of no meaning: plants whose law has this shape share their kernels."""
+        return pytrees.like(self.loop, [1.0] * len(pytrees.leaves(self.loop)))  # type: ignore[no-any-return]
 
     @property
     def substeps(self) -> int:

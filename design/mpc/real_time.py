@@ -22,8 +22,9 @@ from design.controllers.controller import Measured
 from design.mpc import linear, observer, qp
 from design.mpc.fallback import Attempt, Fallback, Info, begin, step
 from design.mpc.fallback import State as MPCState
-from design.mpc.prediction import Linearised, linearise, roll, start_of
+from design.mpc.prediction import Linearised, differentiated, linearise, roll, start_of
 from design.mpc.problem import Believed, Problem
+from plants import tree
 
 Array = NDArray[np.float64]
 
@@ -33,9 +34,9 @@ JUMP = 0.1
 STUCK = 0.02
 """Error [deg] at the end of a plan that stays on the virgin curve, above which the same is done."""
 
-FAR = np.array([0.5, 0.1, 0.5, 0.1])
-"""How far the state may be from that which was prepared for (kPa, deg, virgin, deg) before it is
-prepared for again: a line that lies in between would not be seen."""
+FAR_ANGLE, FAR = 0.1, 0.5
+"""How far angle and static angle [deg], and the rest of a state [kPa; virgin], may be from that which was
+prepared for before it is prepared for again: a line that lies in between would not be seen."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,8 @@ class RealTimeMPC:
     outputs: Array
     moves: Array
     solve: qp.Solve
+    differentiated: list[int]
+    far: Array
 
     @property
     def problem(self) -> Problem:
@@ -90,16 +93,18 @@ class RealTimeMPC:
         about: Linearised | None = state.prepared
         active = state.active
         jumped = not abs(reference - state.reference) < JUMP
-        if state.plan is None or jumped or (about is not None and _stuck(about, believed, reference)):
+        if state.plan is None or jumped or (about is not None and self._stuck(about, believed, reference)):
             about = self._linearised(believed, self.start_plan(state, believed, reference))
             active = active * 0
-        elif about is None or (np.abs(start - about.start) > FAR).any():
+        elif about is None or (np.abs(start - about.start) > self.far).any():
             about = self._linearised(believed, state.plan)
         commands = about.commands
         off = start - about.start
-        missing = about.angles + about.by_start[:, :3] @ off[[0, 1, 3]] - about.by_command @ commands
+        missing = (
+            about.angles + about.by_start[:, :-1] @ off[self.differentiated] - about.by_command @ commands
+        )
         missing += believed.shift - reference
-        missing += about.by_start[:, 3] * ((believed.lack - about.lack) / self.problem.wrist.regulator.gain)
+        missing += about.by_start[:, -1] * ((believed.lack - about.lack) / self.problem.wrist.regulator.gain)
         f = (self.outputs @ missing) @ about.by_command
         f[0] -= self.problem.weights.move * state.command
         low, high = self.problem.bounds(state.command)
@@ -127,7 +132,7 @@ class RealTimeMPC:
     def cost(self, believed: Believed, commands: Array, before: float, reference: float) -> float:
         """What a plan [V] costs through the exact step, `before` [V] being the command before it."""
         states = roll(self.problem, self.coefficients, start_of(believed), believed.lack, commands)
-        return self.problem.cost(states[:, 3] + believed.shift, commands, before, reference)
+        return self.problem.cost(states[:, -1] + believed.shift, commands, before, reference)
 
     def resume(self, plan: Array, believed: Believed, command: float) -> tuple[float, Array]:
         """The first command [V] of a plan, and the rest of it."""
@@ -148,10 +153,12 @@ class RealTimeMPC:
             self.problem, self.coefficients, self.weights, self.moves, start_of(believed), believed.lack, plan
         )
 
-
-def _stuck(about: Linearised, believed: Believed, reference: float) -> bool:
-    """Whether a plan stays on the virgin curve away from the reference."""
-    return bool(about.states[-1, 2] > 0.5 and abs(about.angles[-1] + believed.shift - reference) > STUCK)
+    def _stuck(self, about: Linearised, believed: Believed, reference: float) -> bool:
+        """Whether a plan stays on the virgin curve away from the reference."""
+        if not self.problem.loop.DEAD_ZONE:
+            return False
+        last = tree.like(believed.plant, about.states[-1])
+        return bool(last.memory.virgin > 0.5 and abs(last.angle + believed.shift - reference) > STUCK)
 
 
 def real_time_mpc(problem: Problem, fallback: Fallback | None = None) -> RealTimeMPC:
@@ -163,4 +170,8 @@ def real_time_mpc(problem: Problem, fallback: Fallback | None = None) -> RealTim
         problem.angle_hessian,
         problem.move_hessian,
         qp.solver(problem.differences),
+        differentiated(problem.shape),
+        np.array(
+            [FAR_ANGLE if n in ("memory.h", "angle") else FAR for n in tree.names(problem.wrist.rest())]
+        ),
     )

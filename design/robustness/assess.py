@@ -141,7 +141,8 @@ def assess(
     return Assessment(
         box, controller, limits, conditions,
         (
-            *of_ladder(rungs, left_out), *of_step(rungs, wrist.rig.task.step), *_virgin(wrist, controller), *proved,
+            *of_ladder(rungs, left_out), *of_step(rungs, wrist.rig.task.step),
+            *_virgin(wrist, controller), *proved,
         ),
         (*margins.statements(rows, limits), *cycles.statements(found, swings), *predicted),
         tuple(of_samples(cases)),

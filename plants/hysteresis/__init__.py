@@ -11,7 +11,13 @@ from plants.hysteresis.four_segment import FourSegment, Memory
 from plants.hysteresis.law import SIDES, STARTS, Bend, HysteresisLaw, Role, Side, Start
 from plants.hysteresis.prandtl_ishlinskii import PlayMemory, PrandtlIshlinskii
 
-LAWS: dict[str, type[HysteresisLaw]] = {law.NAME: law for law in (FourSegment, PrandtlIshlinskii)}
+LAWS: dict[str, type[HysteresisLaw]] = {
+    law.NAME: law
+    for law in (
+        FourSegment,
+        PrandtlIshlinskii,
+    )
+}
 """The laws by name; the first is the paper's."""
 
 __all__ = [

@@ -32,6 +32,7 @@ import numpy as np
 
 from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Role, Side, Start
 from plants.hysteresis.play import kept
+from plants.meanings import remembers
 from plants.parameters.spec import Kind
 
 Number = Any
@@ -40,6 +41,10 @@ LEVEL = 1e-30
 """A transit less steep than this [deg/kPa] counts as one without slope, so that no quotient overflows."""
 
 
+@remembers(
+    h=("deg", "static angle: the memory of the loop"),
+    virgin=("", "1 before the wrist has met a line of its loop, 0 afterwards"),
+)
 class Memory(NamedTuple):
     """State of the loop: static angle h [deg]; virgin is 1.0 before a line was met, else 0.0."""
 
@@ -157,6 +162,10 @@ class FourSegment(HysteresisLaw):
         """That of the transit."""
         return self.s
 
+    def first_slope(self, memory: Memory) -> Number:
+        """That of the transit; 0 on the virgin curve."""
+        return self.s * (1.0 - memory.virgin)
+
     def resting(
         self, start: Start, angle: Number, pressure: Number, low: Number = 0.0, high: Number = 0.0
     ) -> Memory:
@@ -188,7 +197,7 @@ class FourSegment(HysteresisLaw):
         103.0
         """
         low, high = self.descending_pressure(angle), self.ascending_pressure(angle)
-        slope = self.s * (1.0 - memory.virgin)
+        slope = self.first_slope(memory)
         slopes = slope > LEVEL
         inside = before + (angle - memory.h) / np.where(slopes, slope, 1.0)
         transit = np.minimum(np.maximum(inside, low), high)
@@ -198,7 +207,7 @@ class FourSegment(HysteresisLaw):
     def corner_pressure(self, memory: Memory, before: Number, up: Number) -> Number:
         """Pressure [kPa] at which the transit from the memory at `before` [kPa] meets line 1 (`up` true) or
         line 2: where a move in that direction leaves it."""
-        slope = self.s * (1.0 - memory.virgin)
+        slope = self.first_slope(memory)
         a, w = np.where(up, self.a1, self.a2), np.where(up, -self.w1, self.w2)
         return before + (memory.h - a * (before - self.rest_pressure) - w) / (a - slope)
 
@@ -206,7 +215,7 @@ class FourSegment(HysteresisLaw):
         """Where the transit meets a line."""
         met = self.corner_pressure(memory, before, up)
         corner = np.where(up, np.minimum(met, end), np.maximum(met, end))
-        return corner, memory.h + self.s * (1.0 - memory.virgin) * (corner - before)
+        return corner, memory.h + self.first_slope(memory) * (corner - before)
 
     def branches(self, low: float, high: float) -> dict[str, float]:
         """The transit and the two lines; the virgin curve has slope 0 and is left once, for good."""

@@ -53,7 +53,8 @@ class HysteresisLaw(ABC):
     """Base of all laws.
 
     NAME: as in a plant's TOML; DEAD_ZONE: whether the law has an initial curve of slope 0, which is left
-    once, for good.  Every law has a `rest_pressure` [kPa], at which h = 0 on the initial curve.
+    once, for good; its memory then has a `virgin`, 1.0 until it is left, else 0.0.  Every law has a
+    `rest_pressure` [kPa], at which h = 0 on the initial curve.
     """
 
     NAME: ClassVar[str]
@@ -147,6 +148,10 @@ class HysteresisLaw(ABC):
     @abstractmethod
     def flattest(self) -> Number:
         """Slope [deg/kPa] just after a reversal."""
+
+    def first_slope(self, memory: Any) -> Number:
+        """Slope [deg/kPa] along which a move against the one before begins."""
+        return self.flattest
 
     @abstractmethod
     def resting(

@@ -26,6 +26,7 @@ import numpy as np
 
 from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Role, Start
 from plants.hysteresis.play import kept, play
+from plants.meanings import remembers
 from plants.parameters.spec import Kind
 
 Number = Any
@@ -39,6 +40,10 @@ PLAYS = 4
 CURVE = ("span", "b2", "b1", "c1", "c2")
 
 
+@remembers(
+    h=("deg", "static angle"),
+    plays=("kPa", "value of a play of the loop's memory, the smallest threshold first"),
+)
 class PlayMemory(NamedTuple):
     """State of the loop: static angle h [deg], and the plays [kPa], the smallest threshold first."""
 

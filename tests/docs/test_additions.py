@@ -47,7 +47,7 @@ def commanded(block: Block, folder: Path) -> str:
 
 
 @pytest.mark.suite
-@pytest.mark.parametrize("guide", ["add-an-effect.md", "add-a-controller.md"])
+@pytest.mark.parametrize("guide", ["add-an-effect.md", "add-a-controller.md", "add-a-hysteresis-law.md"])
 def test_what_the_guide_adds_works_and_prints_what_it_shows(guide, tmp_path):
     folder, printed, added = copy_of_the_project(tmp_path), "", []
     code, shown = "", ""  # its Python blocks are run as one program, which starts once

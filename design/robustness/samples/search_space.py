@@ -2,8 +2,8 @@
 
 Coordinates, each from 0 to 1: those of the box; the starting memory (four equal parts); the references,
 each within the task's step either way and at least `SMALLEST` of it from the one before; how long all
-but the last are held (log-spaced, within `HOLD`, the one before the last within `CALM`); dead time and load where
-they are searched.
+but the last are held (log-spaced, within `HOLD`, the one before the last within `CALM`); dead time and
+load where they are searched.
 """
 
 from dataclasses import dataclass, fields, replace
