@@ -13,9 +13,9 @@ from design.evaluation.runner import step_from
 from design.metrics import Metrics
 from design.robustness.box import box_of
 from design.robustness.samples.conditions import NONE, Conditions
-from design.robustness.samples.draws import CHUNK, Draw, Task, draw
+from design.robustness.samples.draws import CHUNK, Draw, SamplingTask, draw
 from design.robustness.samples.monte_carlo import Samples, monte_carlo
-from plants import tree
+from plants.kernel import pytrees as tree
 from plants.quantities import built_in
 from plants.simulation.closed_loop import advance, clock
 from plants.wrist import SAMPLE_TIME
@@ -37,7 +37,7 @@ def sampled(conditions: Conditions) -> Samples:
 
 def bare(conditions: Conditions) -> Callable[[], Metrics]:
     """The compiled loop of the same cases behind a perfect sensor, its arrays ready."""
-    task = Task(box_of(built_in("flexion")), CONTROLLER, conditions, 0, 15.0, 10.0)
+    task = SamplingTask(box_of(built_in("flexion")), CONTROLLER, conditions, 0, 15.0, 10.0)
     cases = [draw(task, chunk) for chunk in range(LANES // CHUNK)]
     first, coefficients = (_joined(parts) for parts in zip(*map(_trees, cases), strict=True))
     times = clock(cases[0].wrist, STEPS)

@@ -21,7 +21,7 @@ from design.mpc.converged import converged_mpc
 from design.mpc.fallback import Info
 from design.mpc.loop import run
 from design.mpc.prediction import roll, start_of
-from design.mpc.problem import Problem, Weights
+from design.mpc.problem import MPCProblem, MPCWeights
 from design.mpc.real_time import RealTimeMPC
 from design.mpc.timing import Ledger, ledger
 from plants import wrist as plant
@@ -65,7 +65,7 @@ SENSOR = sensor(0.02, 0.01)
 NOISE = np.random.default_rng(0).standard_normal((round(4.0 / SAMPLE_TIME) // HOLD, 1))
 """The sensor of the timed runs, and its noise."""
 
-Make = Callable[[Problem], Any]
+Make = Callable[[MPCProblem], Any]
 
 
 class Repeated:
@@ -90,7 +90,7 @@ def fresh(state: Any) -> Any:
 
 def steps(make: Make, wrist: Wrist, times: int) -> list[Info]:
     """Records of the steps of the 15 degree tasks, both signs from every starting memory, with noise."""
-    controller = Repeated(make(Problem(wrist)), times)
+    controller = Repeated(make(MPCProblem(wrist)), times)
     found: list[Info] = []
     for start in STARTS:
         for reference in (15.0, -15.0):
@@ -102,10 +102,10 @@ def steps(make: Make, wrist: Wrist, times: int) -> list[Info]:
 def step_times(make: Make, times: int = 1) -> Ledger:
     """The deadline ledger of a kind of MPC over both motions, each step the least of so many repeats."""
     infos = steps(make, Wrist.flexion(), times) + steps(make, Wrist.deviation(), times)
-    return ledger(infos, Problem(Wrist.flexion()).period)
+    return ledger(infos, MPCProblem(Wrist.flexion()).period)
 
 
-def midway(problem: Problem, periods: int = 6) -> tuple[RealTimeMPC, Any, Measured, State]:
+def midway(problem: MPCProblem, periods: int = 6) -> tuple[RealTimeMPC, Any, Measured, State]:
     """A real-time iteration under way to 15 deg from line 1: controller, its state, what it sees next and
     the wrist's state then."""
     wrist = problem.wrist
@@ -122,7 +122,9 @@ def _seen(state: State) -> Measured:
     return Measured(15.0 - float(state.angle), float(state.angle), float(state.pressure))
 
 
-def by_do_mpc(problem: Problem, state: State, before: float, plan: Array) -> tuple[Any, Callable[[], Array]]:
+def by_do_mpc(
+    problem: MPCProblem, state: State, before: float, plan: Array
+) -> tuple[Any, Callable[[], Array]]:
     """do-mpc's controller of the same problem, and one step of it from a state, `before` [V] having been
     the command; it begins at a plan [V] first and then at its own last answer."""
     import casadi
@@ -172,7 +174,7 @@ def do_mpc_figures(rounds: int) -> dict[str, float | None]:
     """Ratio and time of do-mpc (None where it is not installed); raises Disagreement if what it minimises
     is not what we do.  The rate is not bounded and the swing not weighted here: do-mpc
     has no such terms by itself."""
-    problem = Problem(Wrist.flexion(), rate=100.0, weights=Weights(swing=0.0))
+    problem = MPCProblem(Wrist.flexion(), rate=100.0, weights=MPCWeights(swing=0.0))
     controller, memory, seen, state = midway(problem)
     start = start_of(memory.believed._replace(plant=state))
     try:
@@ -193,7 +195,7 @@ def do_mpc_figures(rounds: int) -> dict[str, float | None]:
     return {"mpc.rti_vs_do_mpc": result.ratio, "mpc.do_mpc_ms": result.first * 1e3}
 
 
-def closed_loop_cost(problem: Problem, play: Any, reference: float) -> float:
+def closed_loop_cost(problem: MPCProblem, play: Any, reference: float) -> float:
     """Cost of a run as the problem counts it, its terminal weight left out: `play` is what
     `design.mpc.loop.run` returned with its signals."""
     n = problem.substeps
@@ -211,7 +213,7 @@ def cost_vs_converged(converged: Make = converged_mpc) -> dict[str, float | None
     starting memory."""
     ratios = []
     for wrist in (Wrist.flexion(), Wrist.deviation()):
-        problem = Problem(wrist)
+        problem = MPCProblem(wrist)
         makes = (linear.linear_mpc, real_time.real_time_mpc, converged)
         controllers = [make(problem) for make in makes]
         for start in STARTS:
@@ -232,7 +234,7 @@ def hybrid_figures() -> dict[str, float | None]:
     its model: from line 1 to 15 deg in both motions, `HYBRID_HORIZON` periods, same cost."""
     led, bound, missed = [], [], []
     for wrist in (Wrist.flexion(), Wrist.deviation()):
-        problem, reference = Problem(wrist, horizon=HYBRID_HORIZON), 15.0
+        problem, reference = MPCProblem(wrist, horizon=HYBRID_HORIZON), 15.0
         controller, believed = (
             converged_mpc(problem),
             observer.begin(0.0, float(wrist.rest("line1").pressure), wrist),

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plants import tree
+from plants.kernel import pytrees as tree
 
 Array = NDArray[np.float64]
 Rollouts = Callable[[int, Array, Array], None]

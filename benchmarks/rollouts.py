@@ -13,7 +13,8 @@ from design.controllers.pi import PI
 from design.evaluation.runner import step_from
 from design.loop import run
 from design.metrics import Metrics
-from plants import Wrist, tree
+from plants import Wrist
+from plants.kernel import pytrees as tree
 from plants.simulation.closed_loop import ClosedLoop, SampledClosedLoop
 from plants.wrist import SAMPLE_TIME
 

@@ -54,7 +54,7 @@ METRICS = ("settling", "IAE")
 
 
 @dataclass(frozen=True)
-class Case:
+class BreakEvenCase:
     """One step of 15 degrees with one thing wrong: the scenario on the true wrist, and by what share of the
     loop's height the angle believed at the start is off."""
 
@@ -65,7 +65,7 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Curve:
+class BreakEvenCurve:
     """A controller over the errors of one kind, (n,): settling time [s] of the worst step and mean IAE
     [deg s], its own and the plain PI's; nan where no step can be done, infinite where one does not settle."""
 
@@ -103,9 +103,9 @@ class Curve:
 class BreakEven:
     """The map: curves of every controller over every kind of error."""
 
-    curves: tuple[Curve, ...]
+    curves: tuple[BreakEvenCurve, ...]
 
-    def of(self, kind: str, controller: str) -> Curve:
+    def of(self, kind: str, controller: str) -> BreakEvenCurve:
         """The curve of a controller over a kind of error; raises KeyError where there is none."""
         for c in self.curves:
             if (c.kind, c.controller) == (kind, controller):
@@ -183,7 +183,9 @@ def break_even(
             own = [_summary(cases, judged[name], kind, float(e)) for e in errors]
             (settling, iae), (plain_settling, plain_iae) = np.transpose(own), np.transpose(of_plain)
             curves.append(
-                Curve(kind, name, np.asarray(errors, float), settling, plain_settling, iae, plain_iae)
+                BreakEvenCurve(
+                    kind, name, np.asarray(errors, float), settling, plain_settling, iae, plain_iae
+                )
             )
     return BreakEven(tuple(curves))
 
@@ -199,7 +201,7 @@ def _check(wrist: Wrist, grids: Mapping[str, Array]) -> None:
             raise InputError(f"break-even: the errors of the {kind} must ascend and have 0 among them")
 
 
-def _cases(wrist: Wrist, kind: str, error: float, step: float) -> list[Case]:
+def _cases(wrist: Wrist, kind: str, error: float, step: float) -> list[BreakEvenCase]:
     """The steps on the wrist with one error that a command can hold."""
     width = error if kind == "loop width" else 0.0
     slope = error if kind == "slope" else 0.0
@@ -211,11 +213,13 @@ def _cases(wrist: Wrist, kind: str, error: float, step: float) -> list[Case]:
         for start in STARTS:
             s = Scenario(start, 0.0, sign * step, true, kind)
             if unreachable(s, low, high) == 0.0:
-                found.append(Case(kind, error, s, error if kind == "starting memory" else 0.0))
+                found.append(BreakEvenCase(kind, error, s, error if kind == "starting memory" else 0.0))
     return found
 
 
-def _judge(cases: Sequence[Case], controller: Controller, duration: float, jobs: int | None) -> Metrics:
+def _judge(
+    cases: Sequence[BreakEvenCase], controller: Controller, duration: float, jobs: int | None
+) -> Metrics:
     """Metrics of every case, leaves of shape (cases,)."""
     late = np.array([c.kind == "dead time" for c in cases])
     parts: dict[bool, Metrics] = {}
@@ -232,7 +236,7 @@ def _judge(cases: Sequence[Case], controller: Controller, duration: float, jobs:
 
 
 def _run(
-    cases: Sequence[Case], controller: Controller, dead: bool, duration: float, jobs: int | None
+    cases: Sequence[BreakEvenCase], controller: Controller, dead: bool, duration: float, jobs: int | None
 ) -> Metrics:
     wrist, state, reference = stack([c.scenario for c in cases])
     if dead:
@@ -247,7 +251,7 @@ def _run(
     return run(wrist, controller, reference, state, held, duration, jobs=jobs)[0]
 
 
-def _believed(case: Case) -> float:
+def _believed(case: BreakEvenCase) -> float:
     """The static angle [deg] that is believed at the start of a case."""
     p, start = case.scenario.wrist.hysteresis, case.scenario.start
     known: Start = start
@@ -258,7 +262,7 @@ def _believed(case: Case) -> float:
     return float(rest.memory.h + case.belief * farther)
 
 
-def _summary(cases: Sequence[Case], judged: Metrics, kind: str, error: float) -> tuple[float, float]:
+def _summary(cases: Sequence[BreakEvenCase], judged: Metrics, kind: str, error: float) -> tuple[float, float]:
     """Worst settling time [s] and mean IAE [deg s] of the cases with one error."""
     here = [i for i, c in enumerate(cases) if (c.kind, c.error) == (kind, error)]
     if not here:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from design.controllers.controller import Controller, stacked
-from design.evaluation.runner import Played, play, step_from
+from design.evaluation.runner import PlayedTask, play, step_from
 from design.evaluation.tasks import Task, comparison_tasks, steps
 from design.limit import Limit, limit, limits_of
 from design.loop import Trajectory
@@ -57,7 +57,7 @@ def played_on_tasks(wrist: Wrist, alike: Sequence[Controller | Periodic]) -> OnT
 
 def play_task(
     wrist: Wrist, alike: Sequence[Controller | Periodic], task: Task, record: bool = False
-) -> tuple[Played, State]:
+) -> tuple[PlayedTask, State]:
     """The last step of a task under controllers of one kind, lanes of one batch, and the state that it begins
     from: rest, or where the references before it have led.  A step is begun as if the command had been what
     the controller holds."""
@@ -70,7 +70,7 @@ def play_task(
     return played, before
 
 
-def _each(played: Played, count: int) -> list[Metrics]:
+def _each(played: PlayedTask, count: int) -> list[Metrics]:
     return [played.metrics[i] for i in range(count)]
 
 

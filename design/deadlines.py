@@ -16,7 +16,7 @@ from design.loop import holding, run
 from design.mpc import loop as by_periods
 from design.mpc.fallback import SOLVED, Info
 from design.mpc.timing import Ledger, ledger
-from plants import tree
+from plants.kernel import pytrees as tree
 from plants.wrist import STARTS, Wrist
 
 LEAVE_OUT = 20

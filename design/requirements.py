@@ -116,7 +116,7 @@ class Problem:
     """A plant, the scenarios to be tuned on, the cost and the limits.
 
     adverse: sequences of references whose last step joins the scenarios in all that is simulated, put on
-    the footing of a step of 15 deg (`design.sequence.Played.values`); none by default.
+    the footing of a step of 15 deg (`design.sequence.PlayedSequence.values`); none by default.
     """
 
     wrist: Wrist

@@ -36,7 +36,7 @@ ON_FITTED = "the fitted plant, since only data is at hand"
 """The same where nothing was revised."""
 
 
-class Signals(Protocol):
+class StepSignals(Protocol):
     """What a step of the reference gave: time [s], angle of the joint [deg], command [V], (n,) each."""
 
     @property
@@ -59,7 +59,7 @@ class Stepped(Protocol):
     """A closed-loop step of `design.tasks.STEP` from rest: its signals."""
 
     @property
-    def run(self) -> Signals:
+    def run(self) -> StepSignals:
         """The signals of the step."""
         ...
 
@@ -69,7 +69,7 @@ Judge = Callable[[float, float], Stepped]
 
 
 @dataclass(frozen=True)
-class Response:
+class RetunedResponse:
     """A closed-loop step: time [s], angle of the joint [deg], command [V], (n,) each."""
 
     time: Array
@@ -77,13 +77,13 @@ class Response:
     command: Array
 
     @property
-    def run(self) -> "Response":
+    def run(self) -> "RetunedResponse":
         """The signals, so that a response is a `Stepped`."""
         return self
 
 
 @dataclass(frozen=True)
-class Judged:
+class JudgedStep:
     """What a PI did on the judge in one step from rest, by the true angle.
 
     iae_deg_s; overshoot_percent of the step; settling_time_s into 2 % for good, infinite if never or
@@ -93,7 +93,7 @@ class Judged:
     broken: limits that the step breaks, travel of the command only counted where there is no noise.
     """
 
-    response: Response
+    response: RetunedResponse
     iae_deg_s: float
     overshoot_percent: float
     settling_time_s: float
@@ -104,7 +104,7 @@ class Judged:
 
 
 @dataclass(frozen=True)
-class Side:
+class RetunedSide:
     """The PI of one plant.
 
     plant: ``declared`` or ``revised``; tuning: None where the task is out of the plant's reach,
@@ -116,7 +116,7 @@ class Side:
     plant: str
     tuning: Tuning | None
     refusal: Refusal | None
-    judged: Judged | None
+    judged: JudgedStep | None
     broken: tuple[str, ...] = ()
 
 
@@ -128,8 +128,8 @@ class Control:
     its sensor, and that it was tuned without.
     """
 
-    declared: Side
-    revised: Side
+    declared: RetunedSide
+    revised: RetunedSide
     judge: str
     same: bool
     left_out: tuple[str, ...] = ()
@@ -163,7 +163,7 @@ def retune(
         step = None if found is None else (judge or simulated(wrist))(found.Kp, found.Ki).run
         limits = problems[1].limits if judge is None else replace(problems[1].limits, total_variation_V=None)
         seen = None if step is None else judged(step, limits, held)
-        sides.append(Side(name, found, no, seen, _breaks(found, problems[1])))
+        sides.append(RetunedSide(name, found, no, seen, _breaks(found, problems[1])))
     if judge is None:
         where = ON_FITTED if same else ON_REVISED
     return Control(sides[0], sides[-1], where, same, _in_sensor(revised))
@@ -206,18 +206,18 @@ def _breaks(found: Tuning | None, problem: Problem) -> tuple[str, ...]:
 def simulated(wrist: Wrist) -> Judge:
     """A judge that runs a wrist, without noise, under a PI that knows its declared parameters."""
 
-    def play(Kp: float, Ki: float) -> Response:
+    def play(Kp: float, Ki: float) -> RetunedResponse:
         pi = PI.of(wrist, Kp, Ki)
         _, _, t = run(wrist, pi, STEP, record=True)
         assert t is not None
-        return Response(
+        return RetunedResponse(
             t.time[:-1], t.angle[:-1, 0], t.command[:-1, 0]
         )  # the last row is after the last sample
 
     return play
 
 
-def judged(signals: Signals, limits: Limits, held: float, step: float = STEP) -> Judged:
+def judged(signals: StepSignals, limits: Limits, held: float, step: float = STEP) -> JudgedStep:
     """Metrics of a step from 0 to `step` [deg] at the first sample, and which limits it breaks; `held`
     [V] is the command until then."""
     time, angle = np.asarray(signals.time, float), np.asarray(signals.angle, float)
@@ -231,8 +231,8 @@ def judged(signals: Signals, limits: Limits, held: float, step: float = STEP) ->
         "steady_error_percent": 100.0 * float(np.abs(error[time > time[-1] - LAST]).max()) / abs(step),
     }
     oscillates = _turns(angle[len(angle) // 2 :: 10], SWING * abs(step)) >= SWINGS
-    return Judged(
-        Response(time, angle, command),
+    return JudgedStep(
+        RetunedResponse(time, angle, command),
         float(np.abs(error).sum() * dt),
         values["overshoot_percent"],
         settled * dt if settled < len(time) and not oscillates else float("inf"),

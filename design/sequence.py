@@ -77,7 +77,7 @@ class Batch:
 
 
 @dataclass(frozen=True)
-class Played:
+class PlayedSequence:
     """What became of sequences: metrics of the last step, leaves (lanes,); start [deg] (lanes,), the
     true angle where that began; size [deg] of that step, and of the task's;
     reference [deg] (samples, lanes) and trajectory where recorded."""
@@ -176,7 +176,7 @@ def play(
     controller: Controller | Periodic,
     record: bool = False,
     jobs: int | None = None,
-) -> Played:
+) -> PlayedSequence:
     """Run sequences in the closed loop, all at once, one a lane; gains may be arrays of lanes.
 
     The controller holds the start.  The last step is judged by the true angle, from where it begins.
@@ -200,7 +200,7 @@ def play(
         runner.Lanes(b.wrist, b.state, profile, judge, duration), controller, record=record, jobs=jobs
     )
     start = done.last.judge.step.start
-    played = Played(
+    played = PlayedSequence(
         done.metrics, start, np.abs(b.references[-1] - start), b.wrist.rig.task.step,
         trajectory=done.trajectory,
     )  # fmt: skip

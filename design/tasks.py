@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from plants import tree
+from plants.kernel import pytrees as tree
 from plants.rest import obstacle
 from plants.rig import Rig, built_in_rig
 from plants.wrist import STARTS, Start, State, Wrist

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plants import lag, regulator, tree
+from plants import lag, regulator
 from plants.hysteresis import Side
+from plants.kernel import pytrees as tree
 from plants.kernel.graphs import jacobians
 from plants.regulator import Regulator
 from plants.wrist import Wrist, step

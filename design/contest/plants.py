@@ -57,7 +57,7 @@ COUPLING = 0.02
 
 
 @dataclass(frozen=True)
-class Field:
+class PlantField:
     """Plants that are met side by side: a wrist with lanes, how many, and how many were set aside
     because no command in the range holds 15 deg on them."""
 
@@ -81,12 +81,12 @@ def carrying(wrist: Wrist, lanes: int) -> Wrist:
     return wrist.made_of(values)
 
 
-def nominal(wrist: Wrist) -> Field:
+def nominal(wrist: Wrist) -> PlantField:
     """The plant as it is."""
-    return Field("nominal plant", carrying(wrist, 1), 1)
+    return PlantField("nominal plant", carrying(wrist, 1), 1)
 
 
-def perturbed(plant: ParameterSet, count: int = PLANTS, seed: int = 0) -> Field:
+def perturbed(plant: ParameterSet, count: int = PLANTS, seed: int = 0) -> PlantField:
     """Independent draws, uniform over the box of a parameter set (`day_to_day`); the i-th is the same
     whatever the count.
 
@@ -96,7 +96,7 @@ def perturbed(plant: ParameterSet, count: int = PLANTS, seed: int = 0) -> Field:
         raise InputError(f"contest: {count} plants are too few for an interval; give at least {FEWEST}")
     box, _ = day_to_day(plant)
     shares = generator(seed, 0, DRAWS).random((count, len(box.intervals))).T
-    drawn = Field("perturbed plants", carrying(box.at(shares), count), count)
+    drawn = PlantField("perturbed plants", carrying(box.at(shares), count), count)
     return within_reach(drawn)
 
 
@@ -129,20 +129,22 @@ def another_day(plant: ParameterSet, spread: Spread) -> ParameterSet:
     return replace(plant, parameters=found)
 
 
-def first(of: Field, count: int, name: str) -> Field:
+def first(of: PlantField, count: int, name: str) -> PlantField:
     """The first plants of a field."""
     pick = np.arange(min(count, of.count))
-    return Field(name, lanes_of(of.wrist, pick), pick.size)
+    return PlantField(name, lanes_of(of.wrist, pick), pick.size)
 
 
-def rig(name: str, of: Field, every: int = SHARE, called: str | None = None) -> Field:
+def rig(name: str, of: PlantField, every: int = SHARE, called: str | None = None) -> PlantField:
     """One in `every` of the plants of a field, with the effect of a rig of `RIGS`."""
     pick = np.arange(0, of.count, every)
     changed: dict[str, Any] = {n: np.full(pick.size, v) for n, v in RIGS[name].items()}
-    return within_reach(Field(called or name, lanes_of(of.wrist, pick).with_values(**changed), pick.size))
+    return within_reach(
+        PlantField(called or name, lanes_of(of.wrist, pick).with_values(**changed), pick.size)
+    )
 
 
-def within_reach(field: Field) -> Field:
+def within_reach(field: PlantField) -> PlantField:
     """The plants of a field on which a command within the range, with some headroom, holds the step either
     way; the others say nothing about controllers."""
     least, most = field.wrist.rig.command_range
@@ -155,4 +157,4 @@ def within_reach(field: Field) -> Field:
         held &= (command >= low) & (command <= high)
     pick = np.flatnonzero(held)
     wrist = lanes_of(field.wrist, pick)
-    return Field(field.name, wrist, pick.size, field.set_aside + field.count - pick.size)
+    return PlantField(field.name, wrist, pick.size, field.set_aside + field.count - pick.size)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from design.contest.coupled import run_coupled
 from design.contest.periodic import play_coupled
-from design.contest.plants import NOISE, Field
+from design.contest.plants import NOISE, PlantField
 from design.contest.run import METRICS, Result, lanes_of, rests, run
 from design.controllers.controller import Controller
 from design.evaluation.runner import Lanes
@@ -28,7 +28,7 @@ WORST = ("settling_time_s", "unsettled", "overshoot_percent")
 
 
 def play(
-    field: Field,
+    field: PlantField,
     controllers: Mapping[str, Controller | Periodic],
     asked: list[Task],
     conditions: Conditions,
@@ -56,7 +56,7 @@ def play(
 
 
 def lanes_for(
-    field: Field, which: list[int], asked: list[Task], conditions: Conditions, seed: int, chunk: int
+    field: PlantField, which: list[int], asked: list[Task], conditions: Conditions, seed: int, chunk: int
 ) -> Lanes:
     """Plants and tasks lane by lane."""
     wrist = lanes_of(field.wrist, np.array(which, dtype=np.intp))

@@ -13,7 +13,7 @@ from design.contest.plants import (
     PLANTS,
     RIGS,
     SHARE,
-    Field,
+    PlantField,
     day_to_day,
     first,
     nominal,
@@ -22,7 +22,7 @@ from design.contest.plants import (
 )
 from design.contest.play import WORST, both_motions, by_plant, lanes_for, play
 from design.contest.run import METRICS, Result, lanes_of
-from design.contest.statistics import FEWEST, Interval
+from design.contest.statistics import FEWEST, ConfidenceInterval
 from design.controllers.controller import Controller
 from design.evaluation.tasks import Task, families, lasts, side_by_side
 from design.robustness.samples.conditions import Conditions
@@ -61,7 +61,7 @@ class Score:
     plants: int
     mean: Mapping[str, float]
     settling_q95: float
-    against: Mapping[str, Interval]
+    against: Mapping[str, ConfidenceInterval]
     ranks: Mapping[str, tuple[int, int]]
 
 
@@ -111,13 +111,13 @@ def contest(
     """
     tell = progress or (lambda stage, share: None)
     conditions, scores, aside = Conditions(dead_time=0.0, load=0.0), list[Score](), {}
-    fields: dict[str, Field] = {m: perturbed(p, count, seed) for m, p in plants.items()}
+    fields: dict[str, PlantField] = {m: perturbed(p, count, seed) for m, p in plants.items()}
     for number, (motion, drawn) in enumerate(fields.items()):
         given = side_by_side(plants[motion].rig)
         steps = [t for t in given if t.family == "steps"]
         slow = (periodic or {}).get(motion, {})
         declared = nominal(Wrist.of(plants[motion]))
-        met: list[tuple[Field, list[Task], bool]] = [(declared, given, True), (drawn, given, False)]
+        met: list[tuple[PlantField, list[Task], bool]] = [(declared, given, True), (drawn, given, False)]
         met += [(rig(name, drawn), steps, False) for name in RIGS]
         if slow:
             met += [(first(drawn, periodic_count, f"{drawn.name}{BESIDE}"), steps, True)]
@@ -151,7 +151,7 @@ def scored(
 ) -> list[Score]:
     """Scores of the controllers of one table, from each metric of each plant by controller."""
     count = len(next(iter(values.values()))["iae_deg_s"])
-    against: dict[str, dict[str, Interval]] = {n: {} for n in values}
+    against: dict[str, dict[str, ConfidenceInterval]] = {n: {} for n in values}
     for metric in JUDGED:
         differences = np.array([v[metric] - values[reference][metric] for v in values.values()])
         for name, interval in zip(values, statistics.intervals(differences, seed=seed), strict=True):
@@ -169,7 +169,7 @@ def scored(
 
 
 def coupled_scores(
-    fields: Mapping[str, Field],
+    fields: Mapping[str, PlantField],
     controllers: Mapping[str, Mapping[str, Controller | Periodic]],
     conditions: Conditions,
     reference: str,
@@ -188,7 +188,7 @@ def coupled_scores(
     for me, motion in enumerate((one, two)):
         gains = {"cross-coupling.gain": np.full(pick.size, COUPLING)}
         wrist = lanes_of(fields[motion].wrist, pick).with_values(**gains)
-        field = Field(motion, wrist, pick.size)
+        field = PlantField(motion, wrist, pick.size)
         asked = [virgin[p[1 + me]] for p in pairs]
         lanes.append(lanes_for(field, [p[0] for p in pairs], asked, conditions, seed, 1000 + me))
     values = {}

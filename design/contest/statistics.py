@@ -29,7 +29,7 @@ FEWEST = 10
 
 
 @dataclass(frozen=True)
-class Interval:
+class ConfidenceInterval:
     """A mean and its confidence interval."""
 
     mean: float
@@ -42,7 +42,7 @@ class Interval:
         return -1 if self.high < 0.0 else 1 if self.low > 0.0 else 0
 
 
-def intervals(differences: Array, level: float = LEVEL, seed: int = 0) -> list[Interval]:
+def intervals(differences: Array, level: float = LEVEL, seed: int = 0) -> list[ConfidenceInterval]:
     """Mean of each row of differences, (pairs, plants), and its interval.
 
     The same value on every plant leaves an interval of no width; fewer than `FEWEST` plants an endless one.
@@ -61,14 +61,14 @@ def intervals(differences: Array, level: float = LEVEL, seed: int = 0) -> list[I
             axis=-1, vectorized=True, rng=np.random.default_rng(seed),
         ).confidence_interval  # fmt: skip
         low[varied], high[varied] = found.low, found.high
-    return [Interval(float(m), float(a), float(b)) for m, a, b in zip(mean, low, high, strict=True)]
+    return [ConfidenceInterval(float(m), float(a), float(b)) for m, a, b in zip(mean, low, high, strict=True)]
 
 
-def paired(one: Array, other: Array, level: float = LEVEL, seed: int = 0) -> Interval:
+def paired(one: Array, other: Array, level: float = LEVEL, seed: int = 0) -> ConfidenceInterval:
     """Mean of ``one - other``, arrays (plants,), and its interval.
 
     >>> paired(np.arange(12.0) + 1.0, np.arange(12.0))
-    Interval(mean=1.0, low=1.0, high=1.0)
+    ConfidenceInterval(mean=1.0, low=1.0, high=1.0)
     """
     return intervals((np.asarray(one, float) - np.asarray(other, float))[None], level, seed)[0]
 

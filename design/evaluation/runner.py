@@ -79,7 +79,7 @@ class Lanes:
 
 
 @dataclass(frozen=True)
-class Played:
+class PlayedTask:
     """What became of lanes: metrics, leaves (lanes,); the last state; the controller's, of one that acts once
     a period a list of each lane's; where they were asked for the signals of every sample, and rows of some;
     what a periodic controller told of each period."""
@@ -109,7 +109,7 @@ def play(
     signals: tuple[str, ...] = (),
     every: int = 1,
     jobs: int | None = None,
-) -> Played:
+) -> PlayedTask:
     """Play a controller, whose settings may be arrays of lanes where it acts in every sample.
 
     record: all signals of every sample; signals: rows of some instead, such as ``plant.angle``, after every
@@ -128,17 +128,17 @@ def play(
     times = clock(lanes.wrist, lanes.samples, lanes.begin)
     last, rows = advance(first, c, lanes.samples, times, own, hold, every if names else 0, names, jobs)
     went = trajectory(rows, lanes.state, c.plant, lanes.dt, lanes.begin) if record else None
-    return Played(c.judge.finish(last.judge, lanes.samples), last, last.controller, went, rows, [])
+    return PlayedTask(c.judge.finish(last.judge, lanes.samples), last, last.controller, went, rows, [])
 
 
 def _play_periodic(
     lanes: Lanes, controller: Periodic, held: Any, record: bool, signals: tuple[str, ...]
-) -> Played:
+) -> PlayedTask:
     first = begun(lanes, controller, held)
     last, rows = periodic.play(first, recorded(first.loop) if record else signals)
     went = trajectory(rows, lanes.state, first.c.plant, lanes.dt, lanes.begin) if record else None
     judged = lanes.judge.finish(last.loop.judge, lanes.samples)
-    return Played(judged, last.loop, last.memories, went, rows, last.periods)
+    return PlayedTask(judged, last.loop, last.memories, went, rows, last.periods)
 
 
 def begun(lanes: Lanes, controller: Periodic, held: Any = None) -> periodic.PeriodicLoop:

@@ -13,7 +13,7 @@ from design.controllers.pi import PI
 from design.controllers.registry import REGISTERED
 from design.export.mpc import of_linear_mpc
 from design.export.part import Part, of_controller, of_observer
-from design.mpc.problem import Problem, nominal, robust
+from design.mpc.problem import MPCProblem, nominal, robust
 from plants.delay import LONGEST
 from plants.errors import InputError
 from plants.wrist import Wrist
@@ -83,7 +83,7 @@ def _observer(name: str, title: str, wrist: Wrist, gains: Numbers) -> Part:
     return of_observer(name, title, MemoryObserver.of(wrist, *gains), wrist.rig.sample_time)
 
 
-def _mpc(setting: Callable[[Wrist], Problem]) -> Callable[[str, str, Wrist, Numbers], Part]:
+def _mpc(setting: Callable[[Wrist], MPCProblem]) -> Callable[[str, str, Wrist, Numbers], Part]:
     def make(name: str, title: str, wrist: Wrist, gains: Numbers) -> Part:
         return of_linear_mpc(name, title, setting(replace(wrist, effects=())))
 

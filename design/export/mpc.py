@@ -24,8 +24,9 @@ from design.export.fields import COMMAND, Quantity, described
 from design.export.part import SEEN, Part, Seen
 from design.mpc import linear, observer
 from design.mpc.prediction import coefficients
-from design.mpc.problem import Believed, Problem
-from plants import tree, wrist
+from design.mpc.problem import Believed, MPCProblem
+from plants import wrist
+from plants.kernel import pytrees as tree
 from plants.kernel.graphs import baked, c_source, graph
 from plants.wrist import SampledWrist, State
 
@@ -58,7 +59,7 @@ class LossyMeasurement(NamedTuple):
     pressure_seen: Number
 
 
-def of_linear_mpc(name: str, title: str, problem: Problem) -> Part:
+def of_linear_mpc(name: str, title: str, problem: MPCProblem) -> Part:
     """The linear MPC of a problem.  Raises InputError where daqp, which the test vector needs, is missing."""
     c, g = problem.wrist.sampled(), observer.gains(problem)
     planner = linear.planner(problem, coefficients(problem.wrist))
@@ -157,7 +158,7 @@ def believed_after(
     return Believed(State(state.pressure, state.memory, angle), lack, shift)
 
 
-def parameters(m: MPCMemory, command: Number, reference: Number, c: SampledWrist, problem: Problem) -> Any:
+def parameters(m: MPCMemory, command: Number, reference: Number, c: SampledWrist, problem: MPCProblem) -> Any:
     """theta, and the bounds [deg] on u: what `design.mpc.linear.plan` hands to its solver."""
     b = m.believed
     h = b.plant.memory.h
@@ -185,7 +186,7 @@ def condensed(of: linear.Planner) -> tuple[Array, Array]:
     return -A @ solved[:, :4], A @ solved[:, 4:]
 
 
-def _python(problem: Problem, of: linear.Planner, g: observer.Gains) -> tuple[Begin, Step]:
+def _python(problem: MPCProblem, of: linear.Planner, g: observer.Gains) -> tuple[Begin, Step]:
     """The law in Python, by `design.mpc`, its output held where something is lost."""
     idle = np.zeros(2 * problem.horizon, dtype=np.int32)
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from design.export.part import SEEN, Part, Seen
 from design.mpc.observer import begin
 from design.mpc.prediction import coefficients, roll, start_of
-from design.mpc.problem import Problem
-from plants import tree
+from design.mpc.problem import MPCProblem
+from plants.kernel import pytrees as tree
 from plants.wrist import SAMPLE_TIME, Wrist
 
 Array = NDArray[np.float64]
@@ -95,7 +95,7 @@ def vector(part: Part, wrist: Wrist, steps: int = STEPS, seed: int = 0) -> Vecto
     lost = draw.choice(steps, LOST, replace=False)
     which = dict(zip(lost.tolist(), draw.integers(0, 3, LOST).tolist(), strict=True))
     held, c, state = (
-        Problem(wrist, period=part.period),
+        MPCProblem(wrist, period=part.period),
         coefficients(wrist),
         start_of(begin(0.0, wrist.hysteresis.rest_pressure, wrist)),
     )

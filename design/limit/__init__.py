@@ -15,13 +15,24 @@ import numpy as np
 from design.evaluation.tasks import Task, comparison_tasks
 from design.limit.bound import Bound, bound
 from design.limit.optimal import optimal
-from design.limit.replay import Array, Replay, replay
+from design.limit.replay import Array, CommandReplay, replay
 from design.metrics import Metrics
 from design.tasks import Scenario
 from plants.errors import InputError
 from plants.wrist import State, Wrist
 
-__all__ = ["Bound", "Limit", "Ratios", "Replay", "bound", "limit", "limits_of", "optimal", "ratios", "replay"]
+__all__ = [
+    "Bound",
+    "CommandReplay",
+    "Limit",
+    "Ratios",
+    "bound",
+    "limit",
+    "limits_of",
+    "optimal",
+    "ratios",
+    "replay",
+]
 
 
 @dataclass(frozen=True)
@@ -35,8 +46,8 @@ class Limit:
 
     bound_s: float
     iae_bound: float
-    fastest: Replay | None = None
-    least: Replay | None = None
+    fastest: CommandReplay | None = None
+    least: CommandReplay | None = None
 
     @property
     def achieved_s(self) -> float | None:
@@ -64,7 +75,7 @@ class Limit:
         return None if self.fastest is None else self.fastest.commands
 
     @property
-    def trajectory(self) -> Replay | None:
+    def trajectory(self) -> CommandReplay | None:
         """The fastest replay."""
         return self.fastest
 

@@ -26,7 +26,7 @@ import numpy as np
 
 from design.limit.bound import Bound
 from design.limit.monotone import prompt
-from design.limit.replay import Replay, replay
+from design.limit.replay import CommandReplay, replay
 from design.metrics import SETTLING_BAND
 from plants import lag, regulator
 from plants.effects.effect import dead_time_of
@@ -126,7 +126,9 @@ def _larger(a: Any, b: Any) -> Any:
     return 0.5 * (a + b + np.sqrt((a - b) ** 2 + CORNER**2))
 
 
-def optimal(wrist: Wrist, reference: float, state: State, found: Bound, goal: Goal, begin: float) -> Replay:
+def optimal(
+    wrist: Wrist, reference: float, state: State, found: Bound, goal: Goal, begin: float
+) -> CommandReplay:
     """The best replay found of a step to a reference [deg], for a wrist whose only effect may be a dead
     time, which shifts the response and asks for the same commands.
 
@@ -150,7 +152,7 @@ def optimal(wrist: Wrist, reference: float, state: State, found: Bound, goal: Go
     _check_hold(problem)
 
     @cache
-    def tried(turn: int) -> tuple[tuple[float, float], Replay]:
+    def tried(turn: int) -> tuple[tuple[float, float], CommandReplay]:
         judged = replay(wrist, _commands(problem, turn, goal), reference, state, begin)
         m = judged.metrics
         settling, iae = float(m.settling_time_s), float(m.iae_deg_s)
@@ -159,7 +161,9 @@ def optimal(wrist: Wrist, reference: float, state: State, found: Bound, goal: Go
     return _best(lambda turn: tried(turn)[0], problem, lambda turn: tried(turn)[1])
 
 
-def _best(score: Callable[[int], Any], problem: TimeOptimalProblem, of: Callable[[int], Replay]) -> Replay:
+def _best(
+    score: Callable[[int], Any], problem: TimeOptimalProblem, of: Callable[[int], CommandReplay]
+) -> CommandReplay:
     """The replay with the least score over turns: a coarse search, then the neighbours of the best."""
     last = problem.nodes - 2
     at = {min(max(round(share * problem.bound / HOLD), 1), last) for share in (0.84, 0.88, 0.92, 0.96, 1.0)}

@@ -19,7 +19,7 @@ DURATION = 10.0
 
 
 @dataclass(frozen=True)
-class Replay:
+class CommandReplay:
     """What commands do to a wrist: commands [V] (samples,), and before each of them the pressure [kPa],
     static angle [deg] and angle of the joint [deg], (samples,); and how that is judged."""
 
@@ -36,7 +36,7 @@ class Replay:
         return np.asarray(np.arange(len(self.commands)) * self.dt, float)
 
 
-def replay(wrist: Wrist, commands: Any, reference: float, state: State, begin: float = 0.0) -> Replay:
+def replay(wrist: Wrist, commands: Any, reference: float, state: State, begin: float = 0.0) -> CommandReplay:
     """Run commands [V], one per sample of 1 ms, from a state, and judge the step to a reference [deg].
 
     Commands that end before 10 s are held at their last value until then.  begin [s]: time of the
@@ -61,4 +61,4 @@ def replay(wrist: Wrist, commands: Any, reference: float, state: State, begin: f
         record=("plant.pressure", "plant.memory.h", "plant.angle"), jobs=1,
     )  # fmt: skip
     P, h, y = rows[:, :-1, 0]
-    return Replay(v, P, h, y, judge.finish(last.judge, samples)[0], wrist.rig.sample_time)
+    return CommandReplay(v, P, h, y, judge.finish(last.judge, samples)[0], wrist.rig.sample_time)

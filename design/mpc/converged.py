@@ -22,12 +22,11 @@ from numpy.typing import NDArray
 
 from design.controllers.controller import Measured
 from design.mpc import fallback, nlp, observer
-from design.mpc.fallback import Attempt, Fallback, Info
-from design.mpc.fallback import State as MPCState
+from design.mpc.fallback import Attempt, Fallback, Info, MPCState
 from design.mpc.linear import follow
 from design.mpc.linear import plan as linear_plan
 from design.mpc.prediction import linearise, start_of
-from design.mpc.problem import Believed, Problem
+from design.mpc.problem import Believed, MPCProblem
 from design.mpc.real_time import RealTimeMPC, real_time_mpc
 
 Array = NDArray[np.float64]
@@ -62,7 +61,7 @@ class ConvergedMPC:
     """The controller (d): pure `init` and `step`.
 
     >>> from plants import Wrist
-    >>> controller = converged_mpc(Problem(Wrist.flexion(), horizon=10))
+    >>> controller = converged_mpc(MPCProblem(Wrist.flexion(), horizon=10))
     >>> state = controller.init(Measured(0.0, 0.0, 116.0))
     >>> state, command, info = controller.step(state, Measured(3.0, 0.0, 100.0))
     >>> 0.0 <= command <= 4.0, info.rung
@@ -73,7 +72,7 @@ class ConvergedMPC:
     converge: nlp.Converge
 
     @property
-    def problem(self) -> Problem:
+    def problem(self) -> MPCProblem:
         """What is solved."""
         return self.inner.problem
 
@@ -197,6 +196,6 @@ class ConvergedMPC:
         return Plan(commands, self.inner.cost(believed, commands, before, reference))
 
 
-def converged_mpc(problem: Problem, fallback: Fallback | None = None) -> ConvergedMPC:
+def converged_mpc(problem: MPCProblem, fallback: Fallback | None = None) -> ConvergedMPC:
     """The converged MPC of a problem; raises InputError where daqp is not installed."""
     return ConvergedMPC(real_time_mpc(problem, fallback), nlp.converger(problem))

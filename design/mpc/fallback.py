@@ -23,9 +23,9 @@ from design.controllers import pi
 from design.controllers.controller import Measured
 from design.controllers.pi import PI, PIState
 from design.mpc import observer, qp
-from design.mpc.problem import Believed, Problem
-from plants import tree
+from design.mpc.problem import Believed, MPCProblem
 from plants.errors import InputError
+from plants.kernel import pytrees as tree
 
 Array = NDArray[np.float64]
 
@@ -72,7 +72,7 @@ class Info(NamedTuple):
         return self.preparation_ns + self.solve_ns + self.wrapper_ns
 
 
-class State(NamedTuple):
+class MPCState(NamedTuple):
     """What an MPC remembers: what it believes of the wrist; the command [V] and reference [deg] of the
     period before; the plan from now on, in the controller's own terms; the guess of the active set; what
     was prepared; failures in a row; state of the PI where that is in charge, else None."""
@@ -104,7 +104,7 @@ class Planning(Protocol):
     """What differs from one MPC to the other."""
 
     @property
-    def problem(self) -> Problem:
+    def problem(self) -> MPCProblem:
         """What is solved."""
         ...
 
@@ -123,7 +123,7 @@ class Planning(Protocol):
         """Gains of the observer."""
         ...
 
-    def attempt(self, state: State, believed: Believed, reference: float) -> Attempt:
+    def attempt(self, state: MPCState, believed: Believed, reference: float) -> Attempt:
         """Solve."""
         ...
 
@@ -131,21 +131,21 @@ class Planning(Protocol):
         """Command [V] of a plan for the period that begins, and the plan from the next one on."""
         ...
 
-    def prepare(self, state: State) -> Any:
+    def prepare(self, state: MPCState) -> Any:
         """Whatever can be done before the next measurement."""
         ...
 
 
-def begin(of: Planning, seen: Measured) -> State:
+def begin(of: Planning, seen: Measured) -> MPCState:
     """The state in which an MPC holds a wrist that is seen to rest."""
     found, N = observer.begin(seen.angle, seen.pressure, of.problem.wrist), of.problem.horizon
     believed = tree.like(found, [float(x) for x in tree.leaves(found)])
     command = float(seen.pressure) / of.problem.wrist.regulator.gain
     idle = np.zeros(2 * N, dtype=np.int32)
-    return State(believed, command, float("nan"), None, idle, None, 0, None)
+    return MPCState(believed, command, float("nan"), None, idle, None, 0, None)
 
 
-def step(of: Planning, state: State, seen: Measured) -> tuple[State, float, Info]:
+def step(of: Planning, state: MPCState, seen: Measured) -> tuple[MPCState, float, Info]:
     """One period: state after, command [V] to be held, and how it went."""
     ladder, clock = of.fallback, of.fallback.clock
     started = clock()
@@ -162,7 +162,7 @@ def step(of: Planning, state: State, seen: Measured) -> tuple[State, float, Info
         command, rung, after = _descend(of, state, believed, seen)
     command = _bounded(of.problem, command, state.command)
     plan, active, failures, integral = after
-    new = State(believed, command, reference, plan, active, None, failures, integral)
+    new = MPCState(believed, command, reference, plan, active, None, failures, integral)
     given = clock()
     new = new._replace(prepared=of.prepare(new)) if rung == SOLVED else new
     ended = clock()
@@ -170,7 +170,7 @@ def step(of: Planning, state: State, seen: Measured) -> tuple[State, float, Info
     return new, command, Info(rung, reason, tried.iterations, *times)
 
 
-def _attempt(of: Planning, state: State, believed: Believed, reference: float, seen: Measured) -> Attempt:
+def _attempt(of: Planning, state: MPCState, believed: Believed, reference: float, seen: Measured) -> Attempt:
     failed = Attempt(state.command, None, state.active, False, "", 0, 0)
     if not (isfinite(float(seen.angle)) and isfinite(float(seen.pressure))):
         return failed._replace(reason="a sensor's value is not finite")
@@ -185,7 +185,7 @@ def _attempt(of: Planning, state: State, believed: Believed, reference: float, s
     return found
 
 
-def _descend(of: Planning, state: State, believed: Believed, seen: Measured) -> tuple[float, str, Any]:
+def _descend(of: Planning, state: MPCState, believed: Believed, seen: Measured) -> tuple[float, str, Any]:
     """Command [V], rung, and (plan, active, failures, PI's state) below the first rung."""
     ladder, failures = of.fallback, state.failures + 1
     idle = state.active * 0
@@ -201,7 +201,7 @@ def _descend(of: Planning, state: State, believed: Believed, seen: Measured) -> 
     return float(command), BY_PI, (None, idle, failures, PIState(float(after.integral)))
 
 
-def _bounded(problem: Problem, command: float, before: float) -> float:
+def _bounded(problem: MPCProblem, command: float, before: float) -> float:
     """A command [V] within the rate and the range."""
     moved = min(max(command, before - problem.rate), before + problem.rate)
     return min(max(moved, problem.low), problem.high)

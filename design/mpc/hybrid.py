@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.mpc.hybrid_model import Piecewise, piecewise, play, sampled_lag
-from design.mpc.problem import Believed, Problem
+from design.mpc.problem import Believed, MPCProblem
 from plants.errors import InputError
 from plants.hysteresis import FourSegment
 
@@ -66,7 +66,9 @@ class Effort:
     gap: float = 5e-3
 
 
-def cost(problem: Problem, angles: Any, commands: Any, before: float, reference: float, norm: Norm) -> float:
+def cost(
+    problem: MPCProblem, angles: Any, commands: Any, before: float, reference: float, norm: Norm
+) -> float:
     """The cost of a plan of commands [V] in a norm; "square" is `problem.cost`."""
     if norm == "square":
         return problem.cost(angles, commands, before, reference)
@@ -78,7 +80,7 @@ def cost(problem: Problem, angles: Any, commands: Any, before: float, reference:
 
 
 def solve(
-    problem: Problem,
+    problem: MPCProblem,
     believed: Believed,
     before: float,
     reference: float,
@@ -130,7 +132,7 @@ class _Milp:
     constant; rows are <= 0, and = 0 where `least` is 0."""
 
     def __init__(
-        self, problem: Problem, loop: FourSegment, believed: Believed, law: Piecewise, norm: Norm
+        self, problem: MPCProblem, loop: FourSegment, believed: Believed, law: Piecewise, norm: Norm
     ) -> None:
         self.loop, self.problem, self.believed, self.law, self.norm = loop, problem, believed, law, norm
         self.segments, self.once = law.segments, float(believed.plant.memory.virgin) > 0.5

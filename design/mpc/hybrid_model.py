@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from design.mpc.problem import Problem
+from design.mpc.problem import MPCProblem
 from plants import lag, regulator
 from plants.errors import InputError
 from plants.hysteresis import Memory
@@ -69,7 +69,7 @@ class Piecewise(NamedTuple):
         return [*down, (-up[0][1], up[0][1], up[0][2], 0.0), *up[1:]]
 
 
-def gained(problem: Problem, error: Array | float) -> Array:
+def gained(problem: MPCProblem, error: Array | float) -> Array:
     """Pressure [kPa] that a period gains on an error [kPa] at its start, by the exact law."""
     c = problem.wrist.sampled().regulator
     start = np.asarray(error, float)
@@ -79,7 +79,7 @@ def gained(problem: Problem, error: Array | float) -> Array:
     return np.asarray(start - left, float)
 
 
-def piecewise(problem: Problem, most: float, pieces: int) -> Piecewise:
+def piecewise(problem: MPCProblem, most: float, pieces: int) -> Piecewise:
     """The law with so many pieces on either side of 0, up to an error of `most` [kPa].
 
     The knots are those for which the largest difference is least, to within the grid: each piece goes as
@@ -116,7 +116,7 @@ def _greedy(grid: Array, exact: Array, tolerance: float, pieces: int) -> list[in
     return at
 
 
-def sampled_lag(problem: Problem, most: float) -> lag.SampledLag:
+def sampled_lag(problem: MPCProblem, most: float) -> lag.SampledLag:
     """The lag over a period, the static angle moving as the pressure does on an error of `most` [kPa]."""
     c, fine = problem.wrist.sampled().regulator, problem.wrist.sampled().lag
     left = [most]
@@ -130,7 +130,7 @@ def sampled_lag(problem: Problem, most: float) -> lag.SampledLag:
     return lag.SampledLag(keep, 1.0 - keep - after, after)
 
 
-def move(problem: Problem, law: Piecewise, state: State, command: float, lack: float = 0.0) -> State:
+def move(problem: MPCProblem, law: Piecewise, state: State, command: float, lack: float = 0.0) -> State:
     """The wrist of the hybrid model one period of a command [V] later; the regulator's law as given, all
     else as the module says.  With `gained` in its place only the lag would be approximate."""
     p, P = problem.wrist, float(state.pressure)
@@ -140,7 +140,7 @@ def move(problem: Problem, law: Piecewise, state: State, command: float, lack: f
     return State(after, Memory(float(memory.h), float(memory.virgin)), float(angle))
 
 
-def play(problem: Problem, law: Piecewise, state: State, plan: Array, lack: float = 0.0) -> Array:
+def play(problem: MPCProblem, law: Piecewise, state: State, plan: Array, lack: float = 0.0) -> Array:
     """Angles [deg] at the ends of the periods of a plan [V], by the hybrid model; shape of the plan."""
     angles = np.empty(len(plan))
     for k, command in enumerate(plan):

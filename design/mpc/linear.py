@@ -27,10 +27,9 @@ from numpy.typing import NDArray
 
 from design.controllers.controller import Measured
 from design.mpc import observer, qp
-from design.mpc.fallback import Attempt, Fallback, Info, begin, step
-from design.mpc.fallback import State as MPCState
+from design.mpc.fallback import Attempt, Fallback, Info, MPCState, begin, step
 from design.mpc.prediction import coefficients, example, plain, start_of, unloaded, variables
-from design.mpc.problem import Believed, Problem
+from design.mpc.problem import Believed, MPCProblem
 from plants import wrist
 from plants.hysteresis import HysteresisLaw
 from plants.kernel.inlining import compiled, inlined, scalars, unpacked
@@ -156,7 +155,7 @@ class Planner(NamedTuple):
     """What (a) needs, made once: free and forced response of the angle at the ends of the periods, (N, 2)
     and (N, N), and of the static angle; Hessian; solver."""
 
-    problem: Problem
+    problem: MPCProblem
     coefficients: Array
     free: Array
     forced: Array
@@ -169,7 +168,7 @@ class Planner(NamedTuple):
     solve: qp.Solve
 
 
-def planner(problem: Problem, c: Array) -> Planner:
+def planner(problem: MPCProblem, c: Array) -> Planner:
     """The linear plan's matrices; c: `prediction.coefficients`."""
     from scipy.linalg import expm
 
@@ -252,7 +251,7 @@ class LinearMPC:
     """The controller (a): pure `init` and `step`.
 
     >>> from plants import Wrist
-    >>> controller = linear_mpc(Problem(Wrist.flexion()))
+    >>> controller = linear_mpc(MPCProblem(Wrist.flexion()))
     >>> state = controller.init(Measured(0.0, 0.0, 100.0))
     >>> state, command, info = controller.step(state, Measured(15.0, 0.0, 100.0))
     >>> round(command, 3), info.rung
@@ -264,7 +263,7 @@ class LinearMPC:
     fallback: Fallback
 
     @property
-    def problem(self) -> Problem:
+    def problem(self) -> MPCProblem:
         """What is solved."""
         return self.planner.problem
 
@@ -301,7 +300,7 @@ class LinearMPC:
         """Nothing: the Hessian is constant."""
 
 
-def linear_mpc(problem: Problem, fallback: Fallback | None = None) -> LinearMPC:
+def linear_mpc(problem: MPCProblem, fallback: Fallback | None = None) -> LinearMPC:
     """The linear MPC of a problem; raises InputError where daqp is not installed."""
     c = coefficients(problem.wrist)
     return LinearMPC(planner(problem, c), observer.gains(problem), fallback or Fallback())

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from design.evaluation.runner import play, step_from
 from design.metrics import Metrics
-from design.mpc.fallback import Info
-from design.mpc.fallback import State as MPCState
+from design.mpc.fallback import Info, MPCState
 from plants.errors import InputError
 from plants.simulation.closed_loop import ClosedLoop, Trajectory
 from plants.simulation.periodic import Periodic, prompt

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.mpc.prediction import plain, start_of
-from design.mpc.problem import Believed, Problem
-from plants import tree
+from design.mpc.problem import Believed, MPCProblem
+from plants.kernel import pytrees as tree
 from plants.kernel.graphs import graph
 
 Array = NDArray[np.float64]
@@ -45,7 +45,7 @@ Converge = Callable[[Believed, Array, float, float], NLPSolution]
 of the period before."""
 
 
-def converger(problem: Problem) -> Converge:
+def converger(problem: MPCProblem) -> Converge:
     """IPOPT for a problem, made once."""
     import casadi as ca
 
@@ -81,7 +81,7 @@ def converger(problem: Problem) -> Converge:
     return converge
 
 
-def within(problem: Problem, plans: Array, before: float) -> Array:
+def within(problem: MPCProblem, plans: Array, before: float) -> Array:
     """Plans [V], shape (..., N), held to the rate and the range, command after command."""
     held = np.empty_like(plans)
     last = np.full_like(plans[..., 0], before)

@@ -27,9 +27,10 @@ from design.controllers.controller import Measured
 from design.controllers.double_pole import double_pole
 from design.controllers.memory_estimator import memory_at_rest
 from design.mpc.prediction import example, start_of, unloaded, variables
-from design.mpc.problem import Believed, Problem
-from plants import tree, wrist
+from design.mpc.problem import Believed, MPCProblem
+from plants import wrist
 from plants.hysteresis import HysteresisLaw
+from plants.kernel import pytrees as tree
 from plants.kernel.inlining import compiled, inlined, scalars, unpacked
 from plants.wrist import State, Wrist
 
@@ -97,7 +98,7 @@ class Gains(NamedTuple):
     shape: HysteresisLaw
 
 
-def gains(problem: Problem) -> Gains:
+def gains(problem: MPCProblem) -> Gains:
     """Gains that put both poles of angle and shift at exp(-bandwidth period)."""
     keep, pole = exp(-problem.period / problem.wrist.Tw), exp(-problem.observer.bandwidth * problem.period)
     angle, shift = double_pole(keep, pole)

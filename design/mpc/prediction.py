@@ -16,9 +16,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from design.mpc.problem import Believed, Problem
-from plants import tree, wrist
+from design.mpc.problem import Believed, MPCProblem
+from plants import wrist
 from plants.hysteresis import HysteresisLaw
+from plants.kernel import pytrees as tree
 from plants.kernel.graphs import graph
 from plants.kernel.inlining import compiled, inlined, scalars, unpacked
 from plants.wrist import QUIET, State, Wrist
@@ -27,7 +28,7 @@ Array = NDArray[np.float64]
 
 
 def example(shape: HysteresisLaw) -> Wrist:
-    """A declared wrist whose law has a shape (`design.mpc.problem.Problem.shape`)."""
+    """A declared wrist whose law has a shape (`design.mpc.problem.MPCProblem.shape`)."""
     return replace(Wrist.flexion(), hysteresis=shape)
 
 
@@ -213,7 +214,7 @@ def start_of(believed: Believed) -> Array:
 
 
 def linearise(
-    problem: Problem, c: Array, weights: Array, moves: Array, start: Array, lack: float, plan: Array
+    problem: MPCProblem, c: Array, weights: Array, moves: Array, start: Array, lack: float, plan: Array
 ) -> Linearised:
     """The horizon about a plan [V], and what the cost's Hessian is there (Gauss-Newton).
 
@@ -260,7 +261,7 @@ def _roll_kernel(shape: HysteresisLaw) -> Callable[..., None]:
     )  # fmt: skip
 
 
-def roll(problem: Problem, c: Array, start: Array, lack: float, plan: Array) -> Array:
+def roll(problem: MPCProblem, c: Array, start: Array, lack: float, plan: Array) -> Array:
     """States (N, leaves) at the ends of the periods of a plan [V], as `start_of` flattens them."""
     states = np.empty((len(plan), len(start)))
     pushed = plan + lack / problem.wrist.regulator.gain

@@ -35,7 +35,7 @@ LONGEST_HORIZON = 200
 
 
 @dataclass(frozen=True)
-class Weights:
+class MPCWeights:
     """Weights of the cost: angle [1/deg^2], move [1/V^2] (of the change of the command from one period to
     the next), terminal [1/deg^2] (in place of `angle` at the last stage), swing [1/deg^2] (of the change
     of the angle from one period to the next: squared errors alone would have the angle shoot past
@@ -79,17 +79,17 @@ class Observer:
 
 
 @dataclass(frozen=True)
-class Problem:
+class MPCProblem:
     """Model, horizon, weights and bounds; see the module.
 
     wrist: the declared wrist that is believed in, without effects; period [s], a multiple of the
     sample time; horizon in periods; low, high [V]; rate [V per period]; observer: how fast the
     disturbances are believed.  Raises InputError with one line for what makes no sense.
 
-    >>> problem = Problem(Wrist.flexion())
+    >>> problem = MPCProblem(Wrist.flexion())
     >>> problem.substeps, problem.horizon
     (20, 30)
-    >>> Problem(Wrist.flexion(), period=0.0205)
+    >>> MPCProblem(Wrist.flexion(), period=0.0205)
     Traceback (most recent call last):
     plants.errors.InputError: MPC period of 0.0205 s: give a multiple of the sample time, 0.001 s
     """
@@ -97,7 +97,7 @@ class Problem:
     wrist: Wrist
     period: float = 0.02
     horizon: int = 30
-    weights: Weights = field(default_factory=Weights)
+    weights: MPCWeights = field(default_factory=MPCWeights)
     observer: Observer = field(default_factory=Observer)
     low: float = COMMAND_RANGE[0]
     high: float = COMMAND_RANGE[1]
@@ -193,21 +193,21 @@ class Believed(NamedTuple):
     shift: float
 
 
-def nominal(wrist: Wrist, **changes: Any) -> Problem:
+def nominal(wrist: Wrist, **changes: Any) -> MPCProblem:
     """The fast setting: for a plant that is as believed."""
-    return replace(Problem(wrist), **changes)
+    return replace(MPCProblem(wrist), **changes)
 
 
-def robust(wrist: Wrist, **changes: Any) -> Problem:
+def robust(wrist: Wrist, **changes: Any) -> MPCProblem:
     """The setting that stays stable with 60 ms of dead time that the model lacks.
 
     Found by trial on 15 degree steps with added dead time and on the corners of `design.tasks`.  Moves and
     swings keep the dead time; the observer is quick, since it has no part in that, and a slow one takes
     1.5 s to see a loop of wrong width.  The slower `lack` is what the dead time would disturb.
     """
-    slow = Problem(
+    slow = MPCProblem(
         wrist,
-        weights=Weights(move=100.0, terminal=1.0, swing=30.0),
+        weights=MPCWeights(move=100.0, terminal=1.0, swing=30.0),
         observer=Observer(bandwidth=60.0, lack=0.1),
     )
     return replace(slow, **changes)

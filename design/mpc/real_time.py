@@ -20,11 +20,10 @@ from numpy.typing import NDArray
 
 from design.controllers.controller import Measured
 from design.mpc import linear, observer, qp
-from design.mpc.fallback import Attempt, Fallback, Info, begin, step
-from design.mpc.fallback import State as MPCState
+from design.mpc.fallback import Attempt, Fallback, Info, MPCState, begin, step
 from design.mpc.prediction import Linearised, differentiated, linearise, roll, start_of
-from design.mpc.problem import Believed, Problem
-from plants import tree
+from design.mpc.problem import Believed, MPCProblem
+from plants.kernel import pytrees as tree
 
 Array = NDArray[np.float64]
 
@@ -44,7 +43,7 @@ class RealTimeMPC:
     """The controller (b): pure `init` and `step`.
 
     >>> from plants import Wrist
-    >>> controller = real_time_mpc(Problem(Wrist.flexion()))
+    >>> controller = real_time_mpc(MPCProblem(Wrist.flexion()))
     >>> state = controller.init(Measured(0.0, 0.0, 100.0))
     >>> state, command, info = controller.step(state, Measured(15.0, 0.0, 100.0))
     >>> round(command, 3), info.rung
@@ -60,7 +59,7 @@ class RealTimeMPC:
     far: Array
 
     @property
-    def problem(self) -> Problem:
+    def problem(self) -> MPCProblem:
         """What is solved."""
         return self.first.problem
 
@@ -161,7 +160,7 @@ class RealTimeMPC:
         return bool(last.memory.virgin > 0.5 and abs(last.angle + believed.shift - reference) > STUCK)
 
 
-def real_time_mpc(problem: Problem, fallback: Fallback | None = None) -> RealTimeMPC:
+def real_time_mpc(problem: MPCProblem, fallback: Fallback | None = None) -> RealTimeMPC:
     """The nonlinear MPC of a problem; raises InputError where daqp is not installed."""
     first = linear.linear_mpc(problem, fallback)
     return RealTimeMPC(

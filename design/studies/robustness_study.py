@@ -10,7 +10,7 @@ from design.robustness.gain_plane import GainPlane, gain_plane
 from design.robustness.samples.monte_carlo import Envelopes, envelopes
 from design.robustness.samples.worst import Worst
 from design.rules import PAPER_GAINS, baselines
-from design.sequence import Played, play
+from design.sequence import PlayedSequence, play
 
 Tell = Callable[[str, float], None]
 
@@ -26,7 +26,7 @@ class RobustnessStudy:
     assessment: Assessment
     plane: GainPlane
     envelopes: Envelopes | None
-    worst_run: Played
+    worst_run: PlayedSequence
     gains: Mapping[str, tuple[float, float]]
 
 
@@ -47,6 +47,6 @@ def study_of(assessment: Assessment, plane: GainPlane) -> RobustnessStudy:
     )  # fmt: skip
 
 
-def worst_run(worst: Worst) -> Played:
+def worst_run(worst: Worst) -> PlayedSequence:
     """A worst scenario played by the simulator, with its signals."""
     return play([worst.sequence], worst.controller, record=True)

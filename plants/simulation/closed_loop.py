@@ -2,8 +2,8 @@
 
 One law for every loop that is simulated.  Its parts are NamedTuples in the trees of state and coefficients;
 a part that is absent, ``()``, is gone when the law is traced, and costs nothing in the compiled code.  What
-comes from outside are signals by name (`Signals`), of which a run has those that it needs: the time for a
-plant with effects, the pressure of the other motion, noise; or commands, in place of a controller, where they
+comes from outside are signals by name (`OutsideSignals`), of which a run has those that it needs: the time for
+a plant with effects, the pressure of the other motion, noise; or commands, in place of a controller, where they
 are known before (a replay) or decided once a period (`plants.simulation.periodic`).  Constant loads and dead
 times are effects of the plant (`plants.simulation.disturbance`).
 
@@ -49,7 +49,7 @@ class SampledClosedLoop(NamedTuple):
     sensor: Sensor = PERFECT
 
 
-class Signals(NamedTuple):
+class OutsideSignals(NamedTuple):
     """What comes from outside in a sample: its index, its time [s], pressure of the other motion [kPa], noise
     of standard deviation 1, the command [V] that is given where there is no controller, and the one that
     reaches the valve where transport is kept outside the plant."""
@@ -62,7 +62,7 @@ class Signals(NamedTuple):
     arriving: Number | None = None
 
 
-def step(s: ClosedLoop, signals: Signals, c: SampledClosedLoop) -> ClosedLoop:
+def step(s: ClosedLoop, signals: OutsideSignals, c: SampledClosedLoop) -> ClosedLoop:
     """One sample: measure, control, move, judge by the true angle."""
     around = Around(signals.time, signals.other_pressure)
     asked = c.reference.at(signals.sample)
@@ -79,12 +79,12 @@ def step(s: ClosedLoop, signals: Signals, c: SampledClosedLoop) -> ClosedLoop:
 
 @cache
 def law(names: tuple[str, ...]) -> Callable[[ClosedLoop, tuple[Number, ...], SampledClosedLoop], ClosedLoop]:
-    """The law with its signals in the order of some names, those of `Signals`; ``index`` is that of the
+    """The law with its signals in the order of some names of `OutsideSignals`; ``index`` is that of the
     sample in a run that goes on where another ended, for ``sample`` is counted from 0 in every run."""
     fields = ["sample" if n == "index" else n for n in names]
 
     def closed_loop(s: ClosedLoop, inputs: tuple[Number, ...], c: SampledClosedLoop) -> ClosedLoop:
-        return step(s, Signals(**dict(zip(fields, inputs, strict=True))), c)
+        return step(s, OutsideSignals(**dict(zip(fields, inputs, strict=True))), c)
 
     return closed_loop
 
@@ -102,7 +102,7 @@ def advance(
 ) -> tuple[ClosedLoop, Array]:
     """The loop after so many samples, and what was recorded on the way, as `plants.kernel.batches.run_lanes`.
 
-    shared, own: signals by their names in `Signals`, (samples,) of all lanes, and (rows, lanes) of each
+    shared, own: signals by their names (`OutsideSignals`), (samples,) of all lanes, and (rows, lanes) of each
     lane's own, a row for every `hold` samples.
     """
     shared, own = shared or {}, own or {}

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Response:
+class OpenLoopResponse:
     """An open-loop response: time [s]; pressure [kPa], static angle and angle [deg], each
     of shape (rows,) or, for a wrist with arrays as parameters, (rows, lanes)."""
 
@@ -87,7 +87,7 @@ def open_loop(
     jobs: int | None = None,
     other_pressure: Any = None,
     begin: float = 0.0,
-) -> Response:
+) -> OpenLoopResponse:
     """Response of a wrist to commands [V], one per sample, from rest unless told otherwise.
 
     Row k is the wrist before command ``k * every`` acts; the last row follows
@@ -119,7 +119,9 @@ def open_loop(
     after = last.plant
     if not any(np.ndim(x) for x in pytrees.leaves((c, start))):
         rows, after = rows[:, :, 0], pytrees.like(after, [float(x[0]) for x in pytrees.leaves(after)])
-    return Response(np.arange(rows.shape[1], dtype=float) * (every * dt), rows[0], rows[1], rows[2], after)
+    return OpenLoopResponse(
+        np.arange(rows.shape[1], dtype=float) * (every * dt), rows[0], rows[1], rows[2], after
+    )
 
 
 def driven(

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from design.break_even import METRICS, BreakEven, Curve
+from design.break_even import METRICS, BreakEven, BreakEvenCurve
 from reports.shared.style import BLACK, GREY, LINES, new_figure, styled
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def break_even_figure(found: BreakEven, title: str = "") -> "Figure":
     return figure
 
 
-def _panel(axes: "Axes", curves: Sequence[Curve], metric: str) -> None:
+def _panel(axes: "Axes", curves: Sequence[BreakEvenCurve], metric: str) -> None:
     """Ratios of some controllers over one kind of error."""
     axes.set(yscale="log", ylim=(LOWEST, HIGHEST))
     axes.set_yticks([0.2, 0.5, 1.0, 2.0, 5.0], labels=["0.2", "0.5", "1", "2", "5"])

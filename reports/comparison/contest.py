@@ -6,7 +6,7 @@ import numpy as np
 
 from design.compare import TUNED
 from design.contest.scores import BESIDE, BOTH, Contest, Score
-from design.contest.statistics import FEWEST, LEVEL, Interval
+from design.contest.statistics import FEWEST, LEVEL, ConfidenceInterval
 from design.evaluation.tasks import families, lasts
 from reports.shared.names import name_of, title_of
 from reports.shared.style import BLACK, GREY, controller_line, new_figure, styled
@@ -83,7 +83,7 @@ def _row(s: Score, overshoot: float | None, lasting: float) -> tuple[Cell, ...]:
     )  # fmt: skip
 
 
-def _difference(i: Interval) -> Cell:
+def _difference(i: ConfidenceInterval) -> Cell:
     if i.low == i.high == 0.0:
         return Cell("–")
     text = f"+{fixed(i.mean, 2)}" if i.mean > 0.0 else fixed(i.mean, 2)

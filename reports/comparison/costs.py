@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from design.break_even import KIND_UNITS, METRICS, BreakEven, Curve
+from design.break_even import KIND_UNITS, METRICS, BreakEven, BreakEvenCurve
 from design.mpc.fallback import SOLVED
 from design.mpc.timing import Ledger, Times
 from reports.shared.names import name_of, title_of
@@ -59,7 +59,7 @@ def break_even_words(motion: str, found: BreakEven) -> str:
 _SHORT = {"starting memory": "starting angle"}
 
 
-def _reach(c: Curve) -> str:
+def _reach(c: BreakEvenCurve) -> str:
     """Between which errors of a kind the IAE is no worse; empty where it is at no error that was tried."""
     low, high = c.break_even("IAE")
     kind = _SHORT.get(c.kind, c.kind)
@@ -98,7 +98,7 @@ def break_even_table(found: BreakEven) -> Table:
     return Table(columns, tuple(groups))
 
 
-def _error(c: Curve, at: float | None, end: float) -> str:
+def _error(c: BreakEvenCurve, at: float | None, end: float) -> str:
     """Where a controller breaks even, or that it does not within what was tried."""
     return f"beyond {_scaled(c.kind, end)}" if at is None else _scaled(c.kind, at)
 

@@ -10,7 +10,7 @@ from design.requirements import Limits
 from design.robustness.gain_plane import GainPlane
 from design.robustness.samples.monte_carlo import Envelopes
 from design.robustness.samples.worst import Worst
-from design.sequence import Played
+from design.sequence import PlayedSequence
 from plants.wrist import COMMAND_RANGE
 from reports.shared.style import (
     BLACK,
@@ -141,7 +141,7 @@ def draw_envelopes(bands: Envelopes, reference: float) -> "Figure":
     return figure
 
 
-def draw_worst(worst: Worst, played: Played) -> "Figure":
+def draw_worst(worst: Worst, played: PlayedSequence) -> "Figure":
     """The worst scenario that was found, as it was played: reference and angle, and the command."""
     t = played.trajectory
     assert t is not None

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from design.answer import UNITS as GAIN_UNITS
-from design.retune import Control, Side
+from design.retune import Control, RetunedSide
 from design.tasks import STEP
 from plants.measured.trace.trace import Named, StageTrace, Trace
 from reports.shared.tuning import refused
@@ -93,7 +93,7 @@ def control_record(control: Control | None) -> dict[str, Any]:
     }
 
 
-def _side_record(side: Side) -> dict[str, Any]:
+def _side_record(side: RetunedSide) -> dict[str, Any]:
     found, j = side.tuning, side.judged
     record: dict[str, Any] = {"refusal": None if side.refusal is None else refused(side.refusal)}
     if found is None or j is None:

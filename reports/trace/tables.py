@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from design.retune import Control, Judged, Side
+from design.retune import Control, JudgedStep, RetunedSide
 from plants.measured.free_run import FreeRun
 from plants.measured.problem import measured
 from plants.measured.residual.examine import Examination, Finding
@@ -207,7 +207,7 @@ def control_table(control: Control) -> Table:
     return Table(columns, (Group("", tuple(_side(s) for s in sides)),))
 
 
-def _side(side: Side) -> tuple[Cell, ...]:
+def _side(side: RetunedSide) -> tuple[Cell, ...]:
     name = side.plant
     if side.tuning is None or side.judged is None:
         return row(name, *["–"] * 6, "–" if side.refusal is None else refused(side.refusal), "–")
@@ -222,7 +222,7 @@ def _side(side: Side) -> tuple[Cell, ...]:
     )  # fmt: skip
 
 
-def _settling(j: Judged) -> str:
+def _settling(j: JudgedStep) -> str:
     if j.oscillates:
         return "oscillates"
     beyond = f"> {j.response.time[-1]:.0f}"

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from math import isfinite
 
 from design.answer import UNITS as GAIN_UNITS
-from design.retune import Control, Side
+from design.retune import Control, RetunedSide
 from plants.effects import EFFECTS
 from plants.measured.residual.examine import Examination
 from plants.measured.trace.learnt import Learnt
@@ -245,17 +245,17 @@ def control_sentence(control: Control | None) -> str:
     return said
 
 
-def _refused(side: Side) -> str:
+def _refused(side: RetunedSide) -> str:
     return "" if side.refusal is None else refused(side.refusal)
 
 
-def gains(side: Side) -> str:
+def gains(side: RetunedSide) -> str:
     """Gains with their units."""
     assert side.tuning is not None
     return f"Kp {number(side.tuning.Kp)} {GAIN_UNITS['Kp']}, Ki {number(side.tuning.Ki)} {GAIN_UNITS['Ki']}"
 
 
-def _did(side: Side) -> str:
+def _did(side: RetunedSide) -> str:
     j = side.judged
     assert j is not None
     settles = "does not settle" if not isfinite(j.settling_time_s) else ""

@@ -8,7 +8,7 @@ import pytest
 from design.controllers.pi import PI
 from design.loop import run
 from design.requirements import Limits
-from design.retune import Response, judged, retune, simulated
+from design.retune import RetunedResponse, judged, retune, simulated
 from design.tuning import Region
 from plants import Wrist, built_in
 from plants.effects import DeadTime, Drift, HardStop
@@ -107,7 +107,7 @@ def test_a_loop_that_goes_on_swinging_oscillates_and_one_that_rings_down_does_no
     time = np.arange(10_000) * 1e-3
     swing = np.sin(2.0 * np.pi * time)
     for angle, oscillates in ((15.0 + swing, True), (15.0 + 5.0 * swing * np.exp(-time), False)):
-        found = judged(Response(time, angle, np.full(10_000, 2.0)), Limits(), 2.0)
+        found = judged(RetunedResponse(time, angle, np.full(10_000, 2.0)), Limits(), 2.0)
         assert found.oscillates is oscillates
         assert bool(np.isinf(found.settling_time_s)) is oscillates
 

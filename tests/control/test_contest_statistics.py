@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import ttest_rel
 
-from design.contest.statistics import FEWEST, Interval, intervals, paired, ranks
+from design.contest.statistics import FEWEST, ConfidenceInterval, intervals, paired, ranks
 
 
 def test_on_many_normal_differences_the_interval_is_that_of_the_paired_t_test():
@@ -25,7 +25,7 @@ def test_the_interval_covers_the_mean_of_skewed_differences_about_as_often_as_it
 
 def test_of_a_handful_of_plants_nothing_is_claimed():
     few = np.arange(FEWEST - 1.0)
-    assert paired(few + 5.0, few) == Interval(5.0, -np.inf, np.inf)
+    assert paired(few + 5.0, few) == ConfidenceInterval(5.0, -np.inf, np.inf)
     assert ranks({"slow": few + 5.0, "quick": few}) == {"slow": (1, 2), "quick": (1, 2)}
 
 

@@ -11,11 +11,11 @@ from design.contest import Contest, contest, contest_record
 from design.contest.plants import FORMS, RIGS, day_to_day, first, nominal, perturbed, rig, within_reach
 from design.contest.run import METRICS
 from design.contest.scores import BESIDE, BOTH, Score, by_plant, play
-from design.contest.statistics import FEWEST, Interval
+from design.contest.statistics import FEWEST, ConfidenceInterval
 from design.controllers.pi import PI
 from design.evaluation.tasks import FAMILIES, side_by_side
 from design.mpc.linear import linear_mpc
-from design.mpc.problem import Problem
+from design.mpc.problem import MPCProblem
 from design.robustness.box import box_of
 from design.robustness.samples.conditions import Conditions
 from plants import InputError, Wrist, built_in
@@ -135,7 +135,7 @@ def test_plants_that_no_command_can_hold_are_set_aside_and_counted():
 
 
 def test_an_MPC_meets_plants_beside_all_others():
-    mpc = linear_mpc(Problem(Wrist.flexion()))
+    mpc = linear_mpc(MPCProblem(Wrist.flexion()))
     one = {"flexion": SETS["flexion"]}
     found = contest(one, {"flexion": PIS}, count=10, periodic={"flexion": {"MPC": mpc}}, periodic_count=2)
     names = {k: [s.controller for s in found.of(*k)] for k in found.tables}
@@ -165,7 +165,9 @@ def test_the_sentences_name_each_motion_that_enough_plants_tell_of():
 
 def test_a_rig_takes_a_lead_away_only_where_enough_plants_say_so():
     def score(field, plants, low, high):
-        against = {m: Interval(0.5 * (low + high), low, high) for m in ("iae_deg_s", "settling_time_s")}
+        against = {
+            m: ConfidenceInterval(0.5 * (low + high), low, high) for m in ("iae_deg_s", "settling_time_s")
+        }
         return Score("flexion", field, "steps", "quick", plants, {}, 1.0, against, {})
 
     def said(plants, low, high):

@@ -9,17 +9,17 @@ from design.export.mpc import of_linear_mpc
 from design.export.rendering import render
 from design.mpc.linear import planner
 from design.mpc.prediction import coefficients
-from design.mpc.problem import Problem, Weights, robust
+from design.mpc.problem import MPCProblem, MPCWeights, robust
 from tests.control.c_target import CC, WRIST, exported, needs_compiler, objects, program, run
 
 pytestmark = needs_compiler
 
 PROBLEMS = {
-    "fast": Problem(WRIST),
+    "fast": MPCProblem(WRIST),
     "robust": robust(WRIST),
-    "rate at its bound in most periods": Problem(WRIST, rate=0.02),
-    "long": Problem(WRIST, horizon=60, rate=0.05),
-    "hardly convex": Problem(WRIST, weights=Weights(move=1e-3), rate=0.1),
+    "rate at its bound in most periods": MPCProblem(WRIST, rate=0.02),
+    "long": MPCProblem(WRIST, horizon=60, rate=0.05),
+    "hardly convex": MPCProblem(WRIST, weights=MPCWeights(move=1e-3), rate=0.1),
 }
 
 MAIN = """

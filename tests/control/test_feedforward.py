@@ -9,12 +9,13 @@ from design.controllers.pi import PI
 from design.controllers.reference_model import no_inverse, reachable, within_reach
 from design.evaluation.runner import step_from
 from design.loop import run
-from plants import one_page, tree
+from plants import one_page
 from plants.effects.creep import Creep
 from plants.effects.dead_time import DeadTime
 from plants.effects.load_step import LoadStep
 from plants.errors import InputError, InputWarning
-from plants.simulation.closed_loop import Signals, step
+from plants.kernel import pytrees as tree
+from plants.simulation.closed_loop import OutsideSignals, step
 from plants.wrist import STARTS, Wrist
 
 WRISTS = {"flexion": Wrist.flexion(), "deviation": Wrist.deviation()}
@@ -114,7 +115,7 @@ def test_compiled_lanes_and_plain_python_agree():
     angles = []
     for k in range(400):
         angles.append(float(loop.plant.angle))
-        loop = step(loop, Signals(float(k)), c)
+        loop = step(loop, OutsideSignals(float(k)), c)
     assert compiled.angle[:400, 0] == pytest.approx(np.array(angles), abs=1e-9)
 
 

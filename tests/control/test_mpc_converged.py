@@ -12,7 +12,7 @@ from design.mpc.fallback import SHIFTED, SOLVED
 from design.mpc.loop import run
 from design.mpc.nlp import converger, within
 from design.mpc.prediction import coefficients, roll, start_of
-from design.mpc.problem import Problem
+from design.mpc.problem import MPCProblem
 from design.mpc.real_time import real_time_mpc
 from plants import Wrist
 from plants.one_page import wrist as one_page
@@ -44,7 +44,7 @@ def cost_by_the_page(problem, plan, before, reference):
     ("wrist", "start", "reference"), [(FLEXION, "virgin", -15.0), (DEVIATION, "line1", -15.0)]
 )
 def test_no_plan_that_is_tried_costs_less(wrist, start, reference):
-    problem, rng = Problem(wrist), np.random.default_rng(4)
+    problem, rng = MPCProblem(wrist), np.random.default_rng(4)
     best, believed, state = solved(problem, start, reference)
     c = coefficients(wrist)
     random = rng.uniform(0.0, 4.0, (1000, 30))
@@ -67,7 +67,7 @@ def test_no_plan_that_is_tried_costs_less(wrist, start, reference):
 
 
 def test_the_one_pages_gradient_vanishes_but_at_the_bounds():
-    problem = Problem(FLEXION, rate=4.0)
+    problem = MPCProblem(FLEXION, rate=4.0)
     best, _, state = solved(problem, "virgin", 15.0)
     v, before, small = best.commands, state.command, 1e-5
     assert cost_by_the_page(problem, v, before, 15.0) == pytest.approx(best.cost, rel=1e-11)
@@ -85,7 +85,7 @@ def test_the_one_pages_gradient_vanishes_but_at_the_bounds():
 
 @pytest.mark.parametrize(("start", "reference"), [("virgin", 4.0), ("line2", -4.0)])
 def test_a_short_horizon_agrees_with_a_search_of_all_commands(start, reference):
-    problem = Problem(FLEXION, period=0.06, horizon=3)
+    problem = MPCProblem(FLEXION, period=0.06, horizon=3)
     best, believed, state = solved(problem, start, reference)
     c, axis = coefficients(FLEXION), np.linspace(0.0, 4.0, 29)
 
@@ -102,7 +102,7 @@ def test_a_short_horizon_agrees_with_a_search_of_all_commands(start, reference):
 
 def test_ipopt_comes_to_the_same_from_a_poor_start():
     """Where the minimum lies on a bend of the problem, IPOPT finds it without being able to say so."""
-    problem = Problem(FLEXION)
+    problem = MPCProblem(FLEXION)
     best, believed, state = solved(problem, "line1", 15.0)
     poor = np.linspace(state.command, 3.6, 30)
     answer = converger(problem)(believed, poor, state.command, 15.0)
@@ -114,7 +114,7 @@ def test_ipopt_comes_to_the_same_from_a_poor_start():
 
 def test_the_real_time_iteration_costs_no_half_percent_more():
     """From line 1 in flexion, the way to the reference; the whole tasks are a benchmark."""
-    problem, reference = Problem(FLEXION, horizon=20), 15.0
+    problem, reference = MPCProblem(FLEXION, horizon=20), 15.0
     costs = [
         closed_loop_cost(problem, run(FLEXION, c, reference, FLEXION.rest("line1"), 0.24, True), reference)
         for c in (converged_mpc(problem), real_time_mpc(problem), linear.linear_mpc(problem))
@@ -124,7 +124,7 @@ def test_the_real_time_iteration_costs_no_half_percent_more():
 
 
 def test_it_comes_to_rest_and_then_asks_for_no_more():
-    problem = Problem(DEVIATION, horizon=8)
+    problem = MPCProblem(DEVIATION, horizon=8)
     play = run(DEVIATION, converged_mpc(problem), 3.0, DEVIATION.rest("line1"), 1.0)
     assert float(play.metrics.steady_state_error_deg[0]) < 1e-2
     assert {info.rung for info in play.periods} == {SOLVED}
@@ -133,7 +133,7 @@ def test_it_comes_to_rest_and_then_asks_for_no_more():
 
 
 def test_its_ladder_is_that_of_the_others():
-    problem = Problem(FLEXION, horizon=6)
+    problem = MPCProblem(FLEXION, horizon=6)
     controller = converged_mpc(problem)
     state, _, info = controller.step(
         controller.init(Measured(0.0, 0.0, float(FLEXION.rest("line1").pressure))), Measured(5.0, 0.0, 100.0)

@@ -12,11 +12,11 @@ from design.mpc import fallback, qp
 from design.mpc.fallback import BY_PI, HELD, SHIFTED, SOLVED, Fallback
 from design.mpc.linear import linear_mpc
 from design.mpc.loop import run
-from design.mpc.problem import Problem
+from design.mpc.problem import MPCProblem
 from design.mpc.real_time import real_time_mpc
 from plants import Wrist
 
-PROBLEM = Problem(Wrist.flexion())
+PROBLEM = MPCProblem(Wrist.flexion())
 
 
 def resting(start):
@@ -128,7 +128,7 @@ def test_a_sensor_without_a_number_is_bridged(make, lost):
 
 
 def test_the_command_keeps_range_and_rate_on_every_rung():
-    problem = Problem(Wrist.flexion(), rate=0.3)
+    problem = MPCProblem(Wrist.flexion(), rate=0.3)
     controller = fallback_often(real_time_mpc(problem))
     play = run(Wrist.flexion(), controller, 15.0, duration=2.0, record=True)
     commands = np.concatenate([[100.0 / 49.4], play.trajectory.command[::20, 0]])

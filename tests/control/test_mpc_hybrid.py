@@ -15,7 +15,7 @@ from design.mpc.hybrid import Effort, cost, solve
 from design.mpc.hybrid_model import piecewise, play, sampled_lag
 from design.mpc.nlp import within
 from design.mpc.prediction import coefficients, roll, start_of
-from design.mpc.problem import Problem
+from design.mpc.problem import MPCProblem
 from plants import Wrist
 from plants.errors import InputError
 from plants.one_page import wrist as one_page
@@ -31,7 +31,7 @@ def at_rest(wrist, start):
 @pytest.mark.parametrize("pieces", [1, 2, 4, 6])
 def test_the_laws_error_is_what_it_states(pieces):
     """Against the one page from 100 kPa, and against the differential equation."""
-    problem, law = Problem(FLEXION), piecewise(Problem(FLEXION), 197.6, pieces)
+    problem, law = MPCProblem(FLEXION), piecewise(MPCProblem(FLEXION), 197.6, pieces)
     errors = np.concatenate([np.linspace(-100.0, 97.6, 601), np.linspace(-12.0, 12.0, 600)])
     page = [one_page(FLEXION.values, [(100.0 + e) / 49.4] * 20)[-1][0] - 100.0 for e in errors]
     missed = np.abs(law(errors) - np.array(page))
@@ -48,7 +48,7 @@ def test_the_laws_error_is_what_it_states(pieces):
 
 
 def test_more_pieces_miss_less():
-    missed = [piecewise(Problem(DEVIATION), 197.6, m).error for m in range(1, 9)]
+    missed = [piecewise(MPCProblem(DEVIATION), 197.6, m).error for m in range(1, 9)]
     assert (np.diff(missed) < 0.0).all()
     assert missed[3] < 0.1
 
@@ -103,7 +103,7 @@ def by_enumeration(problem, law, believed, before, reference):
     ],
 )
 def test_a_tiny_case_agrees_with_the_enumeration_of_branches(wrist, start, reference, horizon):
-    problem = Problem(wrist, period=0.08, horizon=horizon)
+    problem = MPCProblem(wrist, period=0.08, horizon=horizon)
     believed, before = at_rest(wrist, start)
     pieces = 2 if horizon == 2 else 1
     found = solve(problem, believed, before, reference, "one", Effort(pieces, gap=1e-7))
@@ -114,7 +114,7 @@ def test_a_tiny_case_agrees_with_the_enumeration_of_branches(wrist, start, refer
 
 def test_on_the_virgin_curve_the_angle_stays_however_the_pressure_moves():
     """Up to 2.3 V, line 1 is not met: there is nothing that helps, and nothing is done."""
-    problem = Problem(FLEXION, period=0.08, horizon=3, low=1.9, high=2.3)
+    problem = MPCProblem(FLEXION, period=0.08, horizon=3, low=1.9, high=2.3)
     believed, before = at_rest(FLEXION, "virgin")
     found = solve(problem, believed, before, 0.6)
     assert found.cost == pytest.approx(0.6 * 12.0, rel=1e-9)
@@ -124,7 +124,7 @@ def test_on_the_virgin_curve_the_angle_stays_however_the_pressure_moves():
 
 @pytest.mark.parametrize("norm", ["one", "square"])
 def test_no_plan_is_below_the_bound_nor_the_model_far_from_the_wrist(norm):
-    problem = Problem(FLEXION, period=0.04, horizon=7)
+    problem = MPCProblem(FLEXION, period=0.04, horizon=7)
     believed, before = at_rest(FLEXION, "line1")
     found = solve(problem, believed, before, 6.0, norm, Effort(gap=1e-2))
     assert found.bound <= found.cost
@@ -149,7 +149,7 @@ def test_no_plan_is_below_the_bound_nor_the_model_far_from_the_wrist(norm):
 
 def test_its_plan_leads_to_nothing_better_than_the_converged_one():
     """What a local method found from its own starts is not beaten from the proved best of the model."""
-    problem = Problem(FLEXION, period=0.04, horizon=6)
+    problem = MPCProblem(FLEXION, period=0.04, horizon=6)
     believed, before = at_rest(FLEXION, "line2")
     controller = converged_mpc(problem)
     least = controller.solve(believed, before, 8.0, [])[0].cost
@@ -163,23 +163,23 @@ def test_its_plan_leads_to_nothing_better_than_the_converged_one():
 
 
 def test_lack_and_shift_are_believed():
-    problem = Problem(FLEXION, period=0.08, horizon=3)
+    problem = MPCProblem(FLEXION, period=0.08, horizon=3)
     believed, before = at_rest(FLEXION, "line1")
     plain = solve(problem, believed, before, 5.0)
     # A lack of 4.94 kPa asks for 0.1 V more, a shift of 1 deg for a reference lower by that.
     shifted = solve(problem, believed._replace(shift=1.0), before, 6.0)
     assert np.abs(shifted.commands - plain.commands).max() < 1e-6
     lacking = believed._replace(lack=-4.94)
-    higher = solve(Problem(FLEXION, period=0.08, horizon=3, low=0.1, high=4.1), lacking, before + 0.1, 5.0)
+    higher = solve(MPCProblem(FLEXION, period=0.08, horizon=3, low=0.1, high=4.1), lacking, before + 0.1, 5.0)
     assert higher.cost == pytest.approx(plain.cost, rel=5e-3)
 
 
 def test_bad_input_is_told():
     believed, before = at_rest(FLEXION, "line1")
     with pytest.raises(InputError, match="pieces"):
-        piecewise(Problem(FLEXION), 197.6, 0)
-    steep = Problem(FLEXION.with_values(s=0.5))
+        piecewise(MPCProblem(FLEXION), 197.6, 0)
+    steep = MPCProblem(FLEXION.with_values(s=0.5))
     with pytest.raises(InputError, match="smaller slope s"):
         solve(steep, believed, before, 5.0)
     with pytest.raises(InputError, match="no plan"):
-        solve(Problem(FLEXION, horizon=2, rate=1.0), believed, before + 9.0, 5.0)
+        solve(MPCProblem(FLEXION, horizon=2, rate=1.0), believed, before + 9.0, 5.0)

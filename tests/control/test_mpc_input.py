@@ -8,31 +8,31 @@ import pytest
 from design.mpc.fallback import Fallback
 from design.mpc.linear import linear_mpc
 from design.mpc.loop import run
-from design.mpc.problem import Observer, Problem, Weights
+from design.mpc.problem import MPCProblem, MPCWeights, Observer
 from plants import Wrist
 from plants.effects.dead_time import DeadTime
 from plants.errors import InputError
 
 WRIST = Wrist.flexion()
 BAD = {
-    "multiple of the sample time": lambda: Problem(WRIST, period=0.0203),
-    "period of 0 s": lambda: Problem(WRIST, period=0.0),
-    "horizon of 1 ": lambda: Problem(WRIST, horizon=1),
-    "horizon of 30.5": lambda: Problem(WRIST, horizon=30.5),
-    "horizon of 100000": lambda: Problem(WRIST, horizon=100_000),
-    "weight angle": lambda: Weights(angle=-1.0),
-    "weight terminal": lambda: Weights(terminal=float("nan")),
-    "weight move": lambda: Weights(move=0.0),
-    "both 0": lambda: Weights(angle=0.0, terminal=0.0),
-    "rate limit": lambda: Problem(WRIST, rate=0.0),
-    "low below high": lambda: Problem(WRIST, low=4.0, high=0.0),
-    "dead-time": lambda: Problem(WRIST + DeadTime(0.05)),
-    "one wrist at a time": lambda: Problem(WRIST.with_values(Tw=np.array([0.1, 0.2]))),
+    "multiple of the sample time": lambda: MPCProblem(WRIST, period=0.0203),
+    "period of 0 s": lambda: MPCProblem(WRIST, period=0.0),
+    "horizon of 1 ": lambda: MPCProblem(WRIST, horizon=1),
+    "horizon of 30.5": lambda: MPCProblem(WRIST, horizon=30.5),
+    "horizon of 100000": lambda: MPCProblem(WRIST, horizon=100_000),
+    "weight angle": lambda: MPCWeights(angle=-1.0),
+    "weight terminal": lambda: MPCWeights(terminal=float("nan")),
+    "weight move": lambda: MPCWeights(move=0.0),
+    "both 0": lambda: MPCWeights(angle=0.0, terminal=0.0),
+    "rate limit": lambda: MPCProblem(WRIST, rate=0.0),
+    "low below high": lambda: MPCProblem(WRIST, low=4.0, high=0.0),
+    "dead-time": lambda: MPCProblem(WRIST + DeadTime(0.05)),
+    "one wrist at a time": lambda: MPCProblem(WRIST.with_values(Tw=np.array([0.1, 0.2]))),
     "bandwidth": lambda: Observer(bandwidth=0.0),
     "share": lambda: Observer(lack=1.5),
     "patience": lambda: Fallback(patience=-1),
     "budget": lambda: Fallback(budget=0.0),
-    "duration": lambda: run(WRIST, linear_mpc(Problem(WRIST)), 15.0, duration=0.05),
+    "duration": lambda: run(WRIST, linear_mpc(MPCProblem(WRIST)), 15.0, duration=0.05),
 }
 
 
@@ -47,4 +47,4 @@ def test_it_is_refused_in_one_line(words):
 def test_a_missing_solver_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "daqp", None)
     with pytest.raises(InputError, match="pip install daqp"):
-        linear_mpc(Problem(WRIST))
+        linear_mpc(MPCProblem(WRIST))

@@ -7,14 +7,14 @@ import pytest
 
 from design.mpc import linear, observer
 from design.mpc.prediction import coefficients
-from design.mpc.problem import Observer, Problem
+from design.mpc.problem import MPCProblem, Observer
 from plants import Wrist
 from plants.one_page import wrist as one_page
 
 
 def test_free_and_forced_response_are_those_of_the_linear_system():
     wrist = Wrist.deviation()
-    problem = Problem(wrist, horizon=12)
+    problem = MPCProblem(wrist, horizon=12)
     of = linear.planner(problem, coefficients(wrist))
     k, Tw = wrist.regulator.k_fast, wrist.Tw
     system = control.c2d(control.ss([[-k, 0], [1 / Tw, -1 / Tw]], [[k], [0]], np.eye(2), 0), problem.period)
@@ -28,7 +28,7 @@ def test_free_and_forced_response_are_those_of_the_linear_system():
 def test_commands_take_the_wrist_to_static_angles_over_reversals():
     """From rest, through the dead zone, up, back along the transit to line 2, and up again."""
     wrist = Wrist.flexion()
-    of = linear.planner(Problem(wrist, rate=4.0), coefficients(wrist))
+    of = linear.planner(MPCProblem(wrist, rate=4.0), coefficients(wrist))
     asked = np.array([0.0, 0.3, 2.5, 5.0, 7.0, 6.6, 6.2, 6.5, 7.5, 9.0, 8.6, 8.4])
     start = observer.begin(0.0, 100.0, wrist)
     believed = start._replace(plant=start.plant._replace(pressure=115.0))
@@ -51,7 +51,7 @@ def held_to(wrist, pressure):
 
 def test_commands_are_clipped_to_range_and_rate():
     wrist = Wrist.flexion()
-    of = linear.planner(Problem(wrist, rate=0.5), coefficients(wrist))
+    of = linear.planner(MPCProblem(wrist, rate=0.5), coefficients(wrist))
     commands = linear.follow(of, observer.begin(0.0, 100.0, wrist), 2.0, np.full(10, 25.0))
     assert np.abs(np.diff(commands, prepend=2.0)).max() <= 0.5 + 1e-12
     assert commands.max() == pytest.approx(4.0)
@@ -60,7 +60,7 @@ def test_commands_are_clipped_to_range_and_rate():
 @pytest.mark.parametrize("bandwidth", [5.0, 20.0, 30.0])
 def test_the_observers_error_has_both_poles_where_they_were_asked_for(bandwidth):
     wrist = Wrist.flexion()
-    problem = Problem(wrist, observer=Observer(bandwidth=bandwidth))
+    problem = MPCProblem(wrist, observer=Observer(bandwidth=bandwidth))
     g, keep = observer.gains(problem), np.exp(-problem.period / wrist.Tw)
     A, C = np.array([[1.0, 0.0], [1.0 - keep, keep]]), np.array([[0.0, 1.0]])  # of (shift, angle)
     L = np.array([[g.shift], [g.angle]])

@@ -6,10 +6,9 @@ import pytest
 from design.controllers.controller import Measured
 from design.controllers.pi import PI
 from design.loop import run as run_pi
-from design.mpc.fallback import Info
-from design.mpc.fallback import State as MPCState
+from design.mpc.fallback import Info, MPCState
 from design.mpc.loop import run
-from design.mpc.problem import Problem
+from design.mpc.problem import MPCProblem
 from design.mpc.real_time import real_time_mpc
 from plants import Wrist
 from plants.effects.dead_time import DeadTime, TubeDeadTime
@@ -22,7 +21,7 @@ GAINS = PI(1.5, 4.0)
 class SampledPIAsMPC:
     """A PI that acts once a sample, dressed as a periodic controller."""
 
-    problem = Problem(Wrist.flexion(), period=0.001)
+    problem = MPCProblem(Wrist.flexion(), period=0.001)
 
     def init(self, seen):
         pressure = float(seen.pressure)
@@ -76,7 +75,7 @@ def test_the_memory_at_the_start_is_read_off_angle_and_pressure(start):
     """The controller is not told on which branch the wrist rests."""
     wrist = Wrist.flexion()
     rest = wrist.rest(start)
-    controller = real_time_mpc(Problem(wrist))
+    controller = real_time_mpc(MPCProblem(wrist))
     believed = controller.init(Measured(0.0, float(rest.angle), float(rest.pressure))).believed
     memory = [float(x) for x in believed.plant.memory]
     assert memory == pytest.approx([float(x) for x in rest.memory], abs=1e-9)
@@ -84,7 +83,7 @@ def test_the_memory_at_the_start_is_read_off_angle_and_pressure(start):
 
 
 def test_a_run_in_two_parts_is_the_run():
-    wrist, controller = Wrist.flexion(), real_time_mpc(Problem(Wrist.flexion()))
+    wrist, controller = Wrist.flexion(), real_time_mpc(MPCProblem(Wrist.flexion()))
     whole = run(wrist, controller, 15.0, duration=0.6, record=True)
     first = run(wrist, controller, 15.0, duration=0.3)
     second = run(wrist, controller, 15.0, first.last.plant, 0.3, True, begin=0.3, memory=first.controller)

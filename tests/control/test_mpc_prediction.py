@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 
 from design.mpc.prediction import coefficients, linearise, roll
-from design.mpc.problem import Problem
-from plants import Wrist, tree
+from design.mpc.problem import MPCProblem
+from plants import Wrist
+from plants.kernel import pytrees as tree
 from plants.one_page import wrist as one_page
 
 PLAN = np.concatenate([np.full(9, 4.0), np.full(8, 2.6), np.linspace(2.0, 3.3, 13)])
@@ -17,7 +18,7 @@ def by_the_page(wrist: Wrist, plan: np.ndarray) -> np.ndarray:
 
 
 def about(wrist: Wrist, plan: np.ndarray):
-    problem = Problem(wrist)
+    problem = MPCProblem(wrist)
     start = np.array(tree.leaves(wrist.rest()), float)
     return problem, linearise(
         problem, coefficients(wrist), problem.stage_weights, problem.move_hessian, start, 0.0, plan
@@ -48,7 +49,7 @@ def test_derivatives_by_a_command_are_those_of_the_one_page(k):
 
 def test_a_lack_of_pressure_acts_as_a_lower_command():
     wrist = Wrist.flexion()
-    problem = Problem(wrist)
+    problem = MPCProblem(wrist)
     start = np.array(tree.leaves(wrist.rest("line1")), float)
     lack = roll(problem, coefficients(wrist), start, -4.94, PLAN)
     lower = roll(problem, coefficients(wrist), start, 0.0, PLAN - 0.1)

@@ -8,10 +8,11 @@ from design.mpc import hybrid, loop
 from design.mpc.linear import linear_mpc
 from design.mpc.observer import begin
 from design.mpc.prediction import coefficients, differentiated, linearise, roll
-from design.mpc.problem import Problem
+from design.mpc.problem import MPCProblem
 from design.mpc.real_time import real_time_mpc
-from plants import Wrist, tree
+from plants import Wrist
 from plants.errors import InputError
+from plants.kernel import pytrees as tree
 
 PLAN = np.concatenate([np.full(9, 4.0), np.full(8, 2.6), np.linspace(2.0, 3.3, 13)])
 SMALL = 1e-5
@@ -19,7 +20,7 @@ SMALL = 1e-5
 
 @pytest.fixture(scope="module")
 def problem():
-    return Problem(Wrist.of(second_law_set()))
+    return MPCProblem(Wrist.of(second_law_set()))
 
 
 def test_derivatives_along_a_plan_are_those_of_finite_differences(problem):

@@ -26,7 +26,7 @@ from design.margins import by_python_control
 from design.metrics import Metrics
 from design.mpc import loop
 from design.mpc.linear import linear_mpc
-from design.mpc.problem import Problem as Problem_of_MPC
+from design.mpc.problem import MPCProblem as Problem_of_MPC
 from design.requirements import Limits, Problem
 from design.rules import baselines, paper_range
 from plants import Wrist

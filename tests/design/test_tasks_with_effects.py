@@ -8,7 +8,6 @@ from design.requirements import Limits, Problem, default_problem, out_of_range, 
 from design.rules import baselines, reaction_curve, simc
 from design.tasks import Scenario, hindrance, stack, tuning_scenarios, unreachable, within_reach
 from design.tuning import Region, tune
-from plants import tree
 from plants.effects import (
     CappedPressure,
     Creep,
@@ -20,6 +19,7 @@ from plants.effects import (
     Saturation,
     TubeDeadTime,
 )
+from plants.kernel import pytrees as tree
 from reports.shared.tuning import refused
 from tests.design.effect_samples import WRIST
 

@@ -19,7 +19,8 @@ from design.tasks import (
     unreachable,
     within_reach,
 )
-from plants import Wrist, tree
+from plants import Wrist
+from plants.kernel import pytrees as tree
 from plants.wrist import STARTS
 
 AXES = ["flexion", "deviation"]

@@ -10,7 +10,7 @@ from design.controllers.pi import PI
 from design.evaluation.runner import play, step_from
 from design.loop import run
 from design.robustness.samples.conditions import Conditions
-from design.robustness.samples.draws import Task, noise
+from design.robustness.samples.draws import SamplingTask, noise
 from plants import Wrist
 from plants.effects.dead_time import DeadTime
 from plants.effects.gyro_drift import Drift
@@ -121,7 +121,7 @@ def test_noise_in_the_kernel_has_its_standard_deviation_and_its_hold_time():
     from plants.quantities import built_in
 
     size, Kp, lanes = 0.2, 2.0, 64
-    task = Task(box_of(built_in("flexion")), CONTROLLER, Conditions(0, 0, size, 0), 5, 15.0, 10.0)
+    task = SamplingTask(box_of(built_in("flexion")), CONTROLLER, Conditions(0, 0, size, 0), 5, 15.0, 10.0)
     drawn = noise(task, 0, lanes)
     assert drawn is not None
     wrist = Wrist.flexion().with_values(Tw=np.full(lanes, 0.16))

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from plants import InputError, State, Wrist, tree
+from plants import InputError, State, Wrist
+from plants.kernel import pytrees as tree
 from plants.kernel.templates import LANES
 from plants.simulation.open_loop import open_loop
 

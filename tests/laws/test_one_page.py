@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from plants import State, Wrist, one_page, tree, wrist
+from plants import State, Wrist, one_page, wrist
+from plants.kernel import pytrees as tree
 from tests.laws.law_strategies import commands, wrists
 
 

@@ -5,8 +5,9 @@ import pytest
 
 from design.controllers.pi import PI
 from design.loop import run
-from plants import Wrist, tree
+from plants import Wrist
 from plants.effects import DeadTime
+from plants.kernel import pytrees as tree
 from tests.oracles.plain_loop import Plant, closed_loop
 
 

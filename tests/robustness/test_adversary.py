@@ -8,7 +8,7 @@ import pytest
 from design.controllers.lqi import LQI
 from design.controllers.pi import PI
 from design.mpc.linear import linear_mpc
-from design.mpc.problem import Problem
+from design.mpc.problem import MPCProblem
 from design.requirements import Limits
 from design.robustness.box import Box, Interval, box_of
 from design.robustness.samples.adversary import worst_case
@@ -68,7 +68,7 @@ KINDS = {
         LQI(Ke=50.0, Kd=-50.0, Kq=-14.0, jump=3.5, slope=0.2, Tw=0.16, bandwidth=20.0),
         {"budget": 100, "duration": SHORT},
     ),
-    "MPC": (linear_mpc(Problem(WRIST)), {"budget": 64, "duration": 1.0, "steps": 1}),
+    "MPC": (linear_mpc(MPCProblem(WRIST)), {"budget": 64, "duration": 1.0, "steps": 1}),
 }
 
 

@@ -8,12 +8,12 @@ from design import loop
 from design.controllers.pi import PI
 from design.robustness.box import Box, Interval, box_of
 from design.robustness.samples.conditions import NONE, Conditions
-from design.robustness.samples.draws import CHUNK, Task, draw
+from design.robustness.samples.draws import CHUNK, SamplingTask, draw
 from design.robustness.samples.monte_carlo import monte_carlo, samples_record
-from plants import tree
 from plants.effects.creep import Creep
 from plants.effects.dead_time import DeadTime
 from plants.effects.end_stop import HardStop
+from plants.kernel import pytrees as tree
 from plants.quantities import built_in
 
 FLEXION = built_in("flexion")
@@ -23,7 +23,7 @@ SLOPES = Interval("slopes", 0.8, 1.0, 1.2, "1", "the test's", ("a1", "a2", "s"))
 
 def test_cases_are_independent_and_uniform():
     n, box = 6 * CHUNK, box_of(FLEXION)
-    task = Task(box, TUNED, Conditions(0.05, 1.0, 0.0, 0.0), 12, 15.0, 10.0)
+    task = SamplingTask(box, TUNED, Conditions(0.05, 1.0, 0.0, 0.0), 12, 15.0, 10.0)
     cases = [draw(task, k) for k in range(6)]
     values = {x: np.concatenate([c.values[x] for c in cases]) for x in cases[0].values}
     ends = {i.name: (i.low, i.high) for i in box.intervals} | {"dead_time": (0.0, 0.05), "load": (-1.0, 1.0)}
@@ -49,7 +49,7 @@ def test_every_case_starts_at_rest_holding_its_load(effects):
         effects, {"creep.gain": 0.1, "creep.time_constant": 4.0} if effects else {}, {}, "x"
     )
     box = Box(plant, (SLOPES,))
-    task = Task(box, PI(0.0, 0.0), Conditions(0.05, 2.0, 0.0, 0.0), 1, 15.0, 3.0)
+    task = SamplingTask(box, PI(0.0, 0.0), Conditions(0.05, 2.0, 0.0, 0.0), 1, 15.0, 3.0)
     cases = draw(task, 0, 96)
     _, last, _ = loop.run(cases.wrist, task.controller, cases.reference, cases.state, duration=3.0)
     np.testing.assert_allclose(last.plant.angle, cases.state.angle, atol=1e-6)
@@ -64,7 +64,8 @@ def test_the_closed_form_of_the_rest_is_what_the_search_finds():
     plant = FLEXION.revised((Creep,), {"creep.gain": 0.0, "creep.time_constant": 4.0}, {}, "x")
     conditions = Conditions(0.05, 2.0, 0.0, 0.0)
     found, sought = (
-        draw(Task(Box(p, (SLOPES,)), TUNED, conditions, 1, 15.0, 3.0), 0, 200) for p in (FLEXION, plant)
+        draw(SamplingTask(Box(p, (SLOPES,)), TUNED, conditions, 1, 15.0, 3.0), 0, 200)
+        for p in (FLEXION, plant)
     )
     for a, b in zip(tree.leaves(found.state[:3]), tree.leaves(sought.state[:3]), strict=True):
         np.testing.assert_allclose(a, b, atol=1e-8)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from design.controllers.pi import PI, PIState
 from design.evaluation.runner import play, step_from
 from design.loop import holding
-from plants import tree
+from plants.kernel import pytrees as tree
 from plants.rest import at_pressure
 from plants.wrist import State, Wrist
 

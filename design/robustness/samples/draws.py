@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from design.controllers.controller import Controller
 from design.robustness.box import Box
 from design.robustness.samples.conditions import Conditions, added, left_out
-from plants import tree
 from plants.effects.effect import Around, Effect
+from plants.kernel import pytrees as tree
 from plants.rest import at_rest, searched
 from plants.simulation.sensor import HOLD
 from plants.wrist import STARTS, Start, State, Wrist, settled
@@ -33,7 +33,7 @@ FIRST = 4  # rows of a draw before those of the box: memory, sign, dead time, lo
 
 
 @dataclass(frozen=True)
-class Task:
+class SamplingTask:
     """What is sampled: a controller on the plants of a box under conditions, stepped by +-reference [deg] and
     run for a duration [s]."""
 
@@ -67,7 +67,7 @@ def generator(seed: int, chunk: int, stream: int) -> np.random.Generator:
     return np.random.Generator(np.random.Philox(key=seed, counter=[0, 0, chunk, stream]))
 
 
-def draw(task: Task, chunk: int, count: int = CHUNK) -> Draw:
+def draw(task: SamplingTask, chunk: int, count: int = CHUNK) -> Draw:
     """The first `count` cases of a chunk: independent, uniform over the box, over the four starting
     memories and both signs of the step, and over the conditions."""
     box, conditions = task.box, task.conditions
@@ -93,7 +93,7 @@ def draw(task: Task, chunk: int, count: int = CHUNK) -> Draw:
     return Draw(wrist, state, reference, start, values, out)
 
 
-def noise(task: Task, chunk: int, count: int = CHUNK) -> Array | None:
+def noise(task: SamplingTask, chunk: int, count: int = CHUNK) -> Array | None:
     """Noise of a chunk's sensors, of standard deviation 1, shape (rows, count), a row for every `HOLD`
     samples; None where the conditions have none.  Row by row, so that a longer run begins like a shorter."""
     if task.conditions.noise == 0.0:
@@ -102,7 +102,7 @@ def noise(task: Task, chunk: int, count: int = CHUNK) -> Array | None:
     return generator(task.seed, chunk, NOISE).standard_normal((rows, CHUNK))[:, :count]
 
 
-def remarks(task: Task) -> tuple[str, ...]:
+def remarks(task: SamplingTask) -> tuple[str, ...]:
     """Conditions that are not drawn, in words, and why."""
     return left_out(task.box.wrist, task.conditions)
 

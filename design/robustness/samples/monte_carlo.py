@@ -21,7 +21,7 @@ from design.metrics import SETTLING_BAND, Metrics
 from design.requirements import LIMIT_UNITS, Limits
 from design.robustness.box import Box
 from design.robustness.samples.conditions import Conditions
-from design.robustness.samples.draws import CHUNK, Draw, Flags, Task, draw, noise, remarks
+from design.robustness.samples.draws import CHUNK, Draw, Flags, SamplingTask, draw, noise, remarks
 from plants.errors import InputError
 from plants.kernel.batches import default_jobs
 from plants.simulation.sensor import HOLD, sensor
@@ -63,7 +63,7 @@ class Samples:
     remarks: conditions that were not drawn.
     """
 
-    task: Task
+    task: SamplingTask
     limits: Limits
     metrics: Metrics
     drawn: Mapping[str, Array]
@@ -111,7 +111,7 @@ def monte_carlo(
     asked = box.plant.rig.task
     reference = asked.step if reference is None else float(reference)
     duration = asked.duration if duration is None else float(duration)
-    task = Task(box, controller, conditions or Conditions(), seed, reference, duration)
+    task = SamplingTask(box, controller, conditions or Conditions(), seed, reference, duration)
     _refuse(task, samples)
     pieces = [(k, min(CHUNK, samples - k * CHUNK)) for k in range(-(-samples // CHUNK))]
     tell = progress or (lambda stage, share: None)
@@ -125,7 +125,7 @@ def monte_carlo(
 Part = tuple[list[Array], dict[str, Array], NDArray[np.intp], Array, Array, Flags]
 
 
-def run_chunk(task: Task, piece: tuple[int, int]) -> Part:
+def run_chunk(task: SamplingTask, piece: tuple[int, int]) -> Part:
     """Metrics and draws of the first cases of a chunk; `piece` is its number and how many, in one thread."""
     cases = draw(task, *piece)
     judged, _ = _rollouts(task, cases, piece)
@@ -135,7 +135,7 @@ def run_chunk(task: Task, piece: tuple[int, int]) -> Part:
 
 
 def _rollouts(
-    task: Task, cases: Draw, piece: tuple[int, int], every: int = 0, record: tuple[str, ...] = ()
+    task: SamplingTask, cases: Draw, piece: tuple[int, int], every: int = 0, record: tuple[str, ...] = ()
 ) -> tuple[Metrics, Array]:
     """Metrics of cases, and the signals named in `record` after every `every` samples."""
     seen_by = sensor(task.conditions.noise, task.conditions.quantum)
@@ -147,7 +147,7 @@ def _rollouts(
     return played.metrics, played.rows
 
 
-def _refuse(task: Task, samples: int) -> None:
+def _refuse(task: SamplingTask, samples: int) -> None:
     """Raises InputError for a task that cannot be run."""
     if samples < 1 or task.seed < 0:
         raise InputError(
@@ -164,7 +164,7 @@ def _refuse(task: Task, samples: int) -> None:
         )
 
 
-def _gathered(task: Task, limits: Limits, parts: list[Part]) -> Samples:
+def _gathered(task: SamplingTask, limits: Limits, parts: list[Part]) -> Samples:
     leaves, drawn, start, reference, step, out = zip(*parts, strict=True)
     metrics = Metrics(*(np.concatenate(x) for x in zip(*leaves, strict=True)))
     values = {n: np.concatenate([d[n] for d in drawn]) for n in drawn[0]}

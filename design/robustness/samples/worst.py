@@ -10,7 +10,7 @@ from design.controllers.controller import Controller
 from design.controllers.pi import PI
 from design.requirements import Limits
 from design.robustness.box import Box
-from design.sequence import Played, Sequence, play
+from design.sequence import PlayedSequence, Sequence, play
 from design.tasks import STEP, tuning_scenarios, within_reach
 from plants.quantities import Assumed, Parameter, ParameterSet
 from plants.simulation.periodic import Periodic
@@ -140,7 +140,7 @@ def plain_worst(
     runs = [
         Sequence(s.start, s.angle, (s.reference,), (duration,), s.wrist, plant=s.plant) for s in scenarios
     ]
-    played: Played = play(runs, controller, jobs=jobs)
+    played: PlayedSequence = play(runs, controller, jobs=jobs)
     beyond, cost = excesses(played.values, limits), played.values["iae_deg_s"] / played.step
     dearest = int(np.argmax(cost))
     if not beyond:
