@@ -64,7 +64,15 @@ def parameter_set(axis: Axis, plant: Path | None) -> "ParameterSet":
     """The set of a file, or the built-in one of an axis."""
     from plants.quantities import built_in, load
 
-    return load(plant) if plant else built_in(axis.value)
+    return shown(load(plant) if plant else built_in(axis.value))
+
+
+def shown(found: "ParameterSet") -> "ParameterSet":
+    """The same set, in whose rig's units everything is shown from now on."""
+    from reports.shared.units import show
+
+    show(found.rig)
+    return found
 
 
 def rig_of(plant: Path | None) -> "Rig | None":
@@ -80,7 +88,7 @@ def starting_set(data: "Campaign", plant: Path | None) -> "ParameterSet":
     from plants.quantities import built_in, load
 
     if plant is not None:
-        return load(plant)
+        return shown(load(plant))
     if data.axis in ("flexion", "deviation"):
         return built_in(data.axis)
     if data.stage == "regulator":  # any regulator: the built-in one, within what is possible at all

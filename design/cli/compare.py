@@ -148,7 +148,7 @@ def _plants(
 ) -> tuple[dict[str, "Fit"], dict[str, "ParameterSet"]]:
     """Fits of the campaigns, and the parameter set of each motion: fitted, given, or, where nothing is given,
     built in."""
-    from design.cli.common import starting_set
+    from design.cli.common import shown, starting_set
     from design.cli.fit import tables
     from plants.errors import InputError
     from plants.measured.campaign import load_campaign
@@ -183,5 +183,6 @@ def _plants(
     motions = [axis.value for axis in Axis]
     if not sets:
         sets = {axis: built_in(axis) for axis in motions}
+    shown(next(iter(sets.values())))
     order = sorted(sets, key=lambda name: (motions.index(name) if name in motions else len(motions), name))
     return fits, {name: sets[name] for name in order}

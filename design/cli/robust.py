@@ -58,8 +58,8 @@ def command(
         ),
     ] = None,
     corners: Annotated[
-        str, typer.Option(help="Shares by which assumed loop width, slopes and lag may differ.")
-    ] = "0.2,0.1,0.2",
+        str | None, typer.Option(help="Shares by which assumed loop width, slopes and lag may differ.")
+    ] = None,
     dead_time: Annotated[
         float, typer.Option(help="Dead time that samples and the worst case may have on top [s].", min=0.0)
     ] = 0.050,
@@ -104,10 +104,12 @@ def command(
     from reports.robustness.record import assessment_record
 
     check_places({"--worst": worst, "--json": json}, out)
-    spread = Spread(*numbers(corners, "--corners", "0.2,0.1,0.2"))
+    chosen = parameter_set(axis, plant)
+    spread = (
+        Spread.of(chosen.rig) if corners is None else Spread(*numbers(corners, "--corners", "0.2,0.1,0.2"))
+    )
     if max(vars(spread).values()) >= 1.0:
         raise InputError(f"--corners: {corners!r} must be shares below 1")
-    chosen = parameter_set(axis, plant)
     pi = controller(gains, Wrist.of(chosen))
     around = box_of(chosen, spread, given=intervals(box or []))
     conditions = Conditions(dead_time, load, noise, quantum)

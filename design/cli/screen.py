@@ -34,10 +34,13 @@ def console(json_path: Path | None) -> "Console":
     """Where people read: stdout, or stderr where JSON goes to stdout.  Says text as it is, without markup."""
     from rich.console import Console
 
+    from reports.shared.units import StreamInUnits
+
     stream = sys.stderr if is_stdout(json_path) else sys.stdout
     width = _width(stream)
     height = None if width is None else 25  # of no meaning, but rich takes both or none on a dumb terminal
-    return Console(file=stream, width=width, height=height, highlight=False, markup=False, emoji=False)
+    shown: Any = StreamInUnits(stream)
+    return Console(file=shown, width=width, height=height, highlight=False, markup=False, emoji=False)
 
 
 def _width(stream: TextIO) -> int | None:

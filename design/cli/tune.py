@@ -1,5 +1,6 @@
 """``wrist tune``: gains of least worst cost under hard limits."""
 
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -49,20 +50,24 @@ def command(
             "--nominal", help="Only the nominal plant from rest, without the delay margin: fast on paper."
         ),
     ] = False,
-    overshoot: Annotated[float, typer.Option(help="Limit on the simulated overshoot [%].", min=0.0)] = 5.0,
+    overshoot: Annotated[
+        float | None,
+        typer.Option(help="Limit on the simulated overshoot [%]; the rig's if not given.", min=0.0),
+    ] = None,
     ms: Annotated[
-        float, typer.Option(help="Limit on the peak of the sensitivity on every branch.", min=1.0)
-    ] = 2.0,
-    delay_margin: Annotated[float, typer.Option(help="Least delay margin [s].", min=0.0)] = 0.060,
+        float | None, typer.Option(help="Limit on the peak of the sensitivity on every branch.", min=1.0)
+    ] = None,
+    delay_margin: Annotated[float | None, typer.Option(help="Least delay margin [s].", min=0.0)] = None,
     variation: Annotated[
-        float, typer.Option(help="Limit on the travel of the command in a step [V].", min=0.0)
-    ] = 16.0,
+        float | None, typer.Option(help="Limit on the travel of the command in a step.", min=0.0)
+    ] = None,
     steady_error: Annotated[
-        float, typer.Option(help="Limit on what is left at the end of the run [% of the step].", min=0.0)
-    ] = 2.0,
+        float | None,
+        typer.Option(help="Limit on what is left at the end of the run [% of the step].", min=0.0),
+    ] = None,
     corners: Annotated[
-        str, typer.Option(help="Shares by which loop width, slopes and lag of the corners differ.")
-    ] = "0.2,0.1,0.2",
+        str | None, typer.Option(help="Shares by which loop width, slopes and lag of the corners differ.")
+    ] = None,
     points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 40,
     starts: Annotated[int, typer.Option(help="Local searches.", min=1, max=100)] = 5,
     robust: Annotated[
@@ -95,11 +100,18 @@ def command(
     check_places({"--json": json}, out)
     if cost not in COSTS:
         raise InputError(f"--cost: unknown cost {cost!r}; one of {', '.join(COSTS)}")
-    spread = Spread(*numbers(corners, "--corners", "0.2,0.1,0.2"))
+    chosen = parameter_set(axis, plant)
+    spread = (
+        Spread.of(chosen.rig) if corners is None else Spread(*numbers(corners, "--corners", "0.2,0.1,0.2"))
+    )
     if max(vars(spread).values()) >= 1.0:
         raise InputError(f"--corners: {corners!r} must be shares below 1")
-    chosen = parameter_set(axis, plant)
-    limits = Limits(overshoot, ms, None if nominal else delay_margin, variation, steady_error)
+    given = {
+        "overshoot_percent": overshoot, "Ms": ms, "delay_margin_s": delay_margin,
+        "total_variation_V": variation, "steady_error_percent": steady_error,
+    }  # fmt: skip
+    limits = replace(Limits.of(chosen.rig), **{n: v for n, v in given.items() if v is not None})
+    limits = replace(limits, delay_margin_s=None) if nominal else limits
     problem = default_problem(Wrist.of(chosen), limits, cost, nominal, jobs, spread)
     region = Region(points=points)
     said = console(json)

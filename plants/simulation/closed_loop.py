@@ -2,10 +2,11 @@
 
 One law for every loop that is simulated.  Its parts are NamedTuples in the trees of state and coefficients;
 a part that is absent, ``()``, is gone when the law is traced, and costs nothing in the compiled code.  What
-comes from outside are signals by name (`OutsideSignals`), of which a run has those that it needs: the time for
-a plant with effects, the pressure of the other motion, noise; or commands, in place of a controller, where they
-are known before (a replay) or decided once a period (`plants.simulation.periodic`).  Constant loads and dead
-times are effects of the plant (`plants.simulation.disturbance`).
+comes from outside are signals by name (`OutsideSignals`), of which a run has those that it needs: the
+time for a plant with effects, the pressure of the other motion, noise; or commands, in place of a
+controller, where they are known before (a replay) or decided once a period
+(`plants.simulation.periodic`).  Constant loads and dead times are effects of the plant
+(`plants.simulation.disturbance`).
 
 The controller sees what the sensor shows; the judge sees the joint.  The two differ where the sensor is not
 perfect or the plant has effects that sit in it, such as a drift.

@@ -79,7 +79,7 @@ def margin_table(assessment: Assessment) -> Table:
     limits = assessment.limits.named
     columns = (
         Column("Branch", number=False), Column("Regulator rate", number=False), Column("Gain margin", "1"),
-        Column("Phase margin", "deg"), Column("Delay margin", "ms"), Column("Ms", "1"), Column("Mt", "1"),
+        Column("Phase margin", "°"), Column("Delay margin", "ms"), Column("Ms", "1"), Column("Mt", "1"),
         Column("Disk margin", "1"),
     )  # fmt: skip
     rows = []

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from plants.quantities import ParameterSet
+from reports.shared.units import page_in_units
 
 DISTRIBUTION = "wrist-workbench"
 
@@ -101,7 +102,7 @@ def render(template: str, **content: Any) -> str:
         lstrip_blocks=True,
     )
     environment.globals |= {"figure_number": count(1).__next__, "table_number": count(1).__next__}
-    return shared_glyphs(environment.get_template(template).render(**content))
+    return page_in_units(shared_glyphs(environment.get_template(template).render(**content)))
 
 
 _GLYPH = re.compile(r'<path id="([^"]+)" d="([^"]*)"( transform="scale\([\d.]+\)")?\s*/>')

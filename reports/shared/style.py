@@ -13,6 +13,8 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from reports.shared.units import relabel
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -136,6 +138,7 @@ def svg(figure: "Figure", name: str, description: str = "") -> str:
     if not re.fullmatch(r"[A-Za-z][\w-]*", name):
         raise ValueError(f"{name!r} cannot go before an id; letters, digits, - and _ only")
     buffer = io.StringIO()
+    relabel(figure)
     with matplotlib.rc_context({**STYLE, "svg.hashsalt": name}):
         figure.savefig(buffer, format="svg", metadata={"Date": None})
     text = buffer.getvalue()
@@ -192,6 +195,7 @@ def save(figure: "Figure", path: str | Path, dpi: int = 200) -> Path:
     if ending not in ("png", "svg"):
         raise ValueError(f"{path}: figures are written as .png or .svg")
     buffer = io.BytesIO()
+    relabel(figure)
     with matplotlib.rc_context({**STYLE, "svg.hashsalt": path.stem}):
         metadata = {"Software": None} if ending == "png" else {"Date": None}
         figure.savefig(buffer, format=ending, dpi=dpi, metadata=metadata)
