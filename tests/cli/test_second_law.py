@@ -80,6 +80,14 @@ def test_tune_answers_with_gains_that_hold_every_limit(wrist, plays):
     assert outcome.json["Ki"] > 1.0
 
 
+def test_robust_states_what_holds_and_what_it_cannot_say(wrist, plays):
+    outcome = wrist(
+        "robust", "--plant", plays, "--gains", "2,6", "--samples", "20", "--budget", "200", "--json", "-"
+    )
+    assert outcome.code in (0, 1), outcome.err
+    assert "outer branch, steepest" in str(outcome.json)
+
+
 @pytest.mark.parametrize(
     ("controller", "gains"),
     [
