@@ -63,6 +63,7 @@ class PrandtlIshlinskii(HysteresisLaw):
     """
 
     NAME = "prandtl-ishlinskii"
+    MONOTONE = True
 
     v0: Number
     v: tuple[Number, ...]
