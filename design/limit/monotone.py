@@ -59,6 +59,11 @@ def relaxed(wrist: Wrist, state: State) -> tuple[Wrist, State]:
     """
     if np.ndim(state.pressure) or any(np.ndim(v) for v in wrist.values.values()):
         raise InputError("limit: the wrist has arrays as parameters or state; ask for one lane at a time")
+    if not wrist.hysteresis.MONOTONE:
+        raise InputError(
+            f"limit: no bound is known for the hysteresis law {wrist.hysteresis.NAME!r}: more pressure at "
+            "all times is not known to give more angle at all times; leave the bound out"
+        )
     for effect in wrist.effects:
         reason = effect.no_bound(wrist)
         if reason:

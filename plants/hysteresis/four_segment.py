@@ -67,6 +67,7 @@ class FourSegment(HysteresisLaw):
 
     NAME = "four-segment"
     DEAD_ZONE = True
+    MONOTONE = True
 
     a1: Number
     w1: Number

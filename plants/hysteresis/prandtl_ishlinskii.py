@@ -63,6 +63,7 @@ class PrandtlIshlinskii(HysteresisLaw):
     """
 
     NAME = "prandtl-ishlinskii"
+    MONOTONE = True
 
     v0: Number
     v: tuple[Number, ...]
@@ -270,8 +271,8 @@ class PrandtlIshlinskii(HysteresisLaw):
         return all(float(m) == 1.0 for m in (self.b2, self.b1, self.c1, self.c2))
 
     def branches(self, low: float, high: float) -> dict[str, float]:
-        """By the number of plays that are engaged, on the flattest and on the steepest piece of the curve
-        that these pressures reach."""
+        """With no play engaged and with all of them, on the flattest and on the steepest piece of the curve
+        that these pressures reach; what some of the plays make lies between, and so needs no name."""
         outer, width = float(self._outer), float(self._width)
         ends = [outer * (p - float(self.rest_pressure)) + w for p in (low, high) for w in (-width, width)]
         s = float(self.span)
@@ -282,13 +283,7 @@ class PrandtlIshlinskii(HysteresisLaw):
             for m, (a, b) in zip(slopes, pairwise(knots), strict=True)
             if a < max(ends) and b > min(ends)
         ]
-        found = {}
-        n = len(self.v)
-        for k, slope in enumerate(accumulate((float(self.v0), *map(float, self.v)))):
-            name = "after a reversal" if k == 0 else "outer branch" if k == n else f"{k} of {n} plays"
-            if max(reached) == min(reached):
-                found[name] = slope * max(reached)
-            else:
-                found[f"{name}, flattest"] = slope * min(reached)
-                found[f"{name}, steepest"] = slope * max(reached)
-        return found
+        first, least, most = float(self.v0) * min(reached), outer * min(reached), outer * max(reached)
+        if least == most:
+            return {"after a reversal": first, "outer branch": most}
+        return {"after a reversal": first, "outer branch, flattest": least, "outer branch, steepest": most}

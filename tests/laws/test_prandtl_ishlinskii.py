@@ -77,6 +77,16 @@ def test_the_angle_never_moves_against_the_pressure(loop, path):
     assert (np.diff(h) * np.sign(np.diff(x)) >= -ROUNDING).all()
 
 
+@given(sums_of_plays(), paths, st.lists(between(0.0, 40.0), min_size=12, max_size=12))
+def test_more_pressure_at_all_times_gives_more_angle_at_all_times(loop, path, more):
+    assert PrandtlIshlinskii.MONOTONE
+    low, high, before = loop.initial(), loop.initial(), (REST, REST)
+    for after, extra in zip(path, more, strict=False):
+        low, high = loop.step(low, before[0], after), loop.step(high, before[1], after + extra)
+        assert float(low.h) <= float(high.h) + ROUNDING
+        before = after, after + extra
+
+
 @given(sums_of_plays(), paths)
 def test_a_far_sweep_ends_on_an_outer_branch(loop, path):
     far = HIGH + 2.0 * loop.reach + 200.0
