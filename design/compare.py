@@ -37,6 +37,7 @@ from design.loop import Trajectory
 from design.metrics import Metrics
 from design.requirements import ROUNDING, Limits, default_problem
 from design.rules import baselines, paper_range
+from plants.rig import Rig, built_in_rig
 from plants.wrist import Wrist
 
 __all__ = [
@@ -48,13 +49,14 @@ __all__ = [
 @dataclass(frozen=True)
 class Comparison:
     """Rows of the table, standings, and the step of each motion and controller for drawing; the other
-    designs by motion and name, and why one is lacking."""
+    designs by motion and name, and why one is lacking; the rig."""
 
     rows: tuple[Row, ...]
     standings: tuple[Standing, ...]
     steps: Mapping[tuple[str, str], Trajectory]
     limits: Limits
     designs: Mapping[tuple[str, str], Design | str] = field(default_factory=dict)
+    rig: Rig = field(default_factory=built_in_rig)
 
 
 def controllers(
@@ -139,7 +141,7 @@ def compare(
                 rows.append(_row("both at once", t, name, both, slowest))
     return Comparison(
         tuple(rows), tuple(standings), steps, limits,
-        {(m, n): d for m, of in designs.items() for n, d in of.items()},
+        {(m, n): d for m, of in designs.items() for n, d in of.items()}, next(iter(wrists.values())).rig,
     )  # fmt: skip
 
 

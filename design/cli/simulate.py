@@ -214,5 +214,5 @@ def _picture(folder: Path, chosen: "ParameterSet", result: dict[str, Any]) -> Pa
     from reports.shared.style import save
 
     path = folder / f"simulate-{chosen.axis}.png"
-    save(draw(result, chosen.title), path)
+    save(draw(result, chosen.title, chosen.rig.command_range), path)
     return path

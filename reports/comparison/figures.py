@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from design.compare import PAPER, TUNED, Comparison
-from design.tasks import STEP
 from plants.hysteresis import HysteresisLaw
-from plants.wrist import COMMAND_RANGE, Wrist
+from plants.wrist import Wrist
 from reports.shared.names import WINDOW, name_of, title_of
 from reports.shared.style import (
     BLACK,
@@ -71,16 +70,17 @@ def _responses(column: Any, comparison: Comparison, motion: str, names: list[str
         for panel, values in ((angle, t.angle), (pressure, t.pressure), (command, t.command)):
             panel.plot(t.time[soon], values[soon, 0], **every)
         late.plot(t.time[::10], t.angle[::10, 0], **every)
+    step, bounds = comparison.rig.task.step, comparison.rig.command_range
     for panel in (angle, late):
-        panel.axhline(STEP, color=BLACK, linewidth=0.8, zorder=1)
+        panel.axhline(step, color=BLACK, linewidth=0.8, zorder=1)
     for panel in (angle, pressure, command):
         panel.set_xlim(0.0, end)
-    for bound in COMMAND_RANGE:
+    for bound in bounds:
         command.axhline(bound, color=GREY, linewidth=0.8, linestyle=DASHED)
-    command.set_ylim(COMMAND_RANGE[0] - 0.2, COMMAND_RANGE[1] + 0.2)
+    command.set_ylim(bounds[0] - 0.2, bounds[1] + 0.2)
     command.set_xlabel("Time [s]")
-    near = 0.35 * STEP
-    late.set(xlim=(0.0, WINDOW), ylim=(STEP - near, STEP + near), xlabel="Time, all of it [s]")
+    near = 0.35 * step
+    late.set(xlim=(0.0, WINDOW), ylim=(step - near, step + near), xlabel="Time, all of it [s]")
 
 
 def loop_trajectories(comparison: Comparison, wrists: Mapping[str, Wrist]) -> "Figure":
@@ -95,7 +95,7 @@ def loop_trajectories(comparison: Comparison, wrists: Mapping[str, Wrist]) -> "F
             p = np.array([low, high])
             axes.plot(p, loop.ascending(p), color=GREY, linestyle=DASHED, linewidth=1.0)
             axes.plot(p, loop.descending(p), color=GREY, linestyle=DASHED, linewidth=1.0)
-            axes.axhline(STEP, color=BLACK, linewidth=0.8)
+            axes.axhline(comparison.rig.task.step, color=BLACK, linewidth=0.8)
             axes.plot(pressure, static, color=VERMILLION, linestyle=DASHED, label="static angle of the loop")
             axes.plot(pressure, angle, color=BLUE, linewidth=2.0, label="angle")
             _mark_times(axes, t.time, pressure, angle)

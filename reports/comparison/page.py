@@ -12,10 +12,8 @@ from design.contest import Contest
 from design.metrics import SETTLING_BAND
 from design.mpc.timing import Ledger
 from design.studies.study import Study
-from design.tasks import STEP
 from plants.measured.fit import Fit
 from plants.quantities import Fitted, ParameterSet
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
 from reports.comparison import contest as broad
 from reports.comparison import costs, figures, tables, words
 from reports.comparison.break_even_figure import break_even_figure
@@ -97,11 +95,12 @@ def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:
     responses.append(shown("loops", words.LOOPS_CAPTION))
     return render(
         "comparison.html",
-        title=f"Holding {STEP:g} degrees: the tuned PI beside the paper's, textbook rules and other designs",
+        title=f"Holding {comparison.rig.task.step:g} degrees: the tuned PI beside the paper's, textbook rules and other designs",
         kind="comparison of controllers", remarks=[made.remark] if made.remark else [],
         summary=words.summary(study), sections=_sections(study),
         verdicts=[v[:1].upper() + v[1:] for v in verdict_sentences(study)],
-        step=STEP, sample_ms=1000.0 * SAMPLE_TIME, command_range=COMMAND_RANGE, window=WINDOW,
+        step=comparison.rig.task.step, sample_ms=1000.0 * comparison.rig.sample_time,
+        command_range=comparison.rig.command_range, window=WINDOW,
         band=100.0 * SETTLING_BAND, tasks=_tasks(comparison),
         limits=tables.limits_table(comparison.limits),
         plants=[_plant(m, s, study.fits.get(m), shown) for m, s in study.plants.items()],

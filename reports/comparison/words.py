@@ -12,7 +12,7 @@ from design.contest.scores import BESIDE, Contest, Score
 from design.contest.statistics import FEWEST, LEVEL
 from design.rules import PAPER_FACTOR, PAPER_GAINS
 from design.studies.study import Study
-from design.tasks import HEADROOM, STEP
+from design.tasks import HEADROOM
 from design.tuning import ACTIVE
 from plants.measured.fit import EXPLAINED, Fit
 from plants.quantities import Assumed, Fitted, ParameterSet
@@ -86,7 +86,9 @@ def _ours(study: Study) -> str:
             paper = _paper([r for r in comparison.rows if (r.motion, r.controller) == (s.motion, PAPER)])
             time = f"{'in ' if isfinite(s.worst_settling_s) else 'not within '}{_seconds(s.worst_settling_s)}"
             said.append(f"on {s.motion} {time}{paper}, {held}")
-    return f"The tuned PI settles the worst of the {STEP:g} degree tasks {'; '.join(said)}."
+    return (
+        f"The tuned PI settles the worst of the {comparison.rig.task.step:g} degree tasks {'; '.join(said)}."
+    )
 
 
 def _paper(rows: list[Row]) -> str:
@@ -280,7 +282,7 @@ def steps_caption(comparison: Comparison, motion: str) -> str:
     count = len(named)
     scales = "" if set(named) <= set(PIS) else " The right column shows less of the time, larger."
     return (
-        f"{title_of(motion)}: a step of {STEP:g} deg from rest under {count} controllers, the "
+        f"{title_of(motion)}: a step of {comparison.rig.task.step:g} deg from rest under {count} controllers, the "
         f"{name_of(TUNED)} in every panel. See who is there first without overshoot, what command that "
         f"takes, and, in the last row, who is still on the way after {SOON:g} s.{scales}"
     )

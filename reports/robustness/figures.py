@@ -11,7 +11,6 @@ from design.robustness.gain_plane import GainPlane
 from design.robustness.samples.monte_carlo import Envelopes
 from design.robustness.samples.worst import Worst
 from design.sequence import PlayedSequence
-from plants.wrist import COMMAND_RANGE
 from reports.shared.style import (
     BLACK,
     BLUE,
@@ -167,7 +166,7 @@ def draw_worst(worst: Worst, played: PlayedSequence) -> "Figure":
         angle.legend(loc="best")
         angle.set_ylabel("Angle [deg]")
         command.plot(t.time, t.command[:, 0], color=BLUE)
-        for bound in COMMAND_RANGE:
+        for bound in worst.sequence.wrist.rig.command_range:
             command.axhline(bound, color=GREY, linewidth=0.8, linestyle=DASHED)
         command.set(xlabel="Time [s]", ylabel="Command [V]", xlim=(0.0, t.time[-1]))
     return figure

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 from design.robustness.samples.scenario_file import save as save_scenario
 from design.studies.robustness_study import RobustnessStudy
-from design.tasks import STEP
 from reports.robustness import branch_figures, tables, words
 from reports.robustness import figures as robust_figures
 from reports.robustness.disagreements import disagreement_sentences
@@ -66,7 +65,7 @@ def draw_all(study: RobustnessStudy) -> dict[str, "Figure"]:
         "worst": robust_figures.draw_worst(a.worst, study.worst_run),
     }
     if study.envelopes is not None:
-        found["samples"] = robust_figures.draw_envelopes(study.envelopes, STEP)
+        found["samples"] = robust_figures.draw_envelopes(study.envelopes, a.wrist.rig.task.step)
     return found
 
 

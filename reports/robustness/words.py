@@ -7,7 +7,6 @@ from design.robustness.assess import Assessment
 from design.robustness.certificates.constant.robust_stability import StableWhileConstant
 from design.robustness.certificates.statements import LeavesVirginCurve, StaysInRange
 from design.robustness.samples.statements import LEVEL
-from plants.wrist import COMMAND_RANGE
 from reports.robustness.statements import because, claim_words, class_words
 from reports.robustness.tables import limit_words
 from reports.shared.tables import number, spaced
@@ -277,7 +276,7 @@ def worst_caption(a: Assessment) -> str:
 
 def assumptions(a: Assessment) -> list[str]:
     """What stands beside parameters."""
-    low, high = COMMAND_RANGE
+    low, high = a.wrist.rig.command_range
     found = [
         f"Limits: {limit_words(a.limits)}.",
         f"The command is clipped at {low:g} and {high:g} V; certificates hold where it is not.",

@@ -28,9 +28,9 @@ ROWS: tuple[tuple[str, tuple[tuple[str, str, dict[str, Any]], ...]], ...] = (
 """Labels of the rows, and in each the signals by their keys."""
 
 
-def draw(result: Mapping[str, Any], title: str = "") -> "Figure":
+def draw(result: Mapping[str, Any], title: str = "", bounds: tuple[float, float] = COMMAND_RANGE) -> "Figure":
     """Signals over time: `result` holds ``time_s`` and some of the keys in `ROWS`, each (n,), or
-    None for what was not logged.  A measured signal is drawn beneath the model's."""
+    None for what was not logged.  A measured signal is drawn beneath the model's.  bounds [V]: of the command."""
     with styled():
         figure, axes = new_figure(3, 1, height=5.8, sharex=True, height_ratios=(4, 3, 2))
         for panel, (label, signals) in zip(axes, ROWS, strict=True):
@@ -41,7 +41,7 @@ def draw(result: Mapping[str, Any], title: str = "") -> "Figure":
             if len(there) > 1:
                 panel.legend(loc="best")
         axes[0].set_title(title)
-        for bound in COMMAND_RANGE:
+        for bound in bounds:
             axes[2].axhline(bound, color=GREY, linewidth=0.8, linestyle=DASHED)
         axes[2].set(xlabel="Time [s]", xlim=(result["time_s"][0], result["time_s"][-1]))
     return figure

@@ -23,7 +23,7 @@ def made_up(ours: float, low: float, high: float) -> str:
     standings = [Standing("flexion", name, 1.0, 1.0, 1.5, 0.1, 0.0, 1.0, 1.0, ()) for name in (TUNED, PAPER)]
     comparison = Comparison(tuple(rows), tuple(standings), {}, Limits())
     ((motion, verdict),) = verdicts(comparison, {}).items()
-    return verdict_sentence(motion, verdict)
+    return verdict_sentence(motion, verdict, 15.0)
 
 
 @pytest.mark.parametrize("ours", [2.0, 3.0, 4.0])
