@@ -146,7 +146,8 @@ def _check_loop(path: Path, values: Mapping[str, float], rig: Rig) -> None:
     loop = with_values(values)
     problem = loop.problem(*(v * values["gain"] for v in rig.command_range))
     if problem:
-        names = [n for n in loop.values if n != "rest_pressure"]
+        roles = loop.roles(loop.values)
+        names = [n for role in ("outer", "inner", "width") for n in roles[role]]
         raise InputError(f"{path}: {problem}; check {', '.join(names[:-1])} and {names[-1]}")
 
 

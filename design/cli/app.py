@@ -38,6 +38,10 @@ def _common(
     ] = False,
 ) -> None:
     """Options that stand before or after any command."""
+    from plants.rig import built_in_rig
+    from reports.shared.units import show
+
+    show(built_in_rig())
 
 
 for module in MODULES:

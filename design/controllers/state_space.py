@@ -53,7 +53,8 @@ def _derivatives(state: Any, c: Any, types: str) -> Any:
 
 
 def linearised(controller: Controller, dt: float = SAMPLE_TIME) -> StateSpace:
-    """The state space of a controller of floats about the middle of its range, where nothing is clipped.
+    """The state space of a controller of floats about the middle of its range, where nothing is clipped;
+    sample time dt [s].
 
     >>> from design.controllers.pi import PI
     >>> law = linearised(PI(Kp=2.0, Ki=5.0, gain=50.0))

@@ -22,6 +22,7 @@ so, the bound is refused with the effect's own reason.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -43,7 +44,7 @@ ROUNDING = 1e-9
 def without(wrist: Wrist, state: State, left_out: Callable[[Effect], bool]) -> tuple[Wrist, State]:
     """A wrist and its state without some effects."""
     kept = [i for i, e in enumerate(wrist.effects) if not left_out(e)]
-    bare = Wrist(wrist.regulator, wrist.hysteresis, wrist.Tw, tuple(wrist.effects[i] for i in kept))
+    bare = replace(wrist, effects=tuple(wrist.effects[i] for i in kept))
     return bare, state._replace(effects=tuple(state.effects[i] for i in kept))
 
 

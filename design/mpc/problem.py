@@ -26,7 +26,7 @@ from design.controllers.controller import remembers
 from plants.errors import InputError
 from plants.hysteresis import HysteresisLaw
 from plants.kernel import pytrees
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
+from plants.wrist import COMMAND_RANGE, State, Wrist
 
 Array = NDArray[np.float64]
 
@@ -104,11 +104,10 @@ class MPCProblem:
     rate: float = 2.0
 
     def __post_init__(self) -> None:
-        steps = self.period / SAMPLE_TIME
+        dt = self.wrist.rig.sample_time
+        steps = self.period / dt
         if not (np.isfinite(steps) and steps >= 1.0 - 1e-9 and abs(steps - round(steps)) < 1e-6):
-            raise InputError(
-                f"MPC period of {self.period:g} s: give a multiple of the sample time, {SAMPLE_TIME:g} s"
-            )
+            raise InputError(f"MPC period of {self.period:g} s: give a multiple of the sample time, {dt:g} s")
         if isinstance(self.horizon, bool) or int(self.horizon) != self.horizon:
             raise InputError(f"MPC horizon of {self.horizon}: give a whole number of periods")
         if not 2 <= self.horizon <= LONGEST_HORIZON:
@@ -135,8 +134,8 @@ class MPCProblem:
 
     @property
     def substeps(self) -> int:
-        """Samples of 1 ms in a period."""
-        return round(self.period / SAMPLE_TIME)
+        """Samples in a period."""
+        return round(self.period / self.wrist.rig.sample_time)
 
     @property
     def stage_weights(self) -> Array:
@@ -193,9 +192,24 @@ class Believed(NamedTuple):
     shift: float
 
 
+PERIOD = 0.02
+"""Period of an MPC [s], or the nearest multiple of the rig's sample time."""
+
+RATE = 0.5
+"""Largest change of the command in a period, as a share of its range."""
+
+
+def _for_rig(wrist: Wrist, **settings: Any) -> MPCProblem:
+    """A problem with the range and the sample time of the wrist's rig."""
+    (low, high), dt = wrist.rig.command_range, wrist.rig.sample_time
+    period = max(1, round(PERIOD / dt)) * dt
+    of_rig = {"period": period, "low": low, "high": high, "rate": RATE * (high - low)}
+    return MPCProblem(wrist, **{**of_rig, **settings})
+
+
 def nominal(wrist: Wrist, **changes: Any) -> MPCProblem:
     """The fast setting: for a plant that is as believed."""
-    return replace(MPCProblem(wrist), **changes)
+    return replace(_for_rig(wrist), **changes)
 
 
 def robust(wrist: Wrist, **changes: Any) -> MPCProblem:
@@ -205,7 +219,7 @@ def robust(wrist: Wrist, **changes: Any) -> MPCProblem:
     swings keep the dead time; the observer is quick, since it has no part in that, and a slow one takes
     1.5 s to see a loop of wrong width.  The slower `lack` is what the dead time would disturb.
     """
-    slow = MPCProblem(
+    slow = _for_rig(
         wrist,
         weights=MPCWeights(move=100.0, terminal=1.0, swing=30.0),
         observer=Observer(bandwidth=60.0, lack=0.1),

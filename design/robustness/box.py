@@ -194,6 +194,7 @@ def _together(plant: ParameterSet) -> dict[str, tuple[str, ...]]:
 
 
 def shares_of(plant: ParameterSet, spread: Spread) -> dict[str, float]:
+    """The share of its value by which each parameter may differ that nobody measured, by name."""
     groups = _together(plant)
     slopes, widths = (
         dict.fromkeys(groups["slopes"], spread.slope),
@@ -229,7 +230,7 @@ def _refuse(name: str, low: float, high: float, least: float, most: float, p: Pa
 
 def _refuse_backwards(box: Box) -> None:
     """Raises InputError where the loop runs backwards at a corner of the box."""
-    low, high = (v * box.wrist.regulator.gain for v in box.wrist.rig.command_range)
+    low, high = box.wrist.rig.pressure_range
     for wrist in box.loops():
         words = wrist.hysteresis.problem(low, high)
         if words:

@@ -67,10 +67,14 @@ class TrialHints(Protocol):
     """
 
     @property
-    def channel(self) -> str: ...
+    def channel(self) -> str:
+        """``pressure_kPa`` or ``angle_deg``."""
+        ...
 
     @property
-    def noise(self) -> float: ...
+    def noise(self) -> float:
+        """Floor of the noise, in the channel's unit."""
+        ...
 
     def quantiles(self, *shares: float) -> Any:
         """Quantiles of the channel as it was measured, in its unit."""

@@ -95,7 +95,8 @@ def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:
     responses.append(shown("loops", words.LOOPS_CAPTION))
     return render(
         "comparison.html",
-        title=f"Holding {comparison.rig.task.step:g} degrees: the tuned PI beside the paper's, textbook rules and other designs",
+        title=f"Holding {comparison.rig.task.step:g} degrees: the tuned PI beside the paper's, textbook "
+        "rules and other designs",
         kind="comparison of controllers", remarks=[made.remark] if made.remark else [],
         summary=words.summary(study), sections=_sections(study),
         verdicts=[v[:1].upper() + v[1:] for v in verdict_sentences(study)],

@@ -282,7 +282,8 @@ def steps_caption(comparison: Comparison, motion: str) -> str:
     count = len(named)
     scales = "" if set(named) <= set(PIS) else " The right column shows less of the time, larger."
     return (
-        f"{title_of(motion)}: a step of {comparison.rig.task.step:g} deg from rest under {count} controllers, the "
+        f"{title_of(motion)}: a step of {comparison.rig.task.step:g} deg from rest under {count} "
+        "controllers, the "
         f"{name_of(TUNED)} in every panel. See who is there first without overshoot, what command that "
         f"takes, and, in the last row, who is still on the way after {SOON:g} s.{scales}"
     )

@@ -30,7 +30,8 @@ ROWS: tuple[tuple[str, tuple[tuple[str, str, dict[str, Any]], ...]], ...] = (
 
 def draw(result: Mapping[str, Any], title: str = "", bounds: tuple[float, float] = COMMAND_RANGE) -> "Figure":
     """Signals over time: `result` holds ``time_s`` and some of the keys in `ROWS`, each (n,), or
-    None for what was not logged.  A measured signal is drawn beneath the model's.  bounds [V]: of the command."""
+    None for what was not logged.  A measured signal is drawn beneath the model's.  bounds [V]:
+    of the command."""
     with styled():
         figure, axes = new_figure(3, 1, height=5.8, sharex=True, height_ratios=(4, 3, 2))
         for panel, (label, signals) in zip(axes, ROWS, strict=True):

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from second_law import LOOP, second_law_file, second_law_set
 
 from plants import Wrist
 from plants.quantities import dump, load
+from tests.laws.second_law import LOOP, second_law_file, second_law_set
 from tests.rig import signals
 
 NOISE_DEG, NOISE_KPA = 0.05, 0.1

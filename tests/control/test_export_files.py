@@ -72,7 +72,7 @@ def test_a_law_asks_only_for_what_it_reads():
 def test_the_catalogue_builds_what_the_classes_build():
     w = Wrist.deviation()
     assert part("feedforward", "deviation", w).settings == Feedforward.of(w).settings
-    assert part("observer", "deviation", w).settings == vars(MemoryObserver.of(w))
+    assert part("observer", "deviation", w).settings == MemoryObserver.of(w).settings
     p, settings = w.hysteresis, part("lqi", "deviation", w, GAINS["lqi"]).settings
     assert settings == vars(
         LQI(600.0, -640.0, -70.0, 8.0, (p.a1 + p.a2) / 2, w.Tw, 45.0, gain=w.regulator.gain)

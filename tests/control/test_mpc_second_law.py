@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from second_law import second_law_set
 
 from design.mpc import hybrid, loop
 from design.mpc.linear import linear_mpc
@@ -13,6 +12,7 @@ from design.mpc.real_time import real_time_mpc
 from plants import Wrist
 from plants.errors import InputError
 from plants.kernel import pytrees as tree
+from tests.laws.second_law import second_law_set
 
 PLAN = np.concatenate([np.full(9, 4.0), np.full(8, 2.6), np.linspace(2.0, 3.3, 13)])
 SMALL = 1e-5

@@ -20,6 +20,7 @@ from design.compare import (
     task_scenarios,
     together,
 )
+from design.controllers.controller import settings_of
 from design.controllers.pi import PI
 from design.loop import run
 from design.margins import by_python_control
@@ -226,7 +227,7 @@ def test_the_other_designs_stand_in_the_table_with_the_settings_that_they_have(c
             assert (s.Kp, s.Ki) == (s.settings["Kp"], s.settings["Ki"])
         assert bool(s.design) == (s.controller in DESIGNS)
         if s.design:
-            assert s.settings == vars(designs()[s.motion][s.controller].controller)
+            assert s.settings == settings_of(designs()[s.motion][s.controller].controller)
             assert s.design["breaks"] == []
             assert not s.breaks
 

@@ -100,7 +100,7 @@ def test_a_trace_tries_it_and_finds_it(registered):
     angle = response.angle[:-1] + rng.normal(0.0, 0.05, time.size)
     playback = Playback(Recording("log", time, volts, angle))
     declared = built_in("flexion")
-    stage = Stage("whole", "angle_deg", 0.05, (playback,), loop_names(declared.parameters))
+    stage = Stage("whole", "angle_deg", 0.05, (playback,), loop_names(declared.parameters), declared.rig)
     assert "run-out" in stage.effects
     model = Model(stage, declared, wrist.values)
     best, *others = screen(model, ["creep", "gyro-drift", "run-out"])

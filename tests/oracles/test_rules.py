@@ -77,7 +77,7 @@ def test_first_order_with_dead_time_is_the_textbook_response():
 def test_the_fit_recovers_a_process_that_is_a_lag_with_dead_time(truth):
     time = np.arange(5001) * 0.001
     process = SimpleNamespace(
-        hysteresis=WRIST.hysteresis, regulator=WRIST.regulator, rest=WRIST.rest, effects=(),
+        hysteresis=WRIST.hysteresis, regulator=WRIST.regulator, rest=WRIST.rest, effects=(), rig=WRIST.rig,
         simulate=lambda command, start: SimpleNamespace(
             time=time, angle=7.0 + first_order(time, *truth) * (command[0] * 49.4 - 100.0)
         ),

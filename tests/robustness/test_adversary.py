@@ -114,7 +114,7 @@ def test_places_are_within_the_task():
     assert asked["holds"][:-2].max() <= HOLD[1]
     assert asked["holds"][-2].min() >= CALM[0]
     assert set(asked["starts"]) == {"virgin", "line1", "line2", "inside"}
-    ends = reference(np.array([0.0, 1.0, 1.0]), np.array([-15.0, -15.0, 15.0]))
+    ends = reference(np.array([0.0, 1.0, 1.0]), np.array([-15.0, -15.0, 15.0]), 15.0)
     assert ends.tolist() == [-10.0, 15.0, 10.0]
 
 

@@ -16,9 +16,9 @@ from tests.reports.report_samples import small_study
 def made_up(ours: float, low: float, high: float) -> str:
     """The verdict on a tuned PI that settles in `ours` against a paper's between `low` and `high`."""
     rows = [
-        Row("flexion", "task", TUNED, *[{"settling_time_s": ours}] * 3),
+        Row("flexion", "task", TUNED, *[{"settling_time_s": ours}] * 3, "id"),
         Row("flexion", "task", PAPER, {"settling_time_s": (low + high) / 2}, {"settling_time_s": low},
-            {"settling_time_s": high}),
+            {"settling_time_s": high}, "id"),
     ]  # fmt: skip
     standings = [Standing("flexion", name, 1.0, 1.0, 1.5, 0.1, 0.0, 1.0, 1.0, ()) for name in (TUNED, PAPER)]
     comparison = Comparison(tuple(rows), tuple(standings), {}, Limits())

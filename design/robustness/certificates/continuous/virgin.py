@@ -93,8 +93,9 @@ def time_on_virgin_curve(wrist: Wrist, controller: PI, reference: float) -> Virg
     >>> found = time_on_virgin_curve(Wrist.flexion(), PI(1.2, 2.2), 15.0)
     >>> round(found.earliest, 3), round(found.latest, 3)
     (0.167, 1.072)
-    >>> time_on_virgin_curve(Wrist.flexion(), PI(1.0, 0.0), 15.0).stuck
-    Stuck(furthest=15.0, up=True, threshold=16.666666666666668)
+    >>> stuck = time_on_virgin_curve(Wrist.flexion(), PI(1.0, 0.0), 15.0).stuck
+    >>> stuck.furthest, stuck.up, round(stuck.threshold, 3)
+    (15.0, True, 16.667)
     """
     p, up, size = wrist.hysteresis, reference >= 0.0, abs(reference)
     gain, rest = float(wrist.regulator.gain), float(p.rest_pressure)
