@@ -20,7 +20,7 @@ from plants.quantities import Assumed, dump, load
 from plants.rig import Rig, StepTask, Uncertainty, Units
 
 BENDER = Rig(
-    "bender", "Bending actuator on a pump", ("bend",), Units("V", "kPa", "mm"), (0.0, 10.0), (0.0, 200.0), 0.02,
+    "bender", "Bending actuator", ("bend",), Units("V", "kPa", "mm"), (0.0, 10.0), (0.0, 200.0), 0.02,
     0.04, StepTask(10.0, 0.02, 10.0, 5.0, (100.0, 150.0)),
     {"overshoot_percent": 5.0, "Ms": 2.0, "delay_margin_s": 0.08, "total_variation_V": 40.0,
      "steady_error_percent": 2.0},

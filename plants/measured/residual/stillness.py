@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from plants.measured.recording import Recording
 from plants.measured.residual.background import LONGEST_MEMORY, background, first_order, positive_parts
-from plants.measured.residual.joined import Joined, join
+from plants.measured.residual.joined import FEWEST, Joined, join
 from plants.measured.residual.periodic import harmonic, line_in, spectrum_of
 from plants.measured.residual.remainder import Array, Remainder
 
@@ -60,6 +60,8 @@ def still_noise(recordings: Sequence[Recording], channel: Sequence[Array]) -> Jo
         if variance <= DISTURBED * usual
     ]
     if sum(float(np.ptp(f.time)) for f in found) < ENOUGH or usual == 0.0:
+        return None
+    if max(len(f.value) for f in found) < FEWEST:  # a slow log: no stretch has rows enough for a spectrum
         return None
     return join(found)
 
