@@ -45,7 +45,10 @@ def command(
     gains: Annotated[
         str | None, typer.Option(help="Kp,Ki of a PI, or a TOML file with them: close the loop.")
     ] = None,
-    step: Annotated[float, typer.Option(help="Reference of the closed loop [deg].")] = 15.0,
+    step: Annotated[
+        float | None,
+        typer.Option(help="Reference of the closed loop; the step of the rig's task if not given."),
+    ] = None,
     start: Annotated[
         str, typer.Option(help="Starting memory: virgin, line1, line2 or inside.", autocompletion=starts)
     ] = "virgin",
@@ -84,7 +87,8 @@ def command(
     wrist = Wrist.of(chosen)
     with progress("simulate"):
         if gains is not None:
-            result = _closed(wrist, pi_gains(gains), step, start, duration)
+            asked = wrist.rig.task.step if step is None else step
+            result = _closed(wrist, pi_gains(gains), asked, start, duration)
         elif recording is not None:
             result = _played(wrist, recording)
         else:

@@ -119,7 +119,7 @@ def _open_loop(wrist: Wrist, reference: float) -> float:
     """The command [V] at which the middle of the loop stands at the reference, within the range."""
     p = wrist.hysteresis
     pressure = p.rest_pressure + reference / (0.5 * sum(p.steepness))
-    return float(np.clip(pressure / wrist.regulator.gain, 0.0, 4.0))
+    return float(np.clip(pressure / wrist.regulator.gain, *wrist.rig.command_range))
 
 
 def csv(part: Part, found: Vector) -> str:

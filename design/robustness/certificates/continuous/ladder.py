@@ -28,7 +28,7 @@ def certify(
     model: LoopModel,
     wrist: Wrist,
     controller: PI,
-    reference: float = 15.0,
+    reference: float | None = None,
     dead_times: Sequence[float] = DEAD_TIMES,
 ) -> list[Certificate]:
     """Every rung at every dead time [s], with the largest step that it covers against `reference` [deg].
@@ -44,6 +44,7 @@ def certify(
     >>> [c.holds for c in certify(LoopModel.of(wrist, timid), wrist, timid, dead_times=(0.0,))]
     [True, True]
     """
+    reference = wrist.rig.task.step if reference is None else reference
     virgin = time_on_virgin_curve(wrist, controller, reference)
     return [
         _certificate(model, wrist, controller, reference, rung, dead_time, virgin)
