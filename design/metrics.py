@@ -167,6 +167,8 @@ class Yardstick(NamedTuple):
         samples = self.window.lasts if self.window else samples
         outside, settles = t.outside, t.outside < samples
         rises = t.below90 < samples
+        if self.step:
+            settles = settles & (np.asarray(self.step.per_step) != 0.0)  # of no size: see `of_step`
         if self.stairs:
             outside, unsettled = self._stairs_until(t)
             settles = unsettled < 0.5
@@ -184,8 +186,13 @@ class Yardstick(NamedTuple):
 
 
 def of_step(start: Number, reference: Number, dt: float = SAMPLE_TIME) -> Yardstick:
-    """The judge of a step from `start` to `reference` [deg], which must differ, by samples `dt` [s] apart."""
-    return Yardstick(dt, Step(start, 1.0 / (np.asarray(reference, float) - start)))
+    """The judge of a step from `start` to `reference` [deg], by samples `dt` [s] apart.
+
+    A step that begins at its reference neither rises nor settles: a controller that has never left the
+    start is given no credit for a return to it.
+    """
+    size = np.asarray(reference, float) - start
+    return Yardstick(dt, Step(start, np.divide(1.0, size, out=np.zeros_like(size), where=size != 0.0)[()]))
 
 
 def of_step_under_way(begins: Number, lasts: Number, dt: float = SAMPLE_TIME) -> Yardstick:

@@ -238,5 +238,5 @@ def test_a_bad_file_is_refused_in_one_line(tmp_path, old, new, words):
 def test_plays_without_a_weight_are_refused(tmp_path):
     path = tmp_path / "plays.toml"
     dump(second_law_set(PrandtlIshlinskii(0.3, (0.0, 0.0), 10.0)), path)
-    with pytest.raises(InputError, match="no play has a weight, so there is no loop; check v0, v1"):
+    with pytest.raises(InputError, match="no play has a weight, so there is no loop; check v1, v2, v0"):
         load(path)

@@ -100,3 +100,10 @@ def test_the_compiled_tally_is_the_plain_one(gains, reference):
 
 def test_every_metric_has_a_unit():
     assert set(metrics.UNITS) == set(vars(judged(np.ones(3), np.ones(3))))
+
+
+def test_a_step_that_begins_at_its_reference_is_never_completed():
+    still = judged(np.full(SAMPLES, 5.0), np.zeros(SAMPLES), start=5.0, reference=5.0)
+    assert np.isinf(still.rise_time_s)
+    assert np.isinf(still.settling_time_s)
+    assert (still.overshoot_percent, still.iae_deg_s) == (0.0, 0.0)
