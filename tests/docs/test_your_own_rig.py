@@ -91,7 +91,8 @@ SPOILED = {
 }
 """How to spoil the campaign so that it is answered in these words."""
 
-TOLD = re.findall(r"^\| `(.+?)`", TEXT.split("## When it does not work")[1], re.MULTILINE)
+TROUBLES = TEXT.split("## When it does not work")[1].split("\n## ")[0]
+TOLD = re.findall(r"^\| `(.+?)`", TROUBLES, re.MULTILINE)
 """The messages in the guide's last table."""
 
 
