@@ -9,14 +9,14 @@ import numpy as np
 from benchmarks.rollouts import Disagreement
 from benchmarks.timing import duel
 from design.controllers.pi import PI
+from design.evaluation.metrics import Metrics
 from design.evaluation.runner import step_from
-from design.metrics import Metrics
 from design.robustness.box import box_of
 from design.robustness.samples.conditions import NONE, Conditions
 from design.robustness.samples.draws import CHUNK, Draw, SamplingTask, draw
 from design.robustness.samples.monte_carlo import Samples, monte_carlo
 from plants.kernel import pytrees as tree
-from plants.quantities import built_in
+from plants.parameters.quantities import built_in
 from plants.simulation.closed_loop import advance, clock
 from plants.wrist import SAMPLE_TIME
 

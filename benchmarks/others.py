@@ -14,7 +14,7 @@ from benchmarks.rollouts import DURATION, SAMPLES, TOLERANCE, Case, Disagreement
 from benchmarks.timing import duel
 from design.controllers import pi
 from design.controllers.pi import PIState
-from design.loop import run
+from design.evaluation.steps import run
 from plants import wrist as plant
 from plants.kernel import pytrees as tree
 from plants.simulation.closed_loop import ClosedLoop, SampledClosedLoop

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.files import write_atomically
-from plants.quantities import Assumed, ParameterSet, built_in, dump
+from plants.parameters.quantities import Assumed, ParameterSet, built_in, dump
 
 Array = NDArray[np.float64]
 Columns = Mapping[str, Array]

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from benchmarks.real_data import Rig
 from plants.measured.fit import Fit
 from plants.measured.problem import measured
-from plants.measured.residual.remainder import Remainder, remainder_of
-from plants.measured.trace.remainders import remainders
+from plants.measured.residual.series.remainder import Remainder, remainder_of
 from plants.measured.trace.result import StageTrace, Trace
+from plants.measured.trace.stages.remainders import remainders
 from reports.shared.style import BLACK, BLUE, DASHED, GREY, PALE, VERMILLION, new_figure, styled
 from reports.shared.tables import number
 

@@ -26,7 +26,7 @@ from plants.measured.free_run import FreeRun
 from plants.measured.problem import measured
 from plants.measured.trace.result import Trace
 from plants.measured.trace.trace import trace_campaign
-from plants.quantities import Fitted, load
+from plants.parameters.quantities import Fitted, load
 from reports.shared.style import save
 
 ROOT = Path(__file__).parent.parent
@@ -196,7 +196,7 @@ def main() -> int:
         print(line(records[-1]), flush=True)
     content = {
         "what": "traces of other people's measured rigs; errors are of free runs from the command, on "
-        "whole recordings that took no part; made by python -m benchmarks.real_rigs",
+        "whole held-out recordings; made by python -m benchmarks.real_rigs",
         "interval": "95 %, bootstrap over blocks of 2 s, or over recordings where these are shorter",
         "campaigns": shortened(records),
     }

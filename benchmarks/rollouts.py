@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from benchmarks import native
 from benchmarks.timing import duel
 from design.controllers.pi import PI
+from design.evaluation.metrics import Metrics
 from design.evaluation.runner import step_from
-from design.loop import run
-from design.metrics import Metrics
+from design.evaluation.steps import run
 from plants import Wrist
 from plants.kernel import pytrees as tree
 from plants.simulation.closed_loop import ClosedLoop, SampledClosedLoop
@@ -44,7 +44,7 @@ class Case:
     reference: Array
 
     def trees(self) -> tuple[SampledClosedLoop, ClosedLoop]:
-        """Coefficients and first state, as `design.loop.run` makes them."""
+        """Coefficients and first state, as `design.evaluation.steps.run` makes them."""
         first, c = step_from(self.wrist, self.wrist.rest(), self.reference).loop(self.controller)
         return c, first
 

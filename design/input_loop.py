@@ -17,7 +17,7 @@ from design.controllers.controller import Controller
 from design.controllers.pi import PI
 from design.controllers.state_space import linearised
 from design.margins import BranchResponse, Margins, branch_responses, by_python_control, margins
-from plants.linear import RATES, branch_slopes, branch_ss, slope_factors
+from plants.linearisation import RATES, branch_slopes, branch_ss, slope_factors
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]

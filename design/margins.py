@@ -1,7 +1,7 @@
 """Margins of the linear loop on every branch of the hysteresis and at both regulator rates.
 
 The plant's frequency responses come from python-control, or, for a wrist with
-effects, from `plants.linear.responses`, once per branch and rate; the loop of each
+effects, from `plants.linearisation.responses`, once per branch and rate; the loop of each
 pair of gains is then a product, so that a whole map of gains costs little more
 than one point.  Dead time of the plant is part of its response.
 """
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.pi import PI
-from plants.linear import RATES, branch_slopes, branch_ss, responses
+from plants.linearisation import RATES, branch_slopes, branch_ss, responses
 from plants.wrist import SAMPLE_TIME, Wrist
 
 Array = NDArray[np.float64]
@@ -54,7 +54,7 @@ class Margins:
 def branch_responses(wrist: Wrist, points: int = 800) -> list[BranchResponse]:
     """Frequency responses on every branch of the hysteresis at both rates, up to the Nyquist frequency.
 
-    Effects that change slopes or rates add to that list, see `plants.linear.responses`.
+    Effects that change slopes or rates add to that list, see `plants.linearisation.responses`.
     """
     import control
 
@@ -194,7 +194,7 @@ def open_loops(
     """Open loops on every branch at some rates, behind a further dead time [s], for one pair of gains.
 
     The plant's responses are python-control's, or, for a wrist with effects, those of
-    `plants.linear.responses`.
+    `plants.linearisation.responses`.
     """
     import control
 

@@ -19,12 +19,12 @@ import numpy as np
 
 import design
 import plants
-from design.rules import PAPER_GAINS
+from design.evaluation.scenarios import STEP, Scenario, stack
 from design.studies.paper import series
-from design.tasks import STEP, Scenario, stack
+from design.synthesis.tuning_rules import PAPER_GAINS
 from plants.hysteresis import Memory
-from plants.linear import RATES, branch_slopes, wrist_x0
-from plants.quantities import built_in
+from plants.linearisation import RATES, branch_slopes, wrist_x0
+from plants.parameters.quantities import built_in
 from plants.wrist import STARTS
 from reports.notebooks.tables import rows, shown
 from reports.paper import figures as paper

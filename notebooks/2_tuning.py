@@ -15,12 +15,12 @@ import numpy as np
 
 import design
 import plants
-from design.requirements import Limits, Problem, default_problem, evaluate
-from design.rules import baselines, reaction_curve
-from design.tasks import STEP, Scenario, Spread, corners, stack, tuning_scenarios
+from design.evaluation.scenarios import STEP, Scenario, Spread, corners, stack, tuning_scenarios
+from design.synthesis.requirements import Limits, Problem, default_problem, evaluate
+from design.synthesis.tuning import Region, tune
+from design.synthesis.tuning_rules import baselines, reaction_curve
 from design.tuner import Tuner
-from design.tuning import Region, tune
-from plants.quantities import built_in
+from plants.parameters.quantities import built_in
 from plants.wrist import STARTS
 from reports.comparison.tables import limits_table, tuning_table
 from reports.notebooks.tables import limits_held, rows, shown

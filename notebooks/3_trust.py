@@ -16,7 +16,7 @@ import numpy as np
 
 import design
 import plants
-from design.requirements import default_problem, evaluate
+from design.evaluation.scenarios import STEP
 from design.robustness.assess import assess
 from design.robustness.box import box_of
 from design.robustness.certificates.continuous.search import RUNGS
@@ -26,10 +26,10 @@ from design.robustness.loop_model import LoopModel
 from design.robustness.predictions.limit_cycles import limit_cycles
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.monte_carlo import envelopes, monte_carlo
-from design.rules import PAPER_GAINS
 from design.studies.robustness_study import worst_run
-from design.tasks import STEP
-from plants.quantities import built_in
+from design.synthesis.requirements import default_problem, evaluate
+from design.synthesis.tuning_rules import PAPER_GAINS
+from plants.parameters.quantities import built_in
 from reports.notebooks.figures import word_growth
 from reports.notebooks.tables import Markdown, limits_held, rows, shown
 from reports.robustness import words
@@ -128,8 +128,8 @@ rows(
     {
         "rung": one.rung,
         "dead time [ms]": 1000 * one.dead_time,
-        "tuned: dies away at [1/s]": number(one.decay) if one.holds else "none found",
-        "cautious: dies away at [1/s]": number(other.decay) if other.holds else "none found",
+        "tuned: decays at [1/s]": number(one.decay) if one.holds else "none found",
+        "cautious: decays at [1/s]": number(other.decay) if other.holds else "none found",
     }
     for one, other in rungs
 )
@@ -149,7 +149,7 @@ print(*str(word).split(", "), sep=",\n")
 word_growth(growth_of(LoopModel.of(wrist, tuned.controller), word))
 
 # %% [markdown]
-# *What to see: each letter alone dies away, the word grows from pass to pass.* The wrist cannot spell this
+# *What to see: each letter alone decays, the word grows from pass to pass.* The wrist cannot spell this
 # word, since its rate follows from the error of its pressure and its slope from which way it moves. But no
 # function can prove a loop safe whose class contains it. The cautious pair has such a word too, a slower
 # one; its certificate is of the narrower class.

@@ -14,18 +14,18 @@ import numpy as np
 import design
 import plants
 from design.alternatives.feedforward_design import design_feedforward
-from design.break_even import break_even
+from design.comparison.break_even import break_even
 from design.controllers.feedforward import Feedforward
+from design.evaluation.scenarios import STEP, Scenario
 from design.limit import limit
 from design.mpc.linear import linear_mpc
 from design.mpc.loop import run as run_mpc
 from design.mpc.problem import nominal, robust
 from design.mpc.real_time import real_time_mpc
-from design.requirements import default_problem
 from design.robustness.box import box_of
-from design.tasks import STEP, Scenario
-from plants.effects.dead_time import DeadTime
-from plants.quantities import built_in
+from design.synthesis.requirements import default_problem
+from plants.effects.regulator.dead_time import DeadTime
+from plants.parameters.quantities import built_in
 from reports.comparison.break_even_figure import break_even_figure
 from reports.notebooks.tables import rows
 from reports.shared.style import BLACK, DASHED, DOTTED, GREY, LINES, controller_line, new_figure, styled

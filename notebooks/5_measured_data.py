@@ -18,12 +18,12 @@ import plants.measured
 from benchmarks.real_data import rigs
 from benchmarks.real_figures import draw_rig
 from benchmarks.real_rigs import outcome
-from design.retune import retune
-from design.tuning import Region
+from design.synthesis.retune import retune
+from design.synthesis.tuning import Region
 from plants.measured.campaign import load_campaign
 from plants.measured.fit import fit_campaign
 from plants.measured.trace.trace import trace_campaign
-from plants.quantities import built_in
+from plants.parameters.quantities import built_in
 from reports.notebooks.tables import Markdown, rows, shown
 from reports.shared.fit import draw_fit
 from reports.shared.plant_tables import error_table, parameter_table
@@ -80,7 +80,7 @@ assert fit.ratios["pressure_kPa"] < 1.2 < 3.0 < fit.ratios["angle_deg"]
 draw_fit(fit)
 
 # %% [markdown]
-# *What to see: on a recording that took no part the fitted model runs along the measured angle; the error
+# *What to see: on a held-out recording the fitted model runs along the measured angle; the error
 # beneath, though, is no noise, it swings.*
 #
 # ## What is missing
@@ -230,7 +230,7 @@ shown(errors_before_and_after(arm.trace)) if outcomes else None
 #
 # Recordings turn assumptions into values with standard errors, and an honest remainder says whether these
 # may be believed. Where the missing effect is one of the library, as in the synthetic campaign, it was
-# named, sized, and shown to bring the error of recordings that took no part down to the noise. Where it is
+# named, sized, and shown to bring the error of held-out recordings down to the noise. Where it is
 # not, as on both real rigs, the answer was "unexplained", with what the remainder depends on; that is where
 # an engineer goes on, and a plant that leaves so much unexplained is not one to tune on. You cannot
 # conclude that an effect which was named is the cause: it is the one of 14 that explains these recordings,

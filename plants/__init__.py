@@ -5,10 +5,10 @@
 np.float64(11.28)
 """
 
+from plants.actuator.regulator import Regulator
 from plants.errors import InputError, InputWarning
 from plants.hysteresis import FourSegment, HysteresisLaw, PrandtlIshlinskii
-from plants.quantities import ParameterSet, built_in, load
-from plants.regulator import Regulator
+from plants.parameters.quantities import ParameterSet, built_in, load
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
 
 __all__ = [

@@ -63,7 +63,7 @@ class Uncertainty:
 
 @dataclass(frozen=True)
 class Rig:
-    """A rig; limits: by name, as in `design.requirements.Limits`; sample times [s] of loop and log."""
+    """A rig; limits: by name, as `design.synthesis.requirements.Limits`; sample times [s] of loop and log."""
 
     name: str
     title: str

@@ -9,15 +9,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from plants import hysteresis, lag, regulator
+from plants import hysteresis, lag
+from plants.actuator import regulator
+from plants.actuator.regulator import Regulator
 from plants.effects.effect import Around, Effect
 from plants.hysteresis import STARTS, Bend, HysteresisLaw, Start
 from plants.meanings import remembers
-from plants.regulator import Regulator
 from plants.rig import Rig, built_in_rig
 
 if TYPE_CHECKING:
-    from plants.quantities import ParameterSet
+    from plants.parameters.quantities import ParameterSet
 
 Number = Any
 SAMPLE_TIME = built_in_rig().sample_time
@@ -146,7 +147,7 @@ class Wrist:
 
     An effect is added with ``+``:
 
-    >>> from plants.effects.creep import Creep
+    >>> from plants.effects.wrist.creep import Creep
     >>> creeping = wrist + Creep(gain=0.1, time_constant=4.0)
     >>> round(float(creeping.simulate([3.0] * 10_000).angle[-1] - response.angle[-1]), 2)
     1.03
@@ -193,14 +194,14 @@ class Wrist:
     @classmethod
     def flexion(cls) -> "Wrist":
         """Palmar/dorsal flexion with the parameters of ``plants/parameters/flexion.toml``."""
-        from plants.quantities import built_in
+        from plants.parameters.quantities import built_in
 
         return cls.of(built_in("flexion"))
 
     @classmethod
     def deviation(cls) -> "Wrist":
         """Radial/ulnar deviation with the parameters of ``plants/parameters/deviation.toml``."""
-        from plants.quantities import built_in
+        from plants.parameters.quantities import built_in
 
         return cls.of(built_in("deviation"))
 
@@ -245,10 +246,10 @@ class Wrist:
     def rest(self, start: Start = "virgin", angle: float = 0.0) -> State:
         """The state of a wrist that holds still at an angle [deg], having come there by `start`.
 
-        See `plants.rest.at_rest`.  Raises ValueError for an unknown start or a virgin
+        See `plants.equilibrium.at_rest`.  Raises ValueError for an unknown start or a virgin
         wrist away from 0.
         """
-        from plants.rest import at_rest
+        from plants.equilibrium import at_rest
 
         return at_rest(self, start, angle)
 
@@ -263,16 +264,16 @@ class Wrist:
         return open_loop(self, commands, state=state, every=every)
 
     def to_control(self) -> Any:
-        """The sampled wrist as a discrete ``control.nlsys``; see `plants.linear.nlsys`.
+        """The sampled wrist as a discrete ``control.nlsys``; see `plants.linearisation.nlsys`.
 
-        python-control starts it at 0 kPa unless it is given `plants.linear.wrist_x0`.
+        python-control starts it at 0 kPa unless it is given `plants.linearisation.wrist_x0`.
         """
-        from plants.linear import nlsys
+        from plants.linearisation import nlsys
 
         return nlsys(self)
 
     def linearised(self, branch: str, rate: str = "fast") -> Any:
-        """``control.ss`` of one branch at one regulator rate; see `plants.linear.branch_ss`."""
-        from plants.linear import branch_ss
+        """``control.ss`` of one branch at one regulator rate; see `plants.linearisation.branch_ss`."""
+        from plants.linearisation import branch_ss
 
         return branch_ss(self, branch, rate)

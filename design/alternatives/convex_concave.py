@@ -15,7 +15,8 @@ Largest Ki is least integrated error after a step of load.
 
 Hast, Astrom, Bernhardsson & Boyd, PID design by convex-concave optimization, Proc. European Control
 Conference 2013, p. 4460.  The optimum is local.  The limits that only a
-simulation shows (overshoot, travel of the command, steady error) are not convex: they are met afterwards.
+simulation shows (overshoot, total variation of the command, steady error) are not convex: they are met
+afterwards.
 """
 
 from collections.abc import Sequence
@@ -26,9 +27,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.pi import PI
-from design.convex import solve
 from design.margins import BranchResponse, branch_responses
-from design.requirements import Evaluation, Limits, Problem, controller, evaluate
+from design.synthesis.convex import solve
+from design.synthesis.requirements import Evaluation, Limits, Problem, controller, evaluate
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -141,7 +142,8 @@ def largest_Ki(branches: Sequence[BranchResponse], gain: float, shape: Shape | N
     """Gains of largest Ki [kPa/(deg s)] that hold limits on the linear loop, on a grid of frequencies.
 
     `branches` as of `design.margins.branch_responses`, gain [kPa/V] as the controller knows it.  Starts
-    from gains that are low enough to hold the limits, whatever the plant.  Raises design.convex.Unsolved
+    from gains that are low enough to hold the limits, whatever the plant.  Raises
+    design.synthesis.convex.Unsolved
     where no solver comes to an end, ValueError for a limit on a peak that is not above 1.
 
     >>> from plants import Wrist
@@ -283,7 +285,7 @@ def convex_concave(problem: Problem, shape: Shape | None = None) -> ConvexConcav
     """The PI of largest Ki under the linear limits, both gains scaled down together until the simulated
     limits hold as well: the largest share of them that does, to 1 %.
 
-    Where none does it is the share of least excess.  Raises design.convex.Unsolved, ValueError as
+    Where none does it is the share of least excess.  Raises design.synthesis.convex.Unsolved, ValueError as
     `largest_Ki`.
     """
     shape = shape or Shape.of(problem.limits)

@@ -12,8 +12,8 @@ from typing import Any
 from design.alternatives.convex_concave import ConvexConcave, convex_concave
 from design.alternatives.feedforward_design import FeedforwardDesign, design_feedforward
 from design.alternatives.lqi_design import RobustLQI, design_lqi
-from design.convex import Unsolved
-from design.requirements import Problem
+from design.synthesis.convex import Unsolved
+from design.synthesis.requirements import Problem
 from plants.wrist import Wrist
 
 CONVEX = "convex-concave PI"

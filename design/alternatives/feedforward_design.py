@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from design.controllers.controller import stacked
 from design.controllers.feedforward import FeedforwardPI
 from design.margins import margins
-from design.requirements import Evaluation, Problem, controller, evaluate_with
-from design.tuning import join, merit
+from design.synthesis.requirements import Evaluation, Problem, controller, evaluate_with
+from design.synthesis.tuning import join, merit
 
 Array = NDArray[np.float64]
 

@@ -1,7 +1,8 @@
 """A robust LQI tuned under the limits of the PI: guaranteed-cost feedback, an observer, a small search.
 
 For each choice of weights the feedback comes from the semidefinite program (`alternatives.lqi_synthesis`), is
-completed by an observer of some bandwidth, and is judged as a PI is in `design.requirements`: simulated
+completed by an observer of some bandwidth, and is judged as a PI is in `design.synthesis.requirements`:
+simulated
 on the same scenarios, with the margins at the command on every branch and rate.  The least worst cost
 that holds every limit is kept; where none holds them all, the nearest.
 """
@@ -17,9 +18,9 @@ from design.alternatives.convex_concave import NOISE_GAIN
 from design.alternatives.lqi_synthesis import Feedback, LQIWeights, synthesise
 from design.controllers.controller import stacked
 from design.controllers.lqi import LQI
-from design.convex import Unsolved
 from design.input_loop import InputLoop, worst_pole
-from design.requirements import Problem, excesses, judged
+from design.synthesis.convex import Unsolved
+from design.synthesis.requirements import Problem, excesses, judged
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -125,7 +126,7 @@ def design_lqi(problem: Problem, seed: int = 0) -> RobustLQI:
     """The member of the family with the least worst cost under the limits, else the nearest to them.
 
     The grid of `FAMILY` first, then draws around the best, ever nearer to it.  Raises
-    design.convex.Unsolved where no member of the family has a feedback.
+    design.synthesis.convex.Unsolved where no member of the family has a feedback.
     """
     grid = [
         (LQIWeights(*w), FAMILY["bandwidth"])

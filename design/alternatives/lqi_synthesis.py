@@ -25,8 +25,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from design.convex import solve
-from plants.linear import branch_slopes
+from design.synthesis.convex import solve
+from plants.linearisation import branch_slopes
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -62,7 +62,7 @@ class Feedback:
     """State feedback w = gains @ x and what is guaranteed of it.
 
     gains (3,): [kPa/(deg s), kPa/(deg s), 1/s]; bound (3, 3): P, where x' P x is at least the cost from x;
-    decay [1/s]: every trajectory of the class dies away at least as fast, in the norm of P; margin: least
+    decay [1/s]: every trajectory of the class decays at least as fast, in the norm of P; margin: least
     eigenvalue of -(A' P + P A) over the vertices, as a share of its largest; both from NumPy alone.
     """
 
@@ -96,8 +96,8 @@ def plant(slope: float, rate: float, Tw: float) -> Array:
 
 
 def synthesise(wrist: Wrist, weights: LQIWeights) -> Feedback:
-    """The feedback of least guaranteed cost.  Raises design.convex.Unsolved where there is none, or no
-    solver finds it.
+    """The feedback of least guaranteed cost.  Raises design.synthesis.convex.Unsolved where there is none,
+    or no solver finds it.
 
     >>> found = synthesise(Wrist.flexion(), LQIWeights(damping=1.0, lack=0.01, effort=0.01))
     >>> found.holds, found.gains.round(0)

@@ -19,8 +19,8 @@ def main(arguments: list[str] | None = None) -> None:
     code = 130
     try:
         from design.cli.errors import answered
-        from design.cli.stopping import hear_stop
-        from design.cli.streams import outliving
+        from design.cli.terminal.stopping import hear_stop
+        from design.cli.terminal.streams import outliving
 
         stop = hear_stop() if arguments is None else None
         with outliving() as lost:

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from design.cli import compare, export, fit, robust, show, simulate, trace, tune
+from design.cli.commands import compare, export, fit, robust, show, simulate, trace, tune
 
 MODULES = (show, simulate, fit, trace, tune, robust, compare, export)
 

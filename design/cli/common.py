@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from design.cli.completion import files
-from design.cli.screen import is_stdout
+from design.cli.terminal.screen import is_stdout
 
 if TYPE_CHECKING:
     from plants.measured.campaign import Campaign
-    from plants.quantities import ParameterSet
+    from plants.parameters.quantities import ParameterSet
     from plants.rig import Rig
 
 
@@ -62,7 +62,7 @@ JobsOption = Annotated[int | None, typer.Option(help="Threads; all processors wh
 
 def parameter_set(axis: Axis, plant: Path | None) -> "ParameterSet":
     """The set of a file, or the built-in one of an axis."""
-    from plants.quantities import built_in, load
+    from plants.parameters.quantities import built_in, load
 
     return shown(load(plant) if plant else built_in(axis.value))
 
@@ -77,7 +77,7 @@ def shown(found: "ParameterSet") -> "ParameterSet":
 
 def rig_of(plant: Path | None) -> "Rig | None":
     """The rig of a parameter set that was given; None for the built-in one."""
-    from plants.quantities import load
+    from plants.parameters.quantities import load
 
     return None if plant is None else load(plant).rig
 
@@ -85,7 +85,7 @@ def rig_of(plant: Path | None) -> "Rig | None":
 def starting_set(data: "Campaign", plant: Path | None) -> "ParameterSet":
     """The set that a fit starts from: the user's, or the built-in one of the campaign's axis."""
     from plants.errors import InputError
-    from plants.quantities import built_in, load
+    from plants.parameters.quantities import built_in, load
 
     if plant is not None:
         return shown(load(plant))

@@ -12,7 +12,7 @@ def files() -> list[str]:
 
 
 def costs(incomplete: str) -> list[str]:
-    from design.requirements import COSTS
+    from design.synthesis.requirements import COSTS
 
     return _begun(COSTS, incomplete)
 

@@ -8,7 +8,7 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from design.cli.stopping import Stop
+    from design.cli.terminal.stopping import Stop
 
 DONE, BAD_INPUT, BUG, STOPPED = 0, 2, 70, 130
 

@@ -4,7 +4,7 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from design.cli.screen import is_stdout
+from design.cli.terminal.screen import is_stdout
 
 
 def check_places(files: Mapping[str, Path | None], folder: Path | None = None) -> None:

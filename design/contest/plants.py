@@ -12,19 +12,19 @@ from numpy.typing import NDArray
 
 from design.contest.run import lanes_of
 from design.contest.statistics import FEWEST
+from design.evaluation.scenarios import HEADROOM, Spread
 from design.robustness.box import SIGMAS, Box, box_of, shares_of
 from design.robustness.samples.draws import generator
-from design.tasks import HEADROOM, Spread
-from plants.effects.branch_curvature import Polynomial
-from plants.effects.creep import Creep
-from plants.effects.cross_coupling import Coupling
-from plants.effects.dead_time import DeadTime
 from plants.effects.effect import Effect
-from plants.effects.fill_exhaust import TwoRates
-from plants.effects.load_step import LoadStep
+from plants.effects.regulator.dead_time import DeadTime
+from plants.effects.regulator.fill_exhaust import TwoRates
+from plants.effects.wrist.branch_curvature import Polynomial
+from plants.effects.wrist.creep import Creep
+from plants.effects.wrist.cross_coupling import Coupling
+from plants.effects.wrist.load_step import LoadStep
+from plants.equilibrium import at_rest
 from plants.errors import InputError
-from plants.quantities import Fitted, ParameterSet
-from plants.rest import at_rest
+from plants.parameters.quantities import Fitted, ParameterSet
 from plants.wrist import Start, Wrist
 
 Array = NDArray[np.float64]
@@ -101,7 +101,7 @@ def perturbed(plant: ParameterSet, count: int = PLANTS, seed: int = 0) -> PlantF
 
 
 def day_to_day(plant: ParameterSet) -> tuple[Box, float]:
-    """The box that plants are drawn from, and the share of `design.tasks.Spread` that it has.
+    """The box that plants are drawn from, and the share of `design.evaluation.scenarios.Spread` that it has.
 
     The standard error of one campaign says how well that day is known.  Gains are tuned for the assumed
     spread from day to day, and so are the plants of the contest drawn: all of it, or as much as leaves a

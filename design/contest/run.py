@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.controller import Controller
+from design.evaluation.metrics import Metrics
 from design.evaluation.runner import Lanes, play
-from design.metrics import Metrics
+from plants.equilibrium import at_rest
 from plants.kernel import pytrees as tree
-from plants.rest import at_rest
 from plants.simulation.closed_loop import ClosedLoop
 from plants.simulation.periodic import Periodic
 from plants.wrist import State, Wrist
@@ -29,7 +29,7 @@ class Result:
 
     iae_deg_s; settling_time_s: the slowest stair's, the whole window where one is not settled before the
     next or the end, which `unsettled` (0 or 1) says; overshoot_percent of 15 deg; total_variation_V:
-    travel of the command; pressure_travel_kPa: of the pressure, which is the air that was moved.
+    total variation of the command; pressure_travel_kPa: of the pressure, which is the air that was moved.
     """
 
     iae_deg_s: Array

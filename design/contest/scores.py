@@ -26,7 +26,7 @@ from design.contest.statistics import FEWEST, ConfidenceInterval
 from design.controllers.controller import Controller
 from design.evaluation.tasks import Task, families, lasts, side_by_side
 from design.robustness.samples.conditions import Conditions
-from plants.quantities import ParameterSet
+from plants.parameters.quantities import ParameterSet
 from plants.rig import Rig
 from plants.simulation.periodic import Periodic
 from plants.simulation.sensor import HOLD

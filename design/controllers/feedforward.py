@@ -15,8 +15,8 @@ from design.controllers.controller import Measured, remembers
 from design.controllers.memory_estimator import memory_at_rest, pressure_at_rest
 from design.controllers.pi import PI
 from design.controllers.reference_model import ReferenceModel, SampledReferenceModel, no_inverse, proceed
-from plants import delay
-from plants.delay import DelayLine, SampledDelay
+from plants.actuator import delay
+from plants.actuator.delay import DelayLine, SampledDelay
 from plants.effects.effect import dead_time_of
 from plants.errors import InputError
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Number, State, Wrist

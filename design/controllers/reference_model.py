@@ -6,8 +6,8 @@ A controller carries the model along.  In every sample it asks of the model's st
 
 the lag inverted for a reference filter of the first order; gets the pressure for h_d from the inverse of
 the loop with its memory, and the command for that pressure from the inverse of the regulator
-(`plants.inverse`); clips the command to its range, and moves the model by what is left.  The angle of
-the model is therefore one that the wrist can follow, and without disturbances does follow: the range is
+(`plants.actuator.inverse`); clips the command to its range, and moves the model by what is left.  The angle
+of the model is therefore one that the wrist can follow, and without disturbances does follow: the range is
 respected by construction, at full throttle where the filter asks for more.
 
 A static angle beyond the reference has to come back in time, across the whole loop.  So y in the law is
@@ -24,7 +24,8 @@ from typing import NamedTuple
 import numpy as np
 
 from design.controllers.controller import remembers
-from plants import inverse, wrist
+from plants import wrist
+from plants.actuator import inverse
 from plants.errors import InputError, InputWarning
 from plants.wrist import Number, SampledWrist, State, Wrist
 
@@ -107,7 +108,7 @@ def no_inverse(plant: Wrist) -> str | None:
 
     A dead time needs none: it only makes the wrist late, which `FeedforwardPI.dead_time` allows for.
 
-    >>> from plants.effects.creep import Creep
+    >>> from plants.effects.wrist.creep import Creep
     >>> no_inverse(Wrist.flexion() + Creep(0.1, 4.0))
     'no inverse of the effect creep: invert the wrist without it (replace effects by ()), or use a PI'
     """

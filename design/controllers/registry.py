@@ -20,7 +20,7 @@ REGISTERED: dict[str, Registered] = {}
 def register(name: str, make: Callable[[Any], Any], title: str | None = None) -> None:
     """Make a controller known by a name: ``make(wrist)`` gives the `Controller` for a `plants.Wrist`.
 
-    `design.compare.controllers` then plays it beside the others, with the margins of its law, and
+    `design.comparison.compare.controllers` then plays it beside the others, with the margins of its law, and
     `design.export.catalogue.part` makes C of it.  The same name again replaces it.  title: what it is, in a
     line; the name where not given.
     """

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design import metrics
 from design.controllers.controller import Controller
-from design.metrics import Metrics, Yardstick
+from design.evaluation import metrics
+from design.evaluation.metrics import Metrics, Yardstick
 from plants.kernel import pytrees
 from plants.simulation import periodic
 from plants.simulation.closed_loop import (

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from design import metrics
+from design.evaluation import metrics
 from design.evaluation.runner import Lanes
 from plants.rig import Rig
 from plants.simulation.reference_profile import ReferenceProfile

@@ -14,7 +14,7 @@ from design.controllers.registry import REGISTERED
 from design.export.mpc import of_linear_mpc
 from design.export.part import Part, of_controller, of_observer
 from design.mpc.problem import MPCProblem, nominal, robust
-from plants.delay import LONGEST
+from plants.actuator.delay import LONGEST
 from plants.errors import InputError
 from plants.wrist import Wrist
 

@@ -7,7 +7,7 @@ exported, since a struct of numbers that nobody can name helps no one.
 
 from typing import Any, NamedTuple
 
-from plants.delay import DelayLine
+from plants.actuator.delay import DelayLine
 from plants.errors import InputError
 from plants.kernel import pytrees
 from plants.meanings import MEANINGS

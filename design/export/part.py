@@ -15,7 +15,7 @@ from design.controllers.controller import Controller, Measured, settings_of
 from design.controllers.memory_estimator import MemoryObserver, init
 from design.controllers.memory_estimator import step as observe
 from design.export.fields import ANGLE, COMMAND, PRESSURE, REFERENCE, Quantity, described, lines_of
-from plants.delay import SampledDelay
+from plants.actuator.delay import SampledDelay
 from plants.kernel import pytrees
 from plants.kernel.graphs import baked, c_source, graph, used
 from plants.wrist import SAMPLE_TIME
@@ -146,7 +146,7 @@ def of_controller(name: str, title: str, controller: Controller, period: float =
     c = controller.sampled(period)
 
     def begin(pressure: Number, angle: Number) -> tuple[Any, Number]:
-        # As `design.loop.holding`, the regulator being as the controller believes.
+        # As `design.evaluation.steps.holding`, the regulator being as the controller believes.
         state = controller.holding(pressure, Measured(0.0, angle, pressure))
         return state, controller.command(state)
 

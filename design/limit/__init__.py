@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from design.evaluation.metrics import Metrics
+from design.evaluation.scenarios import Scenario
 from design.evaluation.tasks import Task, comparison_tasks
 from design.limit.bound import Bound, bound
 from design.limit.optimal import optimal
 from design.limit.replay import Array, CommandReplay, replay
-from design.metrics import Metrics
-from design.tasks import Scenario
 from plants.errors import InputError
 from plants.wrist import State, Wrist
 
@@ -144,7 +144,7 @@ def ratios(metrics: Metrics, of: Limit) -> Ratios:
     """A controller's settling time and IAE over the bounds of the task that it was judged on; infinite
     where it, or anything, does not settle.
 
-    >>> from design.loop import run
+    >>> from design.evaluation.steps import run
     >>> from design.controllers.pi import PI
     >>> wrist = Wrist.flexion()
     >>> judged, _, _ = run(wrist, PI(1.2, 2.2), 15.0)

@@ -24,8 +24,8 @@ So Y is the larger of two envelopes, straight and after a dip.  On the declared 
 matters; where the dead zone is wide, the transit steep and the regulator quick, a dip is the faster way.
 
 A settled wrist is inside the band, so it does not settle before the first sample at which Y is (settling
-time: as `design.metrics`, the first sample from which on the angle stays inside).  Its IAE is at least
-the sum of max(0, reference - Y_k) dt.  That a wrist which is too fast leaves the band again raises the
+time: as `design.evaluation.metrics`, the first sample from which on the angle stays inside).  Its IAE is at
+least the sum of max(0, reference - Y_k) dt.  That a wrist which is too fast leaves the band again raises the
 bound of the settling time by a few samples where the step is steep (`design.limit.braking`); that of
 the IAE knows nothing of it.
 Quantisation, delay, noise and a controller's own sampling restrict the commands and keep the bound.
@@ -35,10 +35,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from design.evaluation.metrics import SETTLING_BAND
 from design.limit.braking import knows, settles_after
 from design.limit.monotone import claimed, driven, prompt, relaxed
 from design.limit.replay import DURATION, Array
-from design.metrics import SETTLING_BAND
 from plants.errors import InputError
 from plants.kernel import pytrees as tree
 from plants.kernel.batches import run_lanes

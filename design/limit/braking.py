@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from design.limit.replay import Array
-from plants import regulator
+from plants.actuator import regulator
 from plants.hysteresis import FourSegment
 from plants.wrist import SampledWrist, State, Wrist
 

@@ -27,11 +27,11 @@ from typing import Any
 
 import numpy as np
 
+from plants.actuator.regulator import Regulator
 from plants.effects import Effect
 from plants.effects.effect import Around
 from plants.errors import InputError
 from plants.hysteresis import FourSegment
-from plants.regulator import Regulator
 from plants.wrist import State, Wrist, press
 
 POINTS = 201

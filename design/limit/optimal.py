@@ -24,11 +24,12 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from design.evaluation.metrics import SETTLING_BAND
 from design.limit.bound import Bound
 from design.limit.monotone import prompt
 from design.limit.replay import CommandReplay, replay
-from design.metrics import SETTLING_BAND
-from plants import lag, regulator
+from plants import lag
+from plants.actuator import regulator
 from plants.effects.effect import dead_time_of
 from plants.errors import InputError
 from plants.hysteresis import FourSegment

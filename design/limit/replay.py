@@ -1,4 +1,4 @@
-"""Commands judged: the exact simulator runs them, `design.metrics` says what they were worth."""
+"""Commands judged: the exact simulator runs them, `design.evaluation.metrics` says what they were worth."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design import metrics
-from design.metrics import Metrics
+from design.evaluation import metrics
+from design.evaluation.metrics import Metrics
 from plants.errors import InputError
 from plants.simulation.closed_loop import ClosedLoop, SampledClosedLoop, advance, clock
 from plants.simulation.reference_profile import ReferenceProfile
@@ -15,7 +15,7 @@ from plants.wrist import SAMPLE_TIME, State, Wrist
 
 Array = NDArray[np.float64]
 DURATION = 10.0
-"""How long a task lasts [s], as in `design.loop.run`."""
+"""How long a task lasts [s], as in `design.evaluation.steps.run`."""
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.mpc.problem import MPCProblem
-from plants import lag, regulator
+from plants import lag
+from plants.actuator import regulator
 from plants.errors import InputError
 from plants.hysteresis import Memory
 from plants.wrist import State

@@ -1,4 +1,4 @@
-"""An MPC in the loop: one plant, stepped and judged as `design.loop.run` does it."""
+"""An MPC in the loop: one plant, stepped and judged as `design.evaluation.steps.run` does it."""
 
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from design.evaluation.metrics import Metrics
 from design.evaluation.runner import play, step_from
-from design.metrics import Metrics
 from design.mpc.fallback import Info, MPCState
 from plants.errors import InputError
 from plants.simulation.closed_loop import ClosedLoop, Trajectory
@@ -43,7 +43,8 @@ def run(
 ) -> Play:
     """Step the reference [deg] at time 0 and play the loop for a duration [s], a whole number of periods.
 
-    Metrics are those of `design.loop.run`, leaves of shape (1,), and so is the trajectory.  The loop
+    Metrics are those of `design.evaluation.steps.run`, leaves of shape (1,), and so is the trajectory.  The
+    loop
     starts from `state` (the wrist's rest where not given), of which the controller sees angle and pressure;
     `memory`: its state where it has been acting before; noise: of the sensor, of standard deviation 1, (rows,
     1), as of `plants.simulation.periodic.PeriodicLoop`.  Raises

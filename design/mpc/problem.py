@@ -215,7 +215,8 @@ def nominal(wrist: Wrist, **changes: Any) -> MPCProblem:
 def robust(wrist: Wrist, **changes: Any) -> MPCProblem:
     """The setting that stays stable with 60 ms of dead time that the model lacks.
 
-    Found by trial on 15 degree steps with added dead time and on the corners of `design.tasks`.  Moves and
+    Found by trial on 15 degree steps with added dead time and on the corners of
+    `design.evaluation.scenarios`.  Moves and
     swings keep the dead time; the observer is quick, since it has no part in that, and a slow one takes
     1.5 s to see a loop of wrong width.  The slower `lack` is what the dead time would disturb.
     """

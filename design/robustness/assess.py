@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from design.controllers.pi import PI
-from design.requirements import Limits
 from design.robustness.box import Box
 from design.robustness.certificates.certificate import Certificate
 from design.robustness.certificates.constant import robust_stability as constant
@@ -31,7 +30,8 @@ from design.robustness.samples.statements import statements as of_samples
 from design.robustness.samples.worst import Worst
 from design.robustness.statement import Reason, Statement
 from design.status import BY_PROOF, Status
-from plants.effects.load_step import LoadStep
+from design.synthesis.requirements import Limits
+from plants.effects.wrist.load_step import LoadStep
 from plants.errors import InputError
 from plants.wrist import Wrist
 

@@ -11,12 +11,12 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from design.evaluation.scenarios import Spread
 from design.status import Status
-from design.tasks import Spread
 from plants.errors import InputError
 from plants.hysteresis import Role
-from plants.linear import branch_slopes
-from plants.quantities import Assumed, Fitted, Parameter, ParameterSet
+from plants.linearisation import branch_slopes
+from plants.parameters.quantities import Assumed, Fitted, Parameter, ParameterSet
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -107,7 +107,7 @@ class Box:
     def at(self, shares: Array) -> Wrist:
         """The wrist at a place in the box, or, with `shares` of shape (parameters, lanes), its lanes.
 
-        >>> from plants.quantities import built_in
+        >>> from plants.parameters.quantities import built_in
         >>> box = box_of(built_in("flexion"))
         >>> float(box.at(np.full(len(box.names), 0.5)).Tw)
         0.16
@@ -123,7 +123,7 @@ class Box:
     def slopes(self, branch: str) -> tuple[float, float]:
         """Least and largest slope [deg/kPa] of a branch of the hysteresis in the box.
 
-        >>> from plants.quantities import built_in
+        >>> from plants.parameters.quantities import built_in
         >>> [round(s, 3) for s in box_of(built_in("flexion")).slopes("line1")]
         [0.324, 0.396]
         """

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from design.requirements import Evaluation, Problem, controller, evaluate
 from design.robustness.certificates.continuous.ladder import certifies
 from design.robustness.loop_model import LoopModel
-from design.tuning import join
+from design.synthesis.requirements import Evaluation, Problem, controller, evaluate
+from design.synthesis.tuning import join
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -8,7 +8,7 @@ While the command is not clipped and the reference stands still, with
 
 whatever the pressure, the offsets of the lines and the memory: only the slope of the branch that the
 wrist is on is left of the hysteresis.  In a dead zone the slope is 0 (`branch_slopes` leaves it out).
-Sampled at 1 ms, by the laws that the simulator steps (`plants.regulator`, `plants.lag`),
+Sampled at 1 ms, by the laws that the simulator steps (`plants.actuator.regulator`, `plants.lag`),
 
     x+ = sampled_a x + sampled_b(slope) share q,      share between share_slow and share_fast.
 
@@ -22,9 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.pi import PI
-from plants import lag, regulator
+from plants import lag
+from plants.actuator import regulator
 from plants.effects.effect import dead_time_of
-from plants.linear import branch_slopes
+from plants.linearisation import branch_slopes
 from plants.wrist import SAMPLE_TIME, Wrist
 
 Array = NDArray[np.float64]

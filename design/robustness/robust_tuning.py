@@ -12,14 +12,14 @@ from typing import Literal
 
 import numpy as np
 
-from design.answer import Refusal, refusal
-from design.requirements import COSTS, Problem, controller, evaluate, rollouts
+from design.evaluation.sequence import Sequence
 from design.robustness.box import Box
 from design.robustness.samples.adversary import worst_case
 from design.robustness.samples.worst import Worst
-from design.sequence import Sequence
-from design.tuning import Region, Tuning
-from design.tuning import tune as plain_tune
+from design.synthesis.answer import Refusal, refusal
+from design.synthesis.requirements import COSTS, Problem, controller, evaluate, rollouts
+from design.synthesis.tuning import Region, Tuning
+from design.synthesis.tuning import tune as plain_tune
 
 WORSE = 0.10
 """A worst case that breaks no limit is added where its cost is above the worst of the set by this share."""
@@ -103,7 +103,7 @@ def tune_robustly(
     with `budget` runs each.  What breaks a limit by more than `SLACK` of it, or costs more by `WORSE` than
     the worst of the set, is added, with its runners-up that break a limit.  Ends where nothing is, after
     `rounds`, or where no gains in the region hold the grown set: then the last tuning is the nearest.
-    `tune` stands in for `design.tuning.tune`, with its arguments.
+    `tune` stands in for `design.synthesis.tuning.tune`, with its arguments.
     """
     tell = progress or (lambda stage, share: None)
     grown, done = problem, list[Round]()

@@ -10,12 +10,12 @@ from functools import partial
 import numpy as np
 
 from design.controllers.pi import PI
-from design.loop import run
-from design.rules import paper_range
+from design.evaluation.scenarios import STEP
+from design.evaluation.steps import run
 from design.studies.panels import Array, Panel, Series
-from design.tasks import STEP
-from plants.quantities import REGULATOR_NAMES
-from plants.regulator import Regulator
+from design.synthesis.tuning_rules import paper_range
+from plants.actuator.regulator import Regulator
+from plants.parameters.quantities import REGULATOR_NAMES
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
 
 HOLD = 20.0

@@ -3,14 +3,14 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from design.requirements import default_problem
+from design.evaluation.sequence import PlayedSequence, play
 from design.robustness.assess import Assessment
 from design.robustness.certificates.continuous.search import RUNGS
 from design.robustness.gain_plane import GainPlane, gain_plane
 from design.robustness.samples.monte_carlo import Envelopes, envelopes
 from design.robustness.samples.worst import Worst
-from design.rules import PAPER_GAINS, baselines
-from design.sequence import PlayedSequence, play
+from design.synthesis.requirements import default_problem
+from design.synthesis.tuning_rules import PAPER_GAINS, baselines
 
 Tell = Callable[[str, float], None]
 

@@ -9,21 +9,21 @@ from functools import cached_property
 from typing import Any
 
 from design.alternatives.designs import FORWARD_PI, Design, design_mpcs, design_others
-from design.answer import Answer, Refusal, answer
-from design.break_even import BreakEven, break_even
-from design.compare import FORWARD, TUNED, Comparison, compare, controllers
+from design.comparison.break_even import BreakEven, break_even
+from design.comparison.compare import FORWARD, TUNED, Comparison, compare, controllers
+from design.comparison.execution_time import deadlines
 from design.contest import Contest, contest
 from design.controllers.controller import Controller
-from design.deadlines import deadlines
 from design.mpc.timing import Ledger
-from design.requirements import controller, default_problem
 from design.studies.panels import Panel
 from design.studies.paper import redrawn
 from design.studies.verdict import Verdict, verdicts
-from design.tuning import Region, Tuning, tune
+from design.synthesis.answer import Answer, Refusal, answer
+from design.synthesis.requirements import controller, default_problem
+from design.synthesis.tuning import Region, Tuning, tune
 from plants.errors import InputError
 from plants.measured.fit import Fit
-from plants.quantities import ParameterSet
+from plants.parameters.quantities import ParameterSet
 from plants.wrist import Wrist
 
 Tell = Callable[[str, float], None]

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
-from design.answer import Refusal
-from design.compare import PAPER, TUNED, Comparison
+from design.comparison.compare import PAPER, TUNED, Comparison
+from design.synthesis.answer import Refusal
 
 
 class Rank(Enum):

@@ -4,10 +4,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from design.evaluation.scenarios import tuning_scenarios
+from design.evaluation.sequence import batch
 from design.margins import branch_responses
-from design.requirements import Limits, Problem
-from design.sequence import batch
-from design.tasks import tuning_scenarios
+from design.synthesis.requirements import Limits, Problem
 from design.tuner.setting import DELAY, Setting, plant, trouble
 from plants.wrist import Wrist
 
@@ -66,8 +66,8 @@ def case(wrist: Wrist, setting: Setting, limits: Limits | None = None, jobs: int
 def out_of_reach(problem: Problem) -> str | None:
     """What keeps the plant from a reference, the worst of them, in one line; None where nothing does.
 
-    As `design.requirements.out_of_range`, from the states at rest that are known already: the scenarios
-    hold those on each line at every reference.
+    As `design.synthesis.requirements.out_of_range`, from the states at rest that are known already: the
+    scenarios hold those on each line at every reference.
     """
     pressure = np.asarray(problem.stacked[1].pressure, float)
     at_rest = {(s.start, s.angle): p for s, p in zip(problem.scenarios, pressure, strict=True)}

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from design.loop import run
-from design.metrics import Metrics
-from design.requirements import LIMIT_UNITS, ROUNDING, Evaluation, Problem, controller, evaluate
-from design.tasks import Scenario
+from design.evaluation.metrics import Metrics
+from design.evaluation.scenarios import Scenario
+from design.evaluation.steps import run
+from design.synthesis.requirements import LIMIT_UNITS, ROUNDING, Evaluation, Problem, controller, evaluate
 from design.tuner.branch_margins import BranchMargins, branch_margins
 from design.tuner.case import TunedPlant
 from design.tuner.setting import Setting

@@ -6,13 +6,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from design.requirements import Limits
-from design.tasks import STEP
+from design.evaluation.scenarios import STEP
+from design.synthesis.requirements import Limits
+from design.synthesis.tuning import Region
 from design.tuner.branch_margins import BranchMargins
 from design.tuner.picture import SAMPLES, LimitReading, Picture, ShownStep
 from design.tuner.regions import Regions, outline
 from design.tuner.setting import Slider
-from design.tuning import Region
 from plants.hysteresis import Role, law_of
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
 
@@ -30,7 +30,7 @@ LIMITS: Mapping[str, Words] = {
     "overshoot_percent": Words("Overshoot", " %"),
     "Ms": Words("Ms, peak of the sensitivity"),
     "delay_margin_s": Words("Delay margin", " ms", 1000.0, "≥"),
-    "total_variation_V": Words("Travel of the command", " V"),
+    "total_variation_V": Words("Total variation of the command", " V"),
     "steady_error_percent": Words("Left at the end of the run", " %"),
 }
 

@@ -3,9 +3,9 @@
 from dataclasses import dataclass, fields, replace
 from typing import NamedTuple
 
-from design.rules import PAPER_GAINS
-from design.tuning import Region
-from plants.effects.dead_time import DeadTime
+from design.synthesis.tuning import Region
+from design.synthesis.tuning_rules import PAPER_GAINS
+from plants.effects.regulator.dead_time import DeadTime
 from plants.hysteresis import Role
 from plants.wrist import Wrist
 

@@ -10,15 +10,15 @@ import anywidget
 import numpy as np
 import traitlets
 
-from design.requirements import Limits
+from design.synthesis.requirements import Limits
+from design.synthesis.tuning import Region
 from design.tuner import gains_file, record
 from design.tuner.case import TunedPlant, case
 from design.tuner.picture import Picture, picture
 from design.tuner.regions import Regions, first, sharper
 from design.tuner.setting import REGION, Setting, initial, plant, sliders
-from design.tuning import Region
 from plants.errors import InputError
-from plants.quantities import ParameterSet, built_in, load
+from plants.parameters.quantities import ParameterSet, built_in, load
 from plants.wrist import Wrist
 
 HERE = Path(__file__).parent

@@ -9,21 +9,21 @@ rigs has need not stand here: `register` makes it known for as long as Python ru
 
 from inspect import isabstract
 
-from plants.effects.branch_curvature import Bow, Polynomial, Saturation, SmoothCurve
-from plants.effects.creep import Creep, LogCreep, TwoTimeCreep
-from plants.effects.cross_coupling import Coupling, PressureCoupling, QuadraticCoupling
-from plants.effects.dead_time import DeadTime, TubeDeadTime
 from plants.effects.effect import Around, Effect
-from plants.effects.end_stop import CompliantStop, GivingStop, HardStop, PadStop, SpringStop
-from plants.effects.fill_exhaust import OrificeExhaust, PressureDependentRates, TwoRates
-from plants.effects.gyro_drift import Drift, WarmingDrift
-from plants.effects.inertia import DraggedInertia, Inertia, StiffeningInertia
-from plants.effects.load_step import GradualLoad, LoadStep
-from plants.effects.periodic import HarmonicHum, Hum
-from plants.effects.rate_dependence import PowerWidening, RememberedRate, SaturatingWidening, Viscous
-from plants.effects.regulator_deadband import Latch, PlayDeadBand, ValveOverlap
-from plants.effects.softening import Mullins, SofteningByWork, Warming
-from plants.effects.supply_droop import CappedPressure, CappedTarget, LimitedFlow, SaturatingSag
+from plants.effects.regulator.dead_time import DeadTime, TubeDeadTime
+from plants.effects.regulator.fill_exhaust import OrificeExhaust, PressureDependentRates, TwoRates
+from plants.effects.regulator.regulator_deadband import Latch, PlayDeadBand, ValveOverlap
+from plants.effects.regulator.supply_droop import CappedPressure, CappedTarget, LimitedFlow, SaturatingSag
+from plants.effects.sensor.gyro_drift import Drift, WarmingDrift
+from plants.effects.sensor.periodic import HarmonicHum, Hum
+from plants.effects.wrist.branch_curvature import Bow, Polynomial, Saturation, SmoothCurve
+from plants.effects.wrist.creep import Creep, LogCreep, TwoTimeCreep
+from plants.effects.wrist.cross_coupling import Coupling, PressureCoupling, QuadraticCoupling
+from plants.effects.wrist.end_stop import CompliantStop, GivingStop, HardStop, PadStop, SpringStop
+from plants.effects.wrist.inertia import DraggedInertia, Inertia, StiffeningInertia
+from plants.effects.wrist.load_step import GradualLoad, LoadStep
+from plants.effects.wrist.rate_dependence import PowerWidening, RememberedRate, SaturatingWidening, Viscous
+from plants.effects.wrist.softening import Mullins, SofteningByWork, Warming
 from plants.errors import InputError
 
 EFFECTS: dict[str, tuple[type[Effect], ...]] = {

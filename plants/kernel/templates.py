@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-from plants.delay import LONGEST, DelayLine, SampledDelay
+from plants.actuator.delay import LONGEST, DelayLine, SampledDelay
 from plants.kernel import pytrees
 from plants.kernel.emitter import statements
 from plants.kernel.graphs import graph

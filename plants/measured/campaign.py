@@ -109,7 +109,7 @@ def _check_copies(fit: tuple[Recording, ...], validate: tuple[Recording, ...], f
             if len(a.time) > FEW and all(np.array_equal(np.asarray(x), np.asarray(y)) for x, y in pairs):
                 raise InputError(
                     f"{folder / FILE}: {b.name!r} in validate holds the same rows as {a.name!r} in fit; the "
-                    "error must come from recordings that took no part in the fit"
+                    "error must come from held-out recordings"
                 )
 
 
@@ -150,11 +150,7 @@ def parse_declaration(content: bytes, path: Path) -> Declaration:
     fit = _names(table, "fit", path, "they are what the model is fitted to")
     alone = len(fit) == 1 and not table.get("validate")
     validate = (
-        ()
-        if alone
-        else _names(
-            table, "validate", path, "the error is reported on recordings that took no part in the fit"
-        )
+        () if alone else _names(table, "validate", path, "the error is reported on held-out recordings")
     )
     _check_separate(fit, validate, path)
     return Declaration(
@@ -197,7 +193,7 @@ def _check_separate(fit: tuple[str, ...], validate: tuple[str, ...], path: Path)
     if both:
         raise InputError(
             f"{path}: {both[0]!r} is in both fit and validate; the error must come from recordings "
-            "that took no part in the fit"
+            "that were held out of the fit"
         )
     for key, names in (("fit", fit), ("validate", validate)):
         twice = [n for i, n in enumerate(names) if n in names[:i]]

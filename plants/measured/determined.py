@@ -6,7 +6,7 @@ import numpy as np
 
 from plants.measured.estimate import Estimate, estimate
 from plants.measured.problem import FitProblem
-from plants.quantities import ParameterSet
+from plants.parameters.quantities import ParameterSet
 
 TOO_WIDE = 0.5
 """A standard error beyond this share of the width of its bounds says nothing about a parameter."""

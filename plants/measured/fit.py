@@ -23,7 +23,7 @@ from plants.measured.noise import noise_of_campaign
 from plants.measured.playback import Playback
 from plants.measured.problem import Begin, FitProblem, at_rest, first_begin, measured
 from plants.measured.recording import Recording
-from plants.quantities import REGULATOR_NAMES, ParameterSet, loop_names
+from plants.parameters.quantities import REGULATOR_NAMES, ParameterSet, loop_names
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -62,7 +62,7 @@ class Fit:
 
     @property
     def ratios(self) -> dict[str, float]:
-        """Error on the recordings that took no part over the noise, by channel."""
+        """Error on the held-out recordings over the noise, by channel."""
         pairs = {c: (self.validate_rmse[c], self.noise[c]) for c in CHANNELS}
         return {c: error / noise for c, (error, noise) in pairs.items() if error is not None and noise}
 
@@ -208,7 +208,7 @@ def _runs(
     campaign: Campaign, start: ParameterSet, fitted: ParameterSet, begins: Sequence[Begin] | None
 ) -> list[FreeRun]:
     """Every recording beside its simulations; where the start is unknown, from the estimated
-    start for recordings that were fitted, from the first rows for those that took no part."""
+    start for recordings that were fitted, from the first rows for those held out."""
     apart = (
         None if begins is None else [first_begin(r, start.values["rest_pressure"]) for r in campaign.validate]
     )

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 class FreeRun:
     """A recording beside free runs of the wrist that was found and of the one before, shape (n,) each.
 
-    role: ``fit``, or ``validate`` where it took no part; angles are None for a campaign of the regulator
+    role: ``fit``, or ``validate`` where it is held out; angles are None for a campaign of the regulator
     alone.
     """
 

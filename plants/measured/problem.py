@@ -11,7 +11,7 @@ from plants.hysteresis import HysteresisLaw
 from plants.kernel.batches import default_jobs
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
-from plants.quantities import ParameterSet
+from plants.parameters.quantities import ParameterSet
 from plants.rig import Rig
 from plants.wrist import Number, State, Wrist
 

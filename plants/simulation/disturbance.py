@@ -3,9 +3,9 @@
 from typing import Any
 
 from plants import wrist as plant
-from plants.effects.dead_time import DeadTime
 from plants.effects.effect import Around
-from plants.effects.load_step import LoadStep
+from plants.effects.regulator.dead_time import DeadTime
+from plants.effects.wrist.load_step import LoadStep
 from plants.errors import InputError
 from plants.wrist import Start, State, Wrist
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants import wrist as plant
-from plants.delay import arriving
+from plants.actuator.delay import arriving
 from plants.effects.effect import Around
 from plants.errors import InputError
 from plants.simulation.closed_loop import ClosedLoop, SampledClosedLoop, advance

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from design.break_even import METRICS, BreakEven, BreakEvenCurve
+from design.comparison.break_even import METRICS, BreakEven, BreakEvenCurve
 from reports.shared.style import BLACK, GREY, LINES, new_figure, styled
 
 if TYPE_CHECKING:

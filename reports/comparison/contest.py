@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from design.compare import TUNED
+from design.comparison.compare import TUNED
 from design.contest.scores import BESIDE, BOTH, Contest, Score
 from design.contest.statistics import FEWEST, LEVEL, ConfidenceInterval
 from design.evaluation.tasks import families, lasts
@@ -64,7 +64,7 @@ def _table(found: Contest, keys: list[tuple[str, str, str]], overshoot: float | 
         Column("less the tuned PI's", "deg s"), Column("Rank in it", "1"), Column("Settling", "s"),
         Column("less the tuned PI's", "s"), Column("Rank in it", "1"), Column("95 % settle in", "s"),
         Column("Not settled", "%"),
-        Column("Overshoot", "%"), Column("Command travel", "V"), Column("Pressure travel", "kPa"),
+        Column("Overshoot", "%"), Column("Total variation", "V"), Column("Pressure travel", "kPa"),
     )  # fmt: skip
     return Table(columns, tuple(groups))
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from design.break_even import KIND_UNITS, METRICS, BreakEven, BreakEvenCurve
+from design.comparison.break_even import KIND_UNITS, METRICS, BreakEven, BreakEvenCurve
 from design.mpc.fallback import SOLVED
 from design.mpc.timing import Ledger, Times
 from reports.shared.names import name_of, title_of

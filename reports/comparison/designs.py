@@ -7,8 +7,8 @@ from design.alternatives.convex_concave import ConvexConcave
 from design.alternatives.designs import Design
 from design.alternatives.feedforward_design import FeedforwardDesign
 from design.alternatives.lqi_design import RobustLQI
-from design.compare import TUNED, Comparison
-from design.tuning import Tuning
+from design.comparison.compare import TUNED, Comparison
+from design.synthesis.tuning import Tuning
 from plants.wrist import SAMPLE_TIME
 from reports.shared.names import COST_WORDS, limit_name, name_of
 from reports.shared.tables import number
@@ -93,13 +93,13 @@ def _lqi(d: RobustLQI) -> str:
         f"(gain v − P) kPa/s and jumps by {number(c.jump)} kPa per degree of a step; both poles of the "
         f"observer of h lie at −{number(c.bandwidth)} rad/s; the best of {d.tried} in its family of weights "
         f"and bandwidths. With h and the regulator's gain known, and in continuous time, the feedback is "
-        f"certified ({f.solver}, checked outside it) to die away at {number(f.decay, 2)} 1/s or faster in "
+        f"certified ({f.solver}, checked outside it) to decay at {number(f.decay, 2)} 1/s or faster in "
         "whatever order branches and rates come, while the command is not clipped."
     )
     if d.pole is not None:
         speed = -log(d.pole[0]) / SAMPLE_TIME
         words += (
-            f" With the observer, on a single branch, the slowest mode dies away at {number(speed, 2)} 1/s "
+            f" With the observer, on a single branch, the slowest mode decays at {number(speed, 2)} 1/s "
             f"({d.pole[1]})."
             if speed > 0.0
             else f" With the observer it is unstable ({d.pole[1]})."

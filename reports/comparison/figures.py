@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from design.compare import PAPER, TUNED, Comparison
+from design.comparison.compare import PAPER, TUNED, Comparison
 from plants.hysteresis import HysteresisLaw
 from plants.wrist import Wrist
 from reports.shared.names import WINDOW, name_of, title_of

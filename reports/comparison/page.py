@@ -5,15 +5,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from design.answer import Answer
-from design.break_even import BreakEven
-from design.compare import Comparison
+from design.comparison.break_even import BreakEven
+from design.comparison.compare import Comparison
 from design.contest import Contest
-from design.metrics import SETTLING_BAND
+from design.evaluation.metrics import SETTLING_BAND
 from design.mpc.timing import Ledger
 from design.studies.study import Study
+from design.synthesis.answer import Answer
 from plants.measured.fit import Fit
-from plants.quantities import Fitted, ParameterSet
+from plants.parameters.quantities import Fitted, ParameterSet
 from reports.comparison import contest as broad
 from reports.comparison import costs, figures, tables, words
 from reports.comparison.break_even_figure import break_even_figure
@@ -192,7 +192,7 @@ def _plant(motion: str, s: ParameterSet, fit: Fit | None, shown: Any) -> dict[st
         "errors": error_table(fit),
         "misfit": words.misfit(fit),
         "figure": shown(f"fit-{slug(motion)}", words.fit_caption(motion, fit)),
-        "judged_on": " on the recordings that took no part" if apart else "",
+        "judged_on": " on the held-out recordings" if apart else "",
     }
 
 

@@ -6,7 +6,7 @@ from dataclasses import asdict
 from math import isfinite
 from typing import Any
 
-from design.compare import Comparison, row_record
+from design.comparison.compare import Comparison, row_record
 from design.contest import Contest, contest_record
 from design.studies.study import Study
 from reports.comparison.contest_words import sentences
@@ -20,10 +20,10 @@ from reports.shared.tuning import tuning_record
 def comparison_record(study: Study, made: Made) -> dict[str, Any]:
     """The study as dictionaries, lists, numbers and text, for `plants.files.json_text`.
 
-    Keys: verdicts, limits, standings, rows (see `design.compare.row_record`), tunings, plants,
+    Keys: verdicts, limits, standings, rows (see `design.comparison.compare.row_record`), tunings, plants,
     fits (these three by motion), contest (see `design.contest.contest_record`), break_even (rows by
-    motion, see `design.break_even.BreakEven.rows`), ledger (times [s] by motion and controller), each of
-    these three None where there was none, and made.
+    motion, see `design.comparison.break_even.BreakEven.rows`), ledger (times [s] by motion and controller),
+    each of these three None where there was none, and made.
     """
     comparison, contest = study.comparison, study.contest
     return {

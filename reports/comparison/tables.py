@@ -2,10 +2,10 @@
 
 from math import isnan
 
-from design.compare import METRICS, PAPER, TUNED, Comparison, Row
-from design.metrics import UNITS
-from design.requirements import LIMIT_UNITS, Limits
-from design.tuning import ACTIVE, Tuning
+from design.comparison.compare import METRICS, PAPER, TUNED, Comparison, Row
+from design.evaluation.metrics import UNITS
+from design.synthesis.requirements import LIMIT_UNITS, Limits
+from design.synthesis.tuning import ACTIVE, Tuning
 from reports.shared.names import LIMITS, WINDOW, limit_name, name_of, title_of
 from reports.shared.tables import Cell, Column, Group, Table, fixed, number, row, spaced
 

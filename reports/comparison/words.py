@@ -5,17 +5,17 @@ from math import isfinite
 
 from design.alternatives.convex_concave import NOISE_GAIN
 from design.alternatives.lqi_design import WASHOUT
-from design.answer import Answer
-from design.compare import PAPER, TUNED, Comparison, Row
+from design.comparison.compare import PAPER, TUNED, Comparison, Row
 from design.contest.plants import RIGS
 from design.contest.scores import BESIDE, Contest, Score
 from design.contest.statistics import FEWEST, LEVEL
-from design.rules import PAPER_FACTOR, PAPER_GAINS
+from design.evaluation.scenarios import HEADROOM
 from design.studies.study import Study
-from design.tasks import HEADROOM
-from design.tuning import ACTIVE
+from design.synthesis.answer import Answer
+from design.synthesis.tuning import ACTIVE
+from design.synthesis.tuning_rules import PAPER_FACTOR, PAPER_GAINS
 from plants.measured.fit import EXPLAINED, Fit
-from plants.quantities import Assumed, Fitted, ParameterSet
+from plants.parameters.quantities import Assumed, Fitted, ParameterSet
 from reports.comparison.contest import MAIN as PERTURBED
 from reports.comparison.figures import PIS, SOON
 from reports.shared.fit import shown_run
@@ -201,7 +201,7 @@ def _rests_on(sets: Mapping[str, ParameterSet], fits: Mapping[str, Fit]) -> str:
 
 
 def misfit(fit: Fit) -> str:
-    """Whether the fitted model explains the recordings that took no part down to the noise."""
+    """Whether the fitted model explains the held-out recordings down to the noise."""
     if fit.remarks:
         return " ".join(fit.remarks)
     return "The errors are no more than the noise: the model explains these recordings."
@@ -211,7 +211,7 @@ def fit_words(fit: Fit) -> str:
     """Which recordings were fitted to and which judged."""
     took = [r.recording.name for r in fit.runs if r.role == "fit"]
     apart = [r.recording.name for r in fit.runs if r.role == "validate"]
-    judged = f"judged on {', '.join(apart)}, which took no part" if apart else "no recording was kept apart"
+    judged = f"judged on {', '.join(apart)}, which were held out" if apart else "no recording was kept apart"
     return f"Fitted to {', '.join(took)} of the campaign “{fit.campaign.name}”; {judged}."
 
 

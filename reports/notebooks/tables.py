@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import isfinite
 
-from design.requirements import LIMIT_UNITS, Evaluation, Problem
+from design.synthesis.requirements import LIMIT_UNITS, Evaluation, Problem
 from reports.shared.names import COST_WORDS, limit_name
 from reports.shared.tables import Cell, Column, Group, Table, number, row
 

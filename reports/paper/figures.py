@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from design.rules import PAPER_FACTOR, PAPER_GAINS
 from design.studies.panels import Panel
-from plants.quantities import REGULATOR_NAMES, Fitted, ParameterSet, built_in
+from design.synthesis.tuning_rules import PAPER_FACTOR, PAPER_GAINS
+from plants.parameters.quantities import REGULATOR_NAMES, Fitted, ParameterSet, built_in
 from reports.paper import plots
 from reports.paper.plots import Plot
 from reports.shared.style import styled

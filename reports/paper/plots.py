@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from design.metrics import SETTLING_BAND
+from design.evaluation.metrics import SETTLING_BAND
+from design.evaluation.scenarios import STEP
 from design.studies.panels import Panel, Series
 from design.studies.paper import HOLD, STAIRCASE
-from design.tasks import STEP
 from plants.wrist import COMMAND_RANGE
 from reports.shared.style import BLACK, BLUE, DASHED, DOTTED, GREY, LINES, PALE, VERMILLION, new_figure, seen
 

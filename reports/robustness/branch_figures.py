@@ -7,7 +7,6 @@ import numpy as np
 
 from design.controllers.pi import PI
 from design.margins import OpenLoopTransfer, open_loops, winds_not
-from design.requirements import Limits
 from design.robustness.predictions.describing_function import (
     centre_of,
     hysteresis_function,
@@ -15,6 +14,7 @@ from design.robustness.predictions.describing_function import (
 )
 from design.robustness.predictions.harmonic_balance import parts, regulator_response
 from design.robustness.predictions.limit_cycles import LimitCycle
+from design.synthesis.requirements import Limits
 from plants.wrist import SAMPLE_TIME, Wrist
 from reports.shared.style import (
     BLACK,

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from design.metrics import SETTLING_BAND
-from design.requirements import Limits
+from design.evaluation.metrics import SETTLING_BAND
+from design.evaluation.sequence import PlayedSequence
 from design.robustness.gain_plane import GainPlane
 from design.robustness.samples.monte_carlo import Envelopes
 from design.robustness.samples.worst import Worst
-from design.sequence import PlayedSequence
+from design.synthesis.requirements import Limits
 from reports.shared.style import (
     BLACK,
     BLUE,

@@ -52,9 +52,9 @@ MARGINS = {
 }  # fmt: skip
 
 CLASSES = {
-    Switching.FIXED_LAW: "dies away however the slope switches, the regulator's law being fixed",
-    Switching.ANY_TIME: "dies away however slope and regulator rate switch",
-    Switching.EVERY_SAMPLE: "dies away however slope and regulator rate switch from one sample to the next",
+    Switching.FIXED_LAW: "decays however the slope switches, the regulator's law being fixed",
+    Switching.ANY_TIME: "decays however slope and regulator rate switch",
+    Switching.EVERY_SAMPLE: "decays however slope and regulator rate switch from one sample to the next",
 }
 
 
@@ -145,15 +145,15 @@ def class_words(c: LoopClass) -> str:
         behind = f" behind {c.samples} samples of dead time" if c.samples else ""
         return (
             f"the sampled loop{behind}, slope and regulator rate changed at will at every sample, "
-            "dies away while the command is not clipped"
+            "decays while the command is not clipped"
         )
     (low, high), (shallow, steep) = c.rates, c.slopes
     among = f"slope {shallow:.4g} to {steep:.4g} deg/kPa changing at any time"
     if c.switching is Switching.ANY_TIME:
-        return f"dies away for a regulator rate {low:.4g} to {high:.4g} 1/s and a {among}"
+        return f"decays for a regulator rate {low:.4g} to {high:.4g} 1/s and a {among}"
     law = "growing with q" if c.monotone else "without memory"
     return (
-        f"dies away for every fixed law k(q) q of the regulator, k from {low:.4g} to {high:.4g} 1/s and "
+        f"decays for every fixed law k(q) q of the regulator, k from {low:.4g} to {high:.4g} 1/s and "
         f"k(q) q - {low:.4g} q {law}, and {among}"
     )
 

@@ -3,8 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import fields
 
-from design.metrics import UNITS, Metrics
-from design.requirements import ROUNDING, Limits
+from design.evaluation.metrics import UNITS, Metrics
 from design.robustness.assess import Assessment
 from design.robustness.box import Box
 from design.robustness.certificates.constant.robust_stability import StableWhileConstant
@@ -13,6 +12,7 @@ from design.robustness.samples.monte_carlo import QUANTILES, Samples
 from design.robustness.statement import Statement
 from design.robustness.verdict import verdict
 from design.status import BY_PROOF, Status
+from design.synthesis.requirements import ROUNDING, Limits
 from reports.robustness.statements import (
     because,
     claim_words,
@@ -34,7 +34,7 @@ NO_LIMIT = "no limit"
 METRIC_WORDS = {
     "rise_time_s": "rise time", "settling_time_s": "settling time", "overshoot_percent": "overshoot",
     "steady_state_error_deg": "error at the end", "iae_deg_s": "IAE", "ise_deg2_s": "ISE",
-    "itae_deg_s2": "ITAE", "total_variation_V": "travel of the command",
+    "itae_deg_s2": "ITAE", "total_variation_V": "total variation of the command",
 }  # fmt: skip
 
 

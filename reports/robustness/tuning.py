@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from design.answer import refusal
-from design.requirements import LIMIT_UNITS
 from design.robustness.robust_tuning import RobustTuning
 from design.robustness.samples.worst import Worst
+from design.synthesis.answer import refusal
+from design.synthesis.requirements import LIMIT_UNITS
 from reports.shared.tuning import refused
 
 

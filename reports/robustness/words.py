@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 
-from design.requirements import LIMIT_UNITS
 from design.robustness.assess import Assessment
 from design.robustness.certificates.constant.robust_stability import StableWhileConstant
 from design.robustness.certificates.statements import LeavesVirginCurve, StaysInRange
 from design.robustness.samples.statements import LEVEL
+from design.synthesis.requirements import LIMIT_UNITS
 from reports.robustness.statements import because, claim_words, class_words
 from reports.robustness.tables import limit_words
 from reports.shared.tables import number, spaced
@@ -90,7 +90,7 @@ def proved(a: Assessment) -> str:
             else "though not with dead time on top"
         )
         words = (
-            "It is proved that, while the command is not clipped, what is left of a motion dies away at "
+            "It is proved that, while the command is not clipped, what is left of a motion decays at "
             f"{number(best.decay, 2)} 1/s or faster however the loop switches between the slopes of the "
             f"branches, {dead_time} ({best.rung})"
         )
@@ -269,7 +269,7 @@ def worst_caption(a: Assessment) -> str:
     return (
         "The worst scenario that was found, played by the exact simulator. See the last step, shaded, which "
         f"is judged: overshoot {number(m['overshoot_percent'], 2)} %, error at the end "
-        f"{number(m['steady_state_error_deg'], 2)} deg, travel of the command "
+        f"{number(m['steady_state_error_deg'], 2)} deg, total variation of the command "
         f"{number(m['total_variation_V'], 3)} V."
     )
 

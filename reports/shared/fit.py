@@ -1,4 +1,4 @@
-"""A fit as a figure, on recordings that took no part, and for machines."""
+"""A fit as a figure, on held-out recordings, and for machines."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from plants.measured.fit import Fit
 from plants.measured.free_run import FreeRun
-from plants.quantities import Fitted
+from plants.parameters.quantities import Fitted
 from reports.shared.style import BLACK, BLUE, DASHED, DOTTED, GREY, POINTS, VERMILLION, WIDTH, seen, styled
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ LOOP_SECONDS = 20.0
 
 
 def shown_run(fit: Fit) -> FreeRun:
-    """The recording to be drawn: of those that took no part in the fit, the one of the widest
+    """The recording to be drawn: of those held out, the one of the widest
     range; of all, where every recording took part."""
     runs = [r for r in fit.runs if r.role == "validate"] or list(fit.runs)
     best: FreeRun = max(runs, key=lambda r: float(np.ptp(_channel(r)[0])))
@@ -47,7 +47,7 @@ def draw_fit(fit: Fit) -> "Figure":
         rows = figure.add_gridspec(3 if loop else 2, 2, height_ratios=(3, 1.6, 3.2)[: 3 if loop else 2])
         signal = figure.add_subplot(rows[0, :])
         error = figure.add_subplot(rows[1, :], sharex=signal)
-        took = "took no part in the fit" if run.role == "validate" else "took part in the fit"
+        took = "held out" if run.role == "validate" else "took part in the fit"
         signal.set(title=f"{run.recording.name} ({took})", ylabel=label)
         signal.plot(time[every], measured[every], label="measured", **_MEASURED)
         signal.plot(time[every], before[every], label="before", **_BEFORE)

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from design.rules import PAPER_GAINS, baselines, paper_range
-from design.tuning import Tuning
+from design.synthesis.tuning import Tuning
+from design.synthesis.tuning_rules import PAPER_GAINS, baselines, paper_range
 from reports.shared.names import COST_WORDS
 from reports.shared.style import BLACK, GREY, ORANGE, new_figure, styled
 

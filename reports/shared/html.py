@@ -9,7 +9,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from plants.quantities import ParameterSet
+from plants.parameters.quantities import ParameterSet
 from reports.shared.units import page_in_units
 
 DISTRIBUTION = "wrist-workbench"

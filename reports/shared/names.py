@@ -1,6 +1,6 @@
 """What pages call controllers, motions, channels, limits and costs."""
 
-from design.compare import PAPER, TUNED
+from design.comparison.compare import PAPER, TUNED
 
 WINDOW = 10.0
 """How long a task is watched [s]; what has not settled by then counts as infinite."""
@@ -16,7 +16,7 @@ LIMITS = {
     "overshoot_percent": ("Overshoot", "at most", "of the step, on every task"),
     "Ms": ("Ms", "at most", "peak of the sensitivity on every branch of the loop, at both regulator rates"),
     "delay_margin_s": ("Delay margin", "at least", "dead time that may come on top before the loop swings"),
-    "total_variation_V": ("Travel of the command", "at most", "up and down added up, in one step"),
+    "total_variation_V": ("Total variation of the command", "at most", "up and down added up, in one step"),
     "steady_error_percent": ("Steady error", "at most", f"of the step, what is left after {WINDOW:g} s"),
 }
 """Each limit's name for people, which side is allowed, and its meaning."""

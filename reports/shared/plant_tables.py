@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from plants.measured.fit import Fit
-from plants.quantities import Assumed, Fitted, ParameterSet, Stated
+from plants.parameters.quantities import Assumed, Fitted, ParameterSet, Stated
 from reports.shared.names import CHANNELS
 from reports.shared.tables import Cell, Column, Group, Table, number, row, with_error
 

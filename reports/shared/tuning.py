@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from design.answer import UNITS, Answer, OutOfReach, Refusal
-from design.requirements import COSTS, LIMIT_UNITS
+from design.synthesis.answer import UNITS, Answer, OutOfReach, Refusal
+from design.synthesis.requirements import COSTS, LIMIT_UNITS
 
 
 def refused(no: Refusal) -> str:

@@ -1,10 +1,10 @@
 """What a trace's page says around its figures and tables."""
 
-from design.metrics import SETTLING_BAND
-from design.retune import Control
-from design.tasks import STEP
-from plants.measured.trace.choose import SHARE, TRIFLE, WORTH
-from plants.measured.trace.stage import BLOCK
+from design.evaluation.metrics import SETTLING_BAND
+from design.evaluation.scenarios import STEP
+from design.synthesis.retune import Control
+from plants.measured.trace.search.choose import SHARE, TRIFLE, WORTH
+from plants.measured.trace.stages.stage import BLOCK
 from plants.measured.trace.trace import StageTrace, Trace
 from reports.shared.names import CHANNELS
 from reports.shared.tables import listed, number
@@ -21,7 +21,7 @@ TITLES = {
 REVISED = "the revised wrist"
 
 ERRORS = (
-    "Errors of free runs on the recordings that took no part, their intervals at 95 % as bars. See how far "
+    "Errors of free runs on the held-out recordings, their intervals at 95 % as bars. See how far "
     "the model still is from the dashed line, the noise of the sensors: nothing can be nearer than that."
 )
 RANKING = (
@@ -83,7 +83,7 @@ def after_words(trace: Trace) -> str:
 def series(trace: Trace, channel: str) -> str:
     """What a figure over time shows."""
     run, word = shown_run(trace, channel), CHANNELS[channel][0].lower()
-    part = "took no part in fitting or choosing" if run.role == "validate" else "took part in the fit"
+    part = "held out" if run.role == "validate" else "took part in the fit"
     return (
         f"The {word} of {run.recording.name}, which {part}: measured, and simulated from the command alone. "
         "See beneath whether what a model leaves, measured minus simulated, stays within the grey band, "

@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from design.metrics import SETTLING_BAND
-from design.retune import Control
-from design.tasks import STEP
+from design.evaluation.metrics import SETTLING_BAND
+from design.evaluation.scenarios import STEP
+from design.synthesis.retune import Control
 from plants.measured.free_run import FreeRun
 from plants.measured.problem import measured
 from plants.measured.trace.trace import Trace
@@ -77,7 +77,7 @@ def _errors(axes: "Axes", trace: Trace, channel: str) -> None:
 
 
 def shown_run(trace: Trace, channel: str) -> FreeRun:
-    """The recording to be drawn: of those that took no part, the one whose channel moves furthest."""
+    """The recording to be drawn: of those held out, the one whose channel moves furthest."""
     runs = [r for r in trace.runs if measured(r.recording, channel) is not None]
     apart = [r for r in runs if r.role == "validate"] or runs
     return max(apart, key=lambda r: float(np.ptp(_truth(r, channel))))
@@ -106,7 +106,7 @@ def draw_series(trace: Trace, channel: str) -> "Figure":
         figure, (signal, large, small) = new_figure(
             3, 1, height=6.2, sharex=True, height_ratios=(3, 1.5, 1.5)
         )
-        took = "took no part" if run.role == "validate" else "took part"
+        took = "held out" if run.role == "validate" else "took part"
         signal.set(title=f"{run.recording.name} ({took})", ylabel=f"{words} [{unit}]")
         signal.plot(time[every], truth[every], **MEASURED)
         signal.plot(time[every], before[every], **BEFORE)

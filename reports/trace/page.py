@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from design.retune import Control
+from design.synthesis.retune import Control
 from plants.effects import EFFECTS
 from plants.measured.trace.trace import StageTrace, Trace
 from reports.shared.html import Made, Shown, markup, render
@@ -26,7 +26,7 @@ def write_trace(folder: str | Path, trace: Trace, made: Made, control: Control |
     """Write trace.html, trace.json, revised.toml and the figures as PNG into a folder, each complete or
     not at all.  Returns the path of the page; raises InputError where it cannot be written."""
     from plants.files import json_text, write_atomically
-    from plants.quantities import dump
+    from plants.parameters.quantities import dump
 
     folder = Path(folder)
     drawn = draw_all(trace, control)

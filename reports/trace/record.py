@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
-from design.answer import UNITS as GAIN_UNITS
-from design.retune import Control, RetunedSide
-from design.tasks import STEP
+from design.evaluation.scenarios import STEP
+from design.synthesis.answer import UNITS as GAIN_UNITS
+from design.synthesis.retune import Control, RetunedSide
 from plants.measured.trace.trace import Named, StageTrace, Trace
 from reports.shared.tuning import refused
 from reports.trace.words import NO_LOOP, UNITS, describe

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.residual.curves import BinnedCurve
-from plants.measured.residual.remainder import Remainder
+from plants.measured.residual.series.remainder import Remainder
 from plants.measured.trace.trace import StageTrace, remainders
 from reports.shared.names import CHANNELS
 from reports.shared.style import BLACK, BLUE, DASHED, GREY, PALE, VERMILLION, new_figure, styled

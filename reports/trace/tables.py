@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping
 
-from design.retune import Control, JudgedStep, RetunedSide
+from design.synthesis.retune import Control, JudgedStep, RetunedSide
 from plants.measured.free_run import FreeRun
 from plants.measured.problem import measured
 from plants.measured.residual.examine import Examination, Finding
-from plants.measured.trace.choose import Candidate, SearchRound
+from plants.measured.trace.search.choose import Candidate, SearchRound
 from plants.measured.trace.trace import Trace
-from plants.quantities import Assumed, Fitted, Provenance
+from plants.parameters.quantities import Assumed, Fitted, Provenance
 from reports.shared.names import CHANNELS
 from reports.shared.plant_tables import provenance
 from reports.shared.tables import Cell, Column, Group, Table, fixed, number, row, with_error
@@ -31,7 +31,7 @@ SEEN = {
 
 
 def error_table(trace: Trace) -> Table:
-    """Errors on the recordings that took no part, before and after, with their intervals, and the noise."""
+    """Errors on the held-out recordings, before and after, with their intervals, and the noise."""
     rows = []
     for channel, (words, unit) in CHANNELS.items():
         before, after, noise = (x.get(channel) for x in (trace.before, trace.after, trace.noise))

@@ -3,11 +3,11 @@
 from collections.abc import Iterable, Sequence
 from math import isfinite
 
-from design.answer import UNITS as GAIN_UNITS
-from design.retune import Control, RetunedSide
+from design.synthesis.answer import UNITS as GAIN_UNITS
+from design.synthesis.retune import Control, RetunedSide
 from plants.effects import EFFECTS
 from plants.measured.residual.examine import Examination
-from plants.measured.trace.learnt import Learnt
+from plants.measured.trace.search.learnt import Learnt
 from plants.measured.trace.trace import Named, StageTrace, Trace
 from reports.shared.names import limit_name
 from reports.shared.tables import fixed, listed, number
@@ -101,7 +101,7 @@ def _nothing(trace: Trace) -> str:
     noise = _and(_amount(trace.noise[c], c) for c in logged)
     slow = [_channel(c) for c in logged if (trace.before[c] or 0.0) > SLOW * (trace.noise[c] or 0.0)]
     said = (
-        f"Nothing is missing: on the recordings that took no part the declared wrist is off by {left}, "
+        f"Nothing is missing: on the held-out recordings the declared wrist is off by {left}, "
         f"and the noise is {noise}"
     )
     if slow:
@@ -127,7 +127,7 @@ def _still(trace: Trace, channel: str, first: bool) -> str:
     if after is None:
         return ""
     times = f" ({number(after / noise, 2)} times the noise)" if noise else ""
-    where = "on the recordings that took no part " if first else ""
+    where = "on the held-out recordings " if first else ""
     still = "is still" if trace.effects else "is"
     return f"the {_channel(channel)} error {where}{still} {_amount(after, channel)}{times}"
 
@@ -137,7 +137,7 @@ def _falls(trace: Trace) -> str:
     stages = {e.stage for e in trace.effects}
     channels = [c for c in _logged(trace) if c == "angle_deg" or "regulator" in stages]
     said = [
-        f"the {_channel(c)} error {'on the recordings that took no part ' if i == 0 else ''}"
+        f"the {_channel(c)} error {'on the held-out recordings ' if i == 0 else ''}"
         f"falls from {number(trace.before[c])} to {_amount(trace.after[c], c)}"
         for i, c in enumerate(channels)
     ]

@@ -3,8 +3,8 @@
 import pytest
 
 from design.export.catalogue import CATALOGUE
-from design.requirements import COSTS
-from plants.quantities import built_in
+from design.synthesis.requirements import COSTS
+from plants.parameters.quantities import built_in
 from plants.wrist import STARTS
 from reports.paper.figures import FIGURES
 from tests.cli.terminal import piped

@@ -10,13 +10,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from design.compare import on_tasks
-from design.compare_tasks import played_on_tasks
+from design.comparison.compare import on_tasks
+from design.comparison.on_tasks import played_on_tasks
 from design.controllers.pi import PI
 from design.limit import ratios
 from plants import Wrist, built_in
 from plants.errors import InputError
-from plants.quantities import Assumed, dump, load
+from plants.parameters.quantities import Assumed, dump, load
 from plants.rig import Rig, StepTask, Uncertainty, Units
 
 BENDER = Rig(

@@ -6,7 +6,7 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from design.cli.screen import Sheet
+from design.cli.terminal.screen import Sheet
 
 HEADINGS = ("controller", "Kp", "settle\n/bound", "what it says", "IAE\ndeg s")
 ROWS = (

@@ -32,7 +32,8 @@ def test_ctrl_c_at_work(tmp_path, arguments, sign):
 
 STUBBORN = """
 import sys, threading, time
-from design.cli import errors, stopping
+from design.cli import errors
+from design.cli.terminal import stopping
 
 def swallows():
     while True:
@@ -77,7 +78,7 @@ def test_ctrl_c_that_comes_out_of_an_import_as_another_error_is_still_ctrl_c(wri
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("plants.quantities.built_in", interrupted)
+    monkeypatch.setattr("plants.parameters.quantities.built_in", interrupted)
     outcome = wrist("show")
     assert (outcome.code, outcome.out, outcome.err) == (130, "", "wrist: stopped\n")
 

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-import design.retune
+import design.synthesis.retune
 from design.cli import main
 from design.cli.places import check_places
-from design.requirements import default_problem
-from design.tuning import Region, tune
+from design.synthesis.requirements import default_problem
+from design.synthesis.tuning import Region, tune
 from plants import InputError
-from plants.quantities import load
+from plants.parameters.quantities import load
 from plants.simulation.open_loop import open_loop
 from plants.wrist import Wrist
 from tests.rig.campaign import make_campaign
@@ -55,8 +55,8 @@ def answered(late, tmp_path_factory):
     """Everything at once: folder of what was written, the JSON, and what people read."""
     place = tmp_path_factory.mktemp("out")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(design.retune, "tune", quick_tune)
-        patch.setattr(design.retune, "default_problem", quick_problem)
+        patch.setattr(design.synthesis.retune, "tune", quick_tune)
+        patch.setattr(design.synthesis.retune, "default_problem", quick_problem)
         code, out, err = run(
             "trace", late, "--json", "-", "--save", place / "deep" / "plant.toml", "--out", place / "page",
             "--retune",

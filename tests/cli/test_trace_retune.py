@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.loop import run
-from design.requirements import Limits
-from design.retune import RetunedResponse, judged, retune, simulated
-from design.tuning import Region
+from design.evaluation.steps import run
+from design.synthesis.requirements import Limits
+from design.synthesis.retune import RetunedResponse, judged, retune, simulated
+from design.synthesis.tuning import Region
 from plants import Wrist, built_in
 from plants.effects import DeadTime, Drift, HardStop
 from plants.files import json_text

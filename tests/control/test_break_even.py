@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from design.break_even import GRIDS, break_even, crossing
+from design.comparison.break_even import GRIDS, break_even, crossing
 from design.controllers.controller import Measured
 from design.controllers.feedforward import Feedforward, FeedforwardPI
 from design.controllers.pi import PI
-from design.loop import run
-from design.tasks import corner
-from plants.effects.dead_time import DeadTime
+from design.evaluation.scenarios import corner
+from design.evaluation.steps import run
+from plants.effects.regulator.dead_time import DeadTime
 from plants.errors import InputError
 from plants.wrist import STARTS, Wrist
 from reports.comparison.break_even_figure import HIGHEST, break_even_figure

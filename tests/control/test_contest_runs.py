@@ -13,15 +13,15 @@ from design.contest.run import METRICS, run
 from design.contest.scores import lanes_for
 from design.controllers.pi import PI
 from design.controllers.pi import step as pi_step
+from design.evaluation.steps import run as plain_run
 from design.evaluation.tasks import lasts, side_by_side, stairs
-from design.loop import run as plain_run
 from design.robustness.samples.conditions import Conditions
 from plants import InputError, Wrist
 from plants import wrist as plant
 from plants.effects import Creep
-from plants.effects.cross_coupling import Coupling
 from plants.effects.effect import Around
-from plants.effects.load_step import LoadStep
+from plants.effects.wrist.cross_coupling import Coupling
+from plants.effects.wrist.load_step import LoadStep
 
 WRIST = Wrist.flexion()
 RIG = WRIST.rig

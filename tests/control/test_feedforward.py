@@ -8,11 +8,11 @@ from design.controllers.feedforward import Feedforward, FeedforwardPI
 from design.controllers.pi import PI
 from design.controllers.reference_model import no_inverse, reachable, within_reach
 from design.evaluation.runner import step_from
-from design.loop import run
+from design.evaluation.steps import run
 from plants import one_page
-from plants.effects.creep import Creep
-from plants.effects.dead_time import DeadTime
-from plants.effects.load_step import LoadStep
+from plants.effects.regulator.dead_time import DeadTime
+from plants.effects.wrist.creep import Creep
+from plants.effects.wrist.load_step import LoadStep
 from plants.errors import InputError, InputWarning
 from plants.kernel import pytrees as tree
 from plants.simulation.closed_loop import OutsideSignals, step

@@ -5,10 +5,10 @@ import pytest
 
 from design.alternatives.feedforward_design import design_feedforward, judge
 from design.controllers.feedforward import FeedforwardPI
-from design.loop import run
+from design.evaluation.steps import run
 from design.margins import by_python_control
-from design.requirements import Limits, default_problem, evaluate
-from plants.effects.creep import Creep
+from design.synthesis.requirements import Limits, default_problem, evaluate
+from plants.effects.wrist.creep import Creep
 from plants.errors import InputError
 from plants.wrist import Wrist
 

@@ -6,10 +6,11 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from plants import inverse, one_page, regulator
+from plants import one_page
+from plants.actuator import inverse, regulator
+from plants.actuator.regulator import Regulator
 from plants.hysteresis import FourSegment, Memory
 from plants.kernel.graphs import jacobians
-from plants.regulator import Regulator
 from plants.wrist import Wrist
 
 LOW, HIGH = 0.0, 197.6

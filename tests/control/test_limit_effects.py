@@ -3,20 +3,20 @@
 import numpy as np
 import pytest
 
+from design.evaluation.scenarios import Scenario
 from design.limit import bound, limit
-from design.tasks import Scenario
 from plants import Wrist
 from plants import wrist as plant
-from plants.effects.creep import Creep
-from plants.effects.dead_time import DeadTime
 from plants.effects.effect import Around
-from plants.effects.end_stop import HardStop
-from plants.effects.fill_exhaust import TwoRates
-from plants.effects.inertia import Inertia
-from plants.effects.rate_dependence import Viscous
-from plants.effects.regulator_deadband import Latch, ValveOverlap
-from plants.effects.softening import SofteningByWork
-from plants.effects.supply_droop import CappedPressure
+from plants.effects.regulator.dead_time import DeadTime
+from plants.effects.regulator.fill_exhaust import TwoRates
+from plants.effects.regulator.regulator_deadband import Latch, ValveOverlap
+from plants.effects.regulator.supply_droop import CappedPressure
+from plants.effects.wrist.creep import Creep
+from plants.effects.wrist.end_stop import HardStop
+from plants.effects.wrist.inertia import Inertia
+from plants.effects.wrist.rate_dependence import Viscous
+from plants.effects.wrist.softening import SofteningByWork
 from plants.errors import InputError
 
 

@@ -5,11 +5,11 @@ import pytest
 from scipy.optimize import fsolve
 
 from design.controllers.pi import PI
+from design.evaluation.scenarios import Scenario
+from design.evaluation.steps import run
 from design.limit import bound, limit, limits_of, optimal, ratios, replay
-from design.loop import run
-from design.tasks import Scenario
 from plants import Wrist
-from plants.effects.dead_time import DeadTime
+from plants.effects.regulator.dead_time import DeadTime
 from tests.control.limit_plant import iae, lanes, of_state, settled_at
 
 

@@ -10,7 +10,7 @@ from design.mpc.linear import linear_mpc
 from design.mpc.loop import run
 from design.mpc.problem import MPCProblem, MPCWeights, Observer
 from plants import Wrist
-from plants.effects.dead_time import DeadTime
+from plants.effects.regulator.dead_time import DeadTime
 from plants.errors import InputError
 
 WRIST = Wrist.flexion()

@@ -1,18 +1,18 @@
-"""The loop around an MPC is the plant of `design.loop`, sample by sample: same judge, same dead time."""
+"""The loop around an MPC is the plant of `design.evaluation.steps`, sample by sample: judge, dead time."""
 
 import numpy as np
 import pytest
 
 from design.controllers.controller import Measured
 from design.controllers.pi import PI
-from design.loop import run as run_pi
+from design.evaluation.steps import run as run_pi
 from design.mpc.fallback import Info, MPCState
 from design.mpc.loop import run
 from design.mpc.problem import MPCProblem
 from design.mpc.real_time import real_time_mpc
 from plants import Wrist
-from plants.effects.dead_time import DeadTime, TubeDeadTime
-from plants.effects.load_step import LoadStep
+from plants.effects.regulator.dead_time import DeadTime, TubeDeadTime
+from plants.effects.wrist.load_step import LoadStep
 from plants.simulation.sensor import HOLD, sensor
 
 GAINS = PI(1.5, 4.0)

@@ -7,7 +7,7 @@ from design.mpc.loop import run
 from design.mpc.problem import nominal, robust
 from design.mpc.real_time import real_time_mpc
 from plants import Wrist
-from plants.effects.load_step import LoadStep
+from plants.effects.wrist.load_step import LoadStep
 
 WRISTS = {
     "load": lambda w: w + LoadStep(2.0, 1.5),

@@ -4,14 +4,14 @@ stays stable, and settles, with 60 ms of dead time that its model lacks."""
 import numpy as np
 import pytest
 
-from design.compare_tasks import played_on_tasks
+from design.comparison.on_tasks import played_on_tasks
 from design.evaluation.tasks import returns
 from design.limit import ratios
 from design.mpc.loop import run
 from design.mpc.problem import nominal, robust
 from design.mpc.real_time import real_time_mpc
 from plants import Wrist
-from plants.effects.dead_time import DeadTime
+from plants.effects.regulator.dead_time import DeadTime
 from plants.rig import built_in_rig
 from plants.simulation.periodic import prompt
 from plants.wrist import STARTS

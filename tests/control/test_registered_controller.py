@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from design.compare import controllers, on_tasks
+from design.comparison.compare import controllers, on_tasks
 from design.controllers import register
 from design.controllers.controller import Measured, remembers
 from design.controllers.feedforward import FeedforwardPI

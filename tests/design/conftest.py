@@ -4,9 +4,9 @@ from functools import cache
 
 import pytest
 
-from design.requirements import Limits, Problem
-from design.tasks import Scenario
-from design.tuning import Region, Tuning, tune
+from design.evaluation.scenarios import Scenario
+from design.synthesis.requirements import Limits, Problem
+from design.synthesis.tuning import Region, Tuning, tune
 from plants import Wrist
 
 REGION = Region(Kp=(0.5, 40.0), Ki=(1.0, 200.0), points=9)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from design.alternatives.designs import CONVEX, FORWARD_PI, LQI_NAME, design_others, design_record
-from design.compare import (
+from design.comparison.compare import (
     FORWARD,
     METRICS,
     PAPER,
@@ -22,14 +22,14 @@ from design.compare import (
 )
 from design.controllers.controller import settings_of
 from design.controllers.pi import PI
-from design.loop import run
+from design.evaluation.metrics import Metrics
+from design.evaluation.steps import run
 from design.margins import by_python_control
-from design.metrics import Metrics
 from design.mpc import loop
 from design.mpc.linear import linear_mpc
 from design.mpc.problem import MPCProblem as Problem_of_MPC
-from design.requirements import Limits, Problem
-from design.rules import baselines, paper_range
+from design.synthesis.requirements import Limits, Problem
+from design.synthesis.tuning_rules import baselines, paper_range
 from plants import Wrist
 from plants.effects import Creep
 

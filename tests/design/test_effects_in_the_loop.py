@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.loop import run
+from design.evaluation.steps import run
 from plants.effects import (
     CompliantStop,
     DraggedInertia,
@@ -17,8 +17,8 @@ from plants.effects import (
     Saturation,
     Warming,
 )
-from plants.effects.inertia import NULL
-from plants.rest import at_pressure, obstacle
+from plants.effects.wrist.inertia import NULL
+from plants.equilibrium import at_pressure, obstacle
 from plants.wrist import Wrist
 from tests.design.effect_samples import FORMS, IDS, WRIST, present
 

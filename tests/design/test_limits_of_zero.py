@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from design.requirements import Limits, Problem, evaluate
-from design.tasks import Scenario
-from design.tuning import Region, tune
+from design.evaluation.scenarios import Scenario
+from design.synthesis.requirements import Limits, Problem, evaluate
+from design.synthesis.tuning import Region, tune
 from plants import Wrist
 
 

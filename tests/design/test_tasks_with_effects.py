@@ -3,11 +3,18 @@
 import numpy as np
 import pytest
 
-from design.answer import OutOfReach, refusal
-from design.requirements import Limits, Problem, default_problem, out_of_range, rollouts
-from design.rules import baselines, reaction_curve, simc
-from design.tasks import Scenario, hindrance, stack, tuning_scenarios, unreachable, within_reach
-from design.tuning import Region, tune
+from design.evaluation.scenarios import (
+    Scenario,
+    hindrance,
+    stack,
+    tuning_scenarios,
+    unreachable,
+    within_reach,
+)
+from design.synthesis.answer import OutOfReach, refusal
+from design.synthesis.requirements import Limits, Problem, default_problem, out_of_range, rollouts
+from design.synthesis.tuning import Region, tune
+from design.synthesis.tuning_rules import baselines, reaction_curve, simc
 from plants.effects import (
     CappedPressure,
     Creep,

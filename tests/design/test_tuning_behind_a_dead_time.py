@@ -5,12 +5,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from design.answer import refusal
 from design.controllers.pi import PI
-from design.loop import run
-from design.requirements import Problem, evaluate
-from design.tasks import Scenario
-from design.tuning import Region, Tuning, tune
+from design.evaluation.scenarios import Scenario
+from design.evaluation.steps import run
+from design.synthesis.answer import refusal
+from design.synthesis.requirements import Problem, evaluate
+from design.synthesis.tuning import Region, Tuning, tune
 from plants.effects import DeadTime
 from tests.design.effect_samples import WRIST
 

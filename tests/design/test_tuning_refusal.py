@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from design.requirements import Limits, Problem, evaluate, out_of_range
-from design.tasks import Scenario
+from design.evaluation.scenarios import Scenario
+from design.synthesis.requirements import Limits, Problem, evaluate, out_of_range
 from plants import Wrist
-from plants.linear import RATES, branch_slopes
+from plants.linearisation import RATES, branch_slopes
 
 BRANCHES = tuple(branch_slopes(Wrist.flexion()))
 

@@ -5,10 +5,10 @@ import pytest
 from scipy.optimize import differential_evolution
 
 from design.controllers.pi import PI
-from design.loop import run
+from design.evaluation.steps import run
 from design.margins import by_python_control
-from design.requirements import COSTS, Limits, evaluate
-from design.tuning import ACTIVE, merit, tune
+from design.synthesis.requirements import COSTS, Limits, evaluate
+from design.synthesis.tuning import ACTIVE, merit, tune
 from plants import Wrist
 
 AXES = ["flexion", "deviation"]

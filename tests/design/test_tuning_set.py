@@ -5,10 +5,9 @@ from itertools import product
 import numpy as np
 import pytest
 
-from design.compare import on_tasks, task_scenarios
+from design.comparison.compare import on_tasks, task_scenarios
 from design.controllers.pi import PI
-from design.requirements import Problem, rollouts
-from design.tasks import (
+from design.evaluation.scenarios import (
     HEADROOM,
     STEP,
     Scenario,
@@ -19,6 +18,7 @@ from design.tasks import (
     unreachable,
     within_reach,
 )
+from design.synthesis.requirements import Problem, rollouts
 from plants import Wrist
 from plants.kernel import pytrees as tree
 from plants.wrist import STARTS

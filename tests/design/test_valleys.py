@@ -5,7 +5,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from design.tuning import valleys
+from design.synthesis.tuning import valleys
 
 maps = arrays(float, array_shapes(min_dims=2, max_dims=2, min_side=2, max_side=9),
               elements=st.integers(0, 50).map(float))  # fmt: skip

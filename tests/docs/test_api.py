@@ -108,7 +108,7 @@ def without_unit(told: Told) -> bool:
 
 def test_there_are_names_to_look_at():
     assert len(EVERY) > 1000
-    assert {"plants.wrist.Wrist.simulate", "design.tuning.tune"} <= {t.name for t in EVERY}
+    assert {"plants.wrist.Wrist.simulate", "design.synthesis.tuning.tune"} <= {t.name for t in EVERY}
 
 
 def test_every_public_name_is_told_of():
@@ -153,5 +153,5 @@ def test_pages_are_made_without_a_warning(tmp_path):
     assert "valve(s, pressure, error, around)" in page  # the table of the ports, as it stands
     assert "What an effect is" in page
     assert "Alias for field number" not in page
-    assert (tmp_path / "plants/effects/creep.html").is_file()
+    assert (tmp_path / "plants/effects/wrist/creep.html").is_file()
     assert (tmp_path / "index.html").is_file()

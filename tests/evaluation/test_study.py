@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 from design import Question, Study
-from design.answer import LimitBroken, answer, refusal
 from design.studies import study as module
 from design.studies.paper import SERIES, redrawn
+from design.synthesis.answer import LimitBroken, answer, refusal
 from plants import InputError, Wrist, built_in
 from plants.effects import DeadTime
 from tests.reports.report_samples import small_study

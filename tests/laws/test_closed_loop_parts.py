@@ -8,12 +8,12 @@ import pytest
 
 from design.controllers.pi import PI
 from design.evaluation.runner import play, step_from
-from design.loop import run
+from design.evaluation.steps import run
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.draws import SamplingTask, noise
 from plants import Wrist
-from plants.effects.dead_time import DeadTime
-from plants.effects.gyro_drift import Drift
+from plants.effects.regulator.dead_time import DeadTime
+from plants.effects.sensor.gyro_drift import Drift
 from plants.kernel import pytrees as tree
 from plants.kernel.batches import run_lanes
 from plants.kernel.templates import emit
@@ -118,7 +118,7 @@ def test_noise_in_the_kernel_has_its_standard_deviation_and_its_hold_time():
     """Kp alone on a wrist whose command does not clip: command = (100 + Kp (r - seen)) / gain, so that
     the command, the true angle taken off, shows the noise itself."""
     from design.robustness.box import box_of
-    from plants.quantities import built_in
+    from plants.parameters.quantities import built_in
 
     size, Kp, lanes = 0.2, 2.0, 64
     task = SamplingTask(box_of(built_in("flexion")), CONTROLLER, Conditions(0, 0, size, 0), 5, 15.0, 10.0)

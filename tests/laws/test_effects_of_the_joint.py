@@ -23,8 +23,8 @@ from plants.effects import (
     SpringStop,
     TwoTimeCreep,
 )
-from plants.effects.creep import LOG_RATIO
 from plants.effects.effect import Around, Nothing
+from plants.effects.wrist.creep import LOG_RATIO
 from tests.laws.effect_steps import DT, WRIST, moved, ramp
 
 

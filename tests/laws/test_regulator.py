@@ -6,7 +6,8 @@ from hypothesis import given
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from plants import Regulator, Wrist, regulator
+from plants import Regulator, Wrist
+from plants.actuator import regulator
 from tests.laws.law_strategies import between, regulators
 
 DECLARED = Wrist.flexion().regulator

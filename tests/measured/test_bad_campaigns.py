@@ -55,8 +55,7 @@ def test_a_file_in_place_of_a_folder(campaign):
         (
             'fit = ["steps.csv"]\nvalidate = ["sine.csv"]',
             'fit = ["steps.csv", "sine.csv"]\nvalidate = []',
-            "validate is empty; list at least one recording: "
-            "the error is reported on recordings that took no part in the fit",
+            "validate is empty; list at least one recording: the error is reported on held-out recordings",
         ),
         (
             'fit = ["steps.csv"]\nvalidate = ["sine.csv"]',

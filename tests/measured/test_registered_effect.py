@@ -8,16 +8,16 @@ import pytest
 
 from plants import Wrist, built_in, effects, load
 from plants.effects import EFFECTS, register
-from plants.effects.creep import Creep
 from plants.effects.effect import Around, Effect, Nothing, Number, parameter
+from plants.effects.wrist.creep import Creep
 from plants.errors import InputError
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
-from plants.measured.trace.model import Model
-from plants.measured.trace.screening import screen
-from plants.measured.trace.stage import Stage
-from plants.parameter_files import write
-from plants.quantities import loop_names
+from plants.measured.trace.search.screening import screen
+from plants.measured.trace.stages.model import Model
+from plants.measured.trace.stages.stage import Stage
+from plants.parameters.files import write
+from plants.parameters.quantities import loop_names
 
 
 class SampledRunOut(NamedTuple):

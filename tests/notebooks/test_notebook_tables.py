@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from design import PI
-from design.requirements import default_problem, evaluate
 from design.robustness.certificates.sampled.growth import growth_of
 from design.robustness.certificates.sampled.sampled_loop import vertices, word_of
 from design.robustness.loop_model import LoopModel
-from design.rules import baselines
+from design.synthesis.requirements import default_problem, evaluate
+from design.synthesis.tuning_rules import baselines
 from plants import Wrist
 from plants.wrist import SAMPLE_TIME
 from reports.notebooks.figures import word_growth

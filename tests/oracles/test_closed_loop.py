@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.loop import holding, run
+from design.evaluation.steps import holding, run
 from plants import Wrist
 from tests.oracles.plain_loop import Plant, closed_loop
 

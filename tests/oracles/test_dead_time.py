@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
+from design.evaluation.scenarios import Scenario
 from design.margins import branch_responses, margins
-from design.requirements import NOMINAL, Limits, Problem
-from design.tasks import Scenario
-from design.tuning import Region, tune
+from design.synthesis.requirements import NOMINAL, Limits, Problem
+from design.synthesis.tuning import Region, tune
 from plants import Wrist
 from tests.oracles.plain_loop import Plant, closed_loop
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.loop import run
+from design.evaluation.steps import run
 from plants import Wrist
 from plants.effects import DeadTime
 from plants.kernel import pytrees as tree

@@ -31,8 +31,8 @@ from plants.effects import (
     TwoTimeCreep,
     Viscous,
 )
-from plants.linear import RATES, branch_slope, branch_slopes, branch_ss, nlsys, responses
-from plants.rest import at_pressure
+from plants.equilibrium import at_pressure
+from plants.linearisation import RATES, branch_slope, branch_slopes, branch_ss, nlsys, responses
 
 BRANCHES = tuple(branch_slopes(Wrist.flexion()))
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.loop import run
+from design.evaluation.steps import run
 from design.margins import loop_tf
 from plants import Wrist
 

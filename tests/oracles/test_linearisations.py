@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from plants import Regulator, Wrist, wrist
-from plants.linear import RATES, branch_slopes, branch_ss
+from plants.linearisation import RATES, branch_slopes, branch_ss
 
 BRANCHES = tuple(branch_slopes(Wrist.flexion()))
 

@@ -10,7 +10,7 @@ import pytest
 from design.controllers.pi import PI
 from design.margins import branch_responses, by_python_control, loop_tf, margins
 from plants import Wrist
-from plants.linear import RATES, branch_slopes
+from plants.linearisation import RATES, branch_slopes
 
 BRANCHES = tuple(branch_slopes(Wrist.flexion()))
 

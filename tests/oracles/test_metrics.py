@@ -4,9 +4,9 @@ import control
 import numpy as np
 import pytest
 
-from design import metrics
 from design.controllers.pi import PI
-from design.loop import run
+from design.evaluation import metrics
+from design.evaluation.steps import run
 from plants import Wrist
 from plants.simulation.reference_profile import Asked
 

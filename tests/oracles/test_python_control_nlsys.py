@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from plants import Wrist
-from plants.linear import nlsys, wrist_x0
+from plants.linearisation import nlsys, wrist_x0
 
 
 @pytest.mark.parametrize("axis", ["flexion", "deviation"])

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from design.rules import (
+from design.synthesis.tuning_rules import (
     PAPER_FACTOR,
     PAPER_GAINS,
     Reaction,

@@ -8,15 +8,14 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from design.alternatives.designs import design_others
-from design.answer import answer
-from design.break_even import BreakEven, break_even
-from design.compare import compare
+from design.comparison.break_even import BreakEven, break_even
+from design.comparison.compare import compare
 from design.contest import Contest, contest
 from design.controllers.feedforward import Feedforward
 from design.controllers.pi import PI
+from design.evaluation.scenarios import Spread, tuning_scenarios
 from design.mpc.fallback import HELD, SOLVED, Info
 from design.mpc.timing import Ledger, ledger
-from design.requirements import Problem
 from design.robustness.assess import Assessment, assess
 from design.robustness.box import box_of
 from design.robustness.certificates.continuous.search import RUNGS
@@ -24,8 +23,9 @@ from design.robustness.gain_plane import gain_plane
 from design.studies.paper import redrawn
 from design.studies.robustness_study import RobustnessStudy, study_of
 from design.studies.study import Question, Study
-from design.tasks import Spread, tuning_scenarios
-from design.tuning import Region, tune
+from design.synthesis.answer import answer
+from design.synthesis.requirements import Problem
+from design.synthesis.tuning import Region, tune
 from plants import Wrist, built_in
 from plants.measured.campaign import Campaign, load_campaign
 from plants.measured.fit import Fit

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from plants.measured.recording import Recording
-from plants.measured.residual.remainder import Array, Remainder, variables
+from plants.measured.residual.series.remainder import Array, Remainder, variables
 
 DT = 0.01
 RNG = np.random.Generator

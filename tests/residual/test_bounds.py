@@ -7,17 +7,17 @@ import pytest
 from scipy.linalg import toeplitz
 from scipy.stats import chi2, norm
 
-from plants.measured.residual.background import background, first_order
-from plants.measured.residual.bins import bins_of, stretches
-from plants.measured.residual.conditional import sums_of, white_sums
-from plants.measured.residual.correlation import correlation
-from plants.measured.residual.design import design_of
-from plants.measured.residual.evidence import Evidence
+from plants.measured.residual.checks.conditional import sums_of, white_sums
+from plants.measured.residual.checks.correlation import correlation
+from plants.measured.residual.checks.evidence import Evidence
+from plants.measured.residual.checks.periodic import line_in, spectrum_of
+from plants.measured.residual.checks.whiteness import autocorrelation, ljung_box
 from plants.measured.residual.examine import examine
-from plants.measured.residual.joined import SILENCE, join
-from plants.measured.residual.periodic import line_in, spectrum_of
-from plants.measured.residual.remainder import Remainder
-from plants.measured.residual.whiteness import autocorrelation, ljung_box
+from plants.measured.residual.series.background import background, first_order
+from plants.measured.residual.series.bins import bins_of, stretches
+from plants.measured.residual.series.design import design_of
+from plants.measured.residual.series.joined import SILENCE, join
+from plants.measured.residual.series.remainder import Remainder
 from tests.residual.made import DT, coloured, noise, with_structure
 
 

@@ -8,7 +8,7 @@ import pytest
 from plants.measured.noise import noise_of
 from plants.measured.residual.battery import make_tests
 from plants.measured.residual.examine import examine
-from plants.measured.residual.joined import join
+from plants.measured.residual.series.joined import join
 from tests.residual.made import RUNS, VARIABLES, noise, with_structure
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from plants.measured.recording import Recording
-from plants.measured.residual.remainder import direction, remainder_of, variables
+from plants.measured.residual.series.remainder import direction, remainder_of, variables
 
 
 def test_direction_and_time_since_it_turned():

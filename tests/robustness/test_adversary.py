@@ -7,18 +7,18 @@ import pytest
 
 from design.controllers.lqi import LQI
 from design.controllers.pi import PI
+from design.evaluation.sequence import play
 from design.mpc.linear import linear_mpc
 from design.mpc.problem import MPCProblem
-from design.requirements import Limits
 from design.robustness.box import Box, Interval, box_of
 from design.robustness.samples.adversary import worst_case
 from design.robustness.samples.search_space import CALM, HOLD, Space, reference
 from design.robustness.samples.worst import excesses, scores
-from design.sequence import play
+from design.synthesis.requirements import Limits
 from plants import Wrist
-from plants.effects.end_stop import HardStop
+from plants.effects.wrist.end_stop import HardStop
 from plants.errors import InputError
-from plants.quantities import built_in
+from plants.parameters.quantities import built_in
 
 LIMITS = Limits()
 SHORT = 4.0

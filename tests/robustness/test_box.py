@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from design.evaluation.scenarios import Spread
 from design.robustness.box import SIGMAS, box_of
 from design.status import Status
-from design.tasks import Spread
 from plants import InputError
 from plants.hysteresis import with_values
-from plants.quantities import built_in
+from plants.parameters.quantities import built_in
 
 
 def fitted(**errors):

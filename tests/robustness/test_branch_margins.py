@@ -8,12 +8,12 @@ import pytest
 
 from design.controllers.pi import PI
 from design.margins import OpenLoopTransfer, _row, loop_tf
-from design.requirements import Limits
 from design.robustness.predictions.margins import branch_margins, statements, steepest_rate
 from design.status import Status
+from design.synthesis.requirements import Limits
 from plants import Wrist
 from plants.effects import DeadTime
-from plants.linear import RATES, branch_slopes
+from plants.linearisation import RATES, branch_slopes
 from reports.robustness.statements import claim_words
 
 BRANCHES = tuple(branch_slopes(Wrist.flexion()))

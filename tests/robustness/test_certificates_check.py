@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from design import convex
 from design.controllers.pi import PI
 from design.robustness.certificates.continuous import check, lmi, popov, quadratic
 from design.robustness.certificates.continuous.ladder import certifies, certify
 from design.robustness.certificates.continuous.search import search
 from design.robustness.certificates.reasons import NotConfirmed
 from design.robustness.loop_model import LoopModel
+from design.synthesis import convex
 from plants import Wrist
 from reports.robustness.statements import no_certificate
 

@@ -9,7 +9,7 @@ from design.robustness.certificates.continuous.search import search
 from design.robustness.certificates.continuous.signals import LoopSignals
 from design.robustness.loop_model import LoopModel
 from plants import Wrist
-from plants.effects.dead_time import DeadTime
+from plants.effects.regulator.dead_time import DeadTime
 
 TW = 0.16
 

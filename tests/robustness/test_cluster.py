@@ -14,15 +14,15 @@ import pytest
 
 from design.cluster import each
 from design.controllers.pi import PI
-from design.requirements import Limits, Problem
+from design.evaluation.scenarios import Scenario
 from design.robustness.box import box_of
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.draws import CHUNK
 from design.robustness.samples.monte_carlo import Samples, monte_carlo
-from design.tasks import Scenario
-from design.tuning import Region, tune
+from design.synthesis.requirements import Limits, Problem
+from design.synthesis.tuning import Region, tune
 from plants import InputError, Wrist
-from plants.quantities import built_in
+from plants.parameters.quantities import built_in
 
 # What distributed leaves to the garbage collector when a worker was killed is not ours to close.
 pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")

@@ -16,9 +16,9 @@ from design.alternatives.convex_concave import (
     largest_Ki,
 )
 from design.controllers.pi import PI
+from design.evaluation.scenarios import Scenario
 from design.margins import BranchResponse, branch_responses, margins
-from design.requirements import Limits, Problem, evaluate
-from design.tasks import Scenario
+from design.synthesis.requirements import Limits, Problem, evaluate
 from plants import Wrist
 
 SHAPES = {

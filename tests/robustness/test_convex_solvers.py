@@ -3,7 +3,7 @@
 import cvxpy as cp
 import pytest
 
-from design.convex import Unsolved, solve
+from design.synthesis.convex import Unsolved, solve
 
 
 def square():

@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from design import loop
 from design.controllers.pi import PI
+from design.evaluation import steps as loop
 from design.robustness.box import Box, Interval, box_of
 from design.robustness.samples.conditions import NONE, Conditions
 from design.robustness.samples.draws import CHUNK, SamplingTask, draw
 from design.robustness.samples.monte_carlo import monte_carlo, samples_record
-from plants.effects.creep import Creep
-from plants.effects.dead_time import DeadTime
-from plants.effects.end_stop import HardStop
+from plants.effects.regulator.dead_time import DeadTime
+from plants.effects.wrist.creep import Creep
+from plants.effects.wrist.end_stop import HardStop
 from plants.kernel import pytrees as tree
-from plants.quantities import built_in
+from plants.parameters.quantities import built_in
 
 FLEXION = built_in("flexion")
 TUNED = PI(5.0, 9.0)

@@ -10,9 +10,9 @@ from design.controllers.pi import PI
 from design.margins import loop_tf
 from design.robustness.loop_model import LoopModel
 from plants import Wrist
+from plants.actuator.regulator import Regulator
 from plants.effects import Creep, DeadTime
 from plants.one_page import wrist as one_page
-from plants.regulator import Regulator
 from plants.wrist import SAMPLE_TIME
 
 GAINS = [(1.2, 2.2), (3.13, 10.4), (9.0, 40.0)]

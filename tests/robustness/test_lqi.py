@@ -10,11 +10,11 @@ from design.alternatives.lqi_synthesis import LQIWeights, checked, plant, synthe
 from design.controllers.controller import Measured
 from design.controllers.lqi import LQI, step
 from design.controllers.pi import PI
+from design.evaluation.scenarios import Scenario
+from design.evaluation.steps import holding, run
 from design.input_loop import InputLoop, closed, worst_pole
-from design.loop import holding, run
 from design.margins import branch_responses
-from design.requirements import Limits, Problem
-from design.tasks import Scenario
+from design.synthesis.requirements import Limits, Problem
 from plants import Wrist
 from plants.effects import Creep, DeadTime
 from tests.oracles.plain_loop import Plant

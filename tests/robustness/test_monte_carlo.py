@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from design import loop
 from design.controllers.pi import PI
-from design.metrics import Metrics
-from design.requirements import Limits
+from design.evaluation import steps as loop
+from design.evaluation.metrics import Metrics
 from design.robustness.box import Box, Given, Interval, box_of
 from design.robustness.samples.conditions import NONE, Conditions
 from design.robustness.samples.draws import CHUNK, draw
@@ -23,8 +22,9 @@ from design.robustness.samples.monte_carlo import (
 )
 from design.robustness.samples.statements import statements
 from design.status import Status  # fmt: skip
+from design.synthesis.requirements import Limits
 from plants import InputError
-from plants.quantities import built_in
+from plants.parameters.quantities import built_in
 from plants.wrist import STARTS
 from reports.robustness.statements import because, statement_record
 

@@ -28,8 +28,8 @@ from design.robustness.loop_model import LoopModel
 from design.status import Status
 from plants.effects import DeadTime
 from plants.errors import InputError
-from plants.linear import RATES, branch_slopes
-from plants.quantities import built_in
+from plants.linearisation import RATES, branch_slopes
+from plants.parameters.quantities import built_in
 from plants.wrist import Wrist
 from reports.robustness.statements import because, claim_words
 

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.loop import run
+from design.evaluation.steps import run
 from design.robustness.certificates.continuous import popov, quadratic, region
 from design.robustness.certificates.continuous.ladder import certify
 from design.robustness.loop_model import LoopModel
 from plants import Wrist
-from plants.effects.dead_time import DeadTime
+from plants.effects.regulator.dead_time import DeadTime
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.05])

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.requirements import COSTS, Limits, Problem, controller, evaluate
+from design.evaluation.scenarios import Scenario
+from design.evaluation.sequence import Sequence, play
 from design.robustness.box import box_of
 from design.robustness.robust_tuning import SLACK, WORSE, tune_robustly
 from design.robustness.samples.adversary import worst_case
-from design.sequence import Sequence, play
-from design.tasks import Scenario
-from design.tuning import Region
+from design.synthesis.requirements import COSTS, Limits, Problem, controller, evaluate
+from design.synthesis.tuning import Region
 from plants import Wrist
 from plants.files import json_text
-from plants.quantities import built_in
+from plants.parameters.quantities import built_in
 from reports.robustness.tuning import lines, record
 from reports.shared.tuning import refused
 

@@ -7,15 +7,15 @@ import pytest
 
 from design.controllers.feedforward import Feedforward
 from design.controllers.pi import PI
+from design.evaluation.sequence import play
 from design.robustness.box import box_of
 from design.robustness.samples.adversary import worst_case
 from design.robustness.samples.scenario_file import load, save
-from design.sequence import play
 from plants import Wrist
-from plants.effects.creep import Creep
+from plants.effects.wrist.creep import Creep
 from plants.errors import InputError
-from plants.quantities import built_in
-from plants.quantities import load as load_plant
+from plants.parameters.quantities import built_in
+from plants.parameters.quantities import load as load_plant
 
 
 @pytest.fixture(scope="module")

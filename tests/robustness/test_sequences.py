@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.loop import run
-from design.metrics import Metrics
-from design.sequence import Sequence, batch, play, repeated, stack
-from design.tasks import STEP
+from design.evaluation.metrics import Metrics
+from design.evaluation.scenarios import STEP
+from design.evaluation.sequence import Sequence, batch, play, repeated, stack
+from design.evaluation.steps import run
 from plants import Wrist
-from plants.effects.creep import Creep
-from plants.effects.dead_time import DeadTime, TubeDeadTime
-from plants.effects.load_step import LoadStep
+from plants.effects.regulator.dead_time import DeadTime, TubeDeadTime
+from plants.effects.wrist.creep import Creep
+from plants.effects.wrist.load_step import LoadStep
 from plants.errors import InputError
 from plants.simulation.disturbance import BEFORE, burdened
 from plants.wrist import STARTS
@@ -47,7 +47,7 @@ def test_two_steps_are_two_runs_one_after_the_other():
     assert played.start[0] == middle.plant.angle[0]
     alike = [n for n in NAMES if n != "total_variation_V"]
     assert [getattr(played.metrics, n)[0] for n in alike] == [getattr(judged, n)[0] for n in alike]
-    # A run of the loop counts the travel of the command from what its integrator holds; here it goes
+    # A run of the loop counts the total variation of the command from what its integrator holds; here it goes
     # on from the last command.
     before, after = first.command[-2, 0], second.command[0, 0]
     held = (gains.rest_pressure + middle.controller.integral[0]) / gains.gain
@@ -108,7 +108,7 @@ def test_a_loaded_wrist_rests_until_it_is_asked_to_move(start):
 
 
 def test_the_closed_form_of_rest_is_the_general_one():
-    """Against `plants.rest`, which looks for the pressure by bisection where there are effects."""
+    """Against `plants.equilibrium`, which looks for the pressure by bisection where there are effects."""
     wrist, load = Wrist.deviation(), np.array([-2.0, 0.5])
     for start in ("line1", "line2", "inside"):
         b = batch(wrist, [start] * 2, 3.0, np.full((1, 2), 9.0), np.ones((1, 2)), np.full(2, 0.02), load)

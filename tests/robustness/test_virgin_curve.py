@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from design.controllers.pi import PI
-from design.loop import run
+from design.evaluation.steps import run
 from design.robustness.certificates.continuous.virgin import time_on_virgin_curve
 from plants import Wrist
 from plants import wrist as plant

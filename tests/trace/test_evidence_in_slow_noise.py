@@ -5,10 +5,10 @@ import pytest
 from scipy.linalg import solve_toeplitz, toeplitz
 
 from benchmarks.false_discoveries import null_campaign
-from plants.measured.residual.joined import Joined, join
-from plants.measured.residual.remainder import Remainder
-from plants.measured.trace.likelihood import demanded, expected, likelihood_of
+from plants.measured.residual.series.joined import Joined, join
+from plants.measured.residual.series.remainder import Remainder
 from plants.measured.trace.result import StageTrace, Trace
+from plants.measured.trace.search.likelihood import demanded, expected, likelihood_of
 from tests.rig.campaign import make_campaign
 from tests.rig.rig import Noise
 from tests.trace.traces import trace_folder

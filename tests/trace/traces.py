@@ -7,7 +7,7 @@ from pathlib import Path
 
 from plants.measured.campaign import load_campaign
 from plants.measured.trace.trace import Trace, trace_campaign
-from plants.quantities import built_in
+from plants.parameters.quantities import built_in
 
 OUTSIDE, NOTHING, KNOWN = "unexplained", "nothing-missing", "explained"
 
@@ -39,7 +39,7 @@ class Judged:
 
     @property
     def ratio(self) -> float:
-        """Error of the angle after over the noise floor, on recordings that took no part."""
+        """Error of the angle after over the noise floor, on held-out recordings."""
         return self.trace.after["angle_deg"] / self.trace.noise["angle_deg"]
 
     def __str__(self) -> str:

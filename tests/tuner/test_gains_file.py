@@ -5,8 +5,8 @@ import json
 import pytest
 
 from design.cli import main
-from design.cli.compare import robust
-from design.cli.robust import controller
+from design.cli.commands.compare import robust
+from design.cli.commands.robust import controller
 from design.tuner.gains_file import read, write
 from plants import Wrist
 from plants.errors import InputError

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.loop import run
+from design.evaluation.scenarios import tuning_scenarios
+from design.evaluation.steps import run
 from design.margins import branch_responses, by_python_control
-from design.requirements import Limits, Problem, out_of_range
-from design.tasks import tuning_scenarios
+from design.synthesis.requirements import Limits, Problem, out_of_range
 from design.tuner.branch_margins import branch_margins
 from design.tuner.case import case
 from design.tuner.picture import SAMPLES, picture

@@ -9,13 +9,13 @@ import pytest
 import traitlets
 
 import design.tuner
-from design.requirements import Limits
+from design.synthesis.requirements import Limits
+from design.synthesis.tuning import Region
 from design.tuner import Tuner
-from design.tuning import Region
 from plants import Wrist
 from plants.effects import Creep, DeadTime
 from plants.errors import InputError
-from plants.quantities import built_in, dump
+from plants.parameters.quantities import built_in, dump
 from reports.shared import style
 
 HERE = Path(design.tuner.__file__).parent

@@ -36,7 +36,7 @@ class LoopClass:
 class Certificate:
     """What one rung of the ladder found.
 
-    name: of the rung; about: the class of loops of which it proves that they die away, None of plain
+    name: of the rung; about: the class of loops of which it proves that they decay, None of plain
     matrices; dead_time [s]: that the loop has beside its own; holds: whether the check outside the
     solver confirmed it; decay [1/s]: largest rate at which every trajectory of the class was shown to die
     away, None where none was; margin: of that check, without unit, positive where it is passed: by how
@@ -67,7 +67,7 @@ class Certificate:
 
     @property
     def status(self) -> Status:
-        """Proved; disproved, by a loop of the class that does not die away; or open: that no function was
+        """Proved; disproved, by a loop of the class that does not decay; or open: that no function was
         found does not make the claim false."""
         if self.holds:
             return Status.PROVED

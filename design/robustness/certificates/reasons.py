@@ -14,7 +14,7 @@ class UnstableBranch:
 
 @dataclass(frozen=True)
 class UnstableMode:
-    """One of the modes does not die away on its own."""
+    """One of the modes does not decay on its own."""
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from design.status import Status, of_proof
 
 @dataclass(frozen=True)
 class DiesAway(Claim):
-    """Every loop of a class, behind a dead time [s], dies away: what a rung would prove."""
+    """Every loop of a class, behind a dead time [s], decays: what a rung would prove."""
 
     rung: str
     about: LoopClass | None
@@ -22,7 +22,7 @@ class DiesAway(Claim):
 
 @dataclass(frozen=True)
 class ClassDiesAway(Claim):
-    """Every loop in which so much may switch, behind a dead time [s], dies away."""
+    """Every loop in which so much may switch, behind a dead time [s], decays."""
 
     switching: Switching
     dead_time: float

@@ -27,8 +27,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.actuator.regulator import Regulator
 from plants.hysteresis import FourSegment, HysteresisLaw
-from plants.regulator import Regulator
 
 Array = NDArray[np.float64]
 POINTS = 720

@@ -5,9 +5,9 @@ from typing import Any
 
 from design.controllers.pi import PI
 from design.margins import by_python_control
-from design.requirements import ROUNDING, Limits
 from design.robustness.statement import EVERY_BRANCH, Claim, Reason, Statement
 from design.status import Status
+from design.synthesis.requirements import ROUNDING, Limits
 from plants.wrist import Wrist
 
 STEEPEST = "steepest"

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from design.controllers.pi import PI, PIState
 from design.evaluation.runner import play, step_from
-from design.loop import holding
+from design.evaluation.steps import holding
+from plants.equilibrium import at_pressure
 from plants.kernel import pytrees as tree
-from plants.rest import at_pressure
 from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
@@ -83,7 +83,10 @@ def _frequency(time: Array, signal: Array) -> float:
 def rollout(
     wrist: Wrist, controller: PI, reference: float, state: State, held: PIState, duration: float, every: int
 ) -> Rollout:
-    """The loop of `design.loop` from given states for a duration [s], every `every`-th sample recorded."""
+    """The loop of `design.evaluation.steps` from given states, for a duration [s].
+
+    Every `every`-th sample is recorded.
+    """
     lanes = step_from(wrist, state, reference, duration)
     rows = play(lanes, controller, held, False, ("plant.pressure", "plant.angle"), every, jobs=1).rows
     time = np.asarray(np.arange(rows.shape[1]) * (every * wrist.rig.sample_time), float)

@@ -1,7 +1,7 @@
 """The worst case inside a box: plant, starting memory, references, dead time and load, searched for.
 
 What is maximised is the largest excess over the limits that a run shows (overshoot, steady error,
-travel of the command, as `sequence.Played.values` states them) as a share of the limit; where
+total variation of the command, as `sequence.Played.values` states them) as a share of the limit; where
 nothing is found that breaks a limit, the IAE per degree of the last step.  A found worst case is a
 lower bound of the true one: a sample, never a proof that there is none worse.
 
@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.controller import Controller
-from design.requirements import Limits
+from design.evaluation.sequence import Sequence, play
 from design.robustness.box import Box
 from design.robustness.samples.search_space import Space
 from design.robustness.samples.worst import (
@@ -33,7 +33,7 @@ from design.robustness.samples.worst import (
     plain_worst,
     scores,
 )
-from design.sequence import Sequence, play
+from design.synthesis.requirements import Limits
 from plants.errors import InputError
 from plants.simulation.periodic import Periodic
 

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from plants.effects.dead_time import DeadTime
-from plants.effects.load_step import LoadStep
+from plants.effects.regulator.dead_time import DeadTime
+from plants.effects.wrist.load_step import LoadStep
 from plants.errors import InputError
 from plants.simulation.disturbance import burdened
 from plants.wrist import Wrist

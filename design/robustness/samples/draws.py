@@ -15,8 +15,8 @@ from design.controllers.controller import Controller
 from design.robustness.box import Box
 from design.robustness.samples.conditions import Conditions, added, left_out
 from plants.effects.effect import Around, Effect
+from plants.equilibrium import at_rest, searched
 from plants.kernel import pytrees as tree
-from plants.rest import at_rest, searched
 from plants.simulation.sensor import HOLD
 from plants.wrist import STARTS, Start, State, Wrist, settled
 
@@ -111,7 +111,7 @@ def _rest(plant: Wrist, wrist: Wrist, start: Start, angle: Array, load: Array) -
     """Rest at an angle [deg] under a load [deg]: the loop is where load and effects take it to that
     angle; a virgin wrist, which never moved, lets the load sag.
 
-    `plants.rest` lets effects come to rest at the loop's angle; what acts after the load, such as
+    `plants.equilibrium` lets effects come to rest at the loop's angle; what acts after the load, such as
     creep, rests at the loaded one.
     """
     pressure, h = _pressure(plant, start, angle, load)

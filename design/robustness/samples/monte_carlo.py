@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 
 from design.cluster import each
 from design.controllers.controller import Controller
+from design.evaluation.metrics import SETTLING_BAND, Metrics
 from design.evaluation.runner import play, step_from
-from design.metrics import SETTLING_BAND, Metrics
-from design.requirements import LIMIT_UNITS, Limits
 from design.robustness.box import Box
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.draws import CHUNK, Draw, Flags, SamplingTask, draw, noise, remarks
+from design.synthesis.requirements import LIMIT_UNITS, Limits
 from plants.errors import InputError
 from plants.kernel.batches import default_jobs
 from plants.simulation.sensor import HOLD, sensor
@@ -102,7 +102,7 @@ def monte_carlo(
     numbers that make no sense, and as `design.cluster.each` does.
 
     >>> from design.controllers.pi import PI
-    >>> from plants.quantities import built_in
+    >>> from plants.parameters.quantities import built_in
     >>> from design.robustness.box import box_of
     >>> found = monte_carlo(box_of(built_in("flexion")), PI(5.0, 9.0), samples=200)
     >>> len(found), [v.requirement for v in found.violations]
@@ -193,7 +193,7 @@ def _violations(m: Metrics, step: Array, limits: Limits, duration: float) -> lis
     values = {
         "overshoot_percent": ("overshoot above {} of the step", m.overshoot_percent),
         "steady_error_percent": ("error at the end above {} of the step", error),
-        "total_variation_V": ("travel of the command above {}", m.total_variation_V),
+        "total_variation_V": ("total variation of the command above {}", m.total_variation_V),
     }
     found = {}
     for name, (words, value) in values.items():

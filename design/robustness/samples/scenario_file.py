@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import Any
 
 from design.controllers.pi import PI
-from design.metrics import UNITS, Metrics
+from design.evaluation.metrics import UNITS, Metrics
+from design.evaluation.sequence import Sequence
 from design.robustness.samples.worst import Worst
-from design.sequence import Sequence
-from plants import parameter_files
 from plants.errors import InputError
 from plants.files import write_atomically
-from plants.quantities import ParameterSet
+from plants.parameters import files as parameter_files
+from plants.parameters.quantities import ParameterSet
 from plants.wrist import STARTS, Wrist
 
 SETTINGS = {
@@ -85,7 +85,7 @@ def load(path: str | Path) -> Saved:
     """What a scenario file says.
 
     Raises InputError, in one line with the file and what is wrong with it, for a file that is no
-    parameter set (see `plants.parameter_files.read`), for a table or an entry that is missing, unknown
+    parameter set (see `plants.parameters.files.read`), for a table or an entry that is missing, unknown
     or of a wrong kind, and for numbers that make no run.
     """
     plant = parameter_files.read(path)

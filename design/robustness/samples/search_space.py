@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from design.evaluation.scenarios import HEADROOM
+from design.evaluation.sequence import SMALLEST, Batch, Sequence, batch
 from design.robustness.box import Box
-from design.sequence import SMALLEST, Batch, Sequence, batch
-from design.tasks import HEADROOM
 from plants.effects.effect import Effect
 from plants.simulation.disturbance import at_rest
 from plants.wrist import STARTS, Start, Wrist

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from design.controllers.controller import Controller
 from design.controllers.pi import PI
-from design.requirements import Limits
+from design.evaluation.scenarios import STEP, tuning_scenarios, within_reach
+from design.evaluation.sequence import PlayedSequence, Sequence, play
 from design.robustness.box import Box
-from design.sequence import PlayedSequence, Sequence, play
-from design.tasks import STEP, tuning_scenarios, within_reach
-from plants.quantities import Assumed, Parameter, ParameterSet
+from design.synthesis.requirements import Limits
+from plants.parameters.quantities import Assumed, Parameter, ParameterSet
 from plants.simulation.periodic import Periodic
 
 Array = NDArray[np.float64]

@@ -4,18 +4,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plants.measured.residual.background import background
-from plants.measured.residual.bins import Bins, bins_of, stretches
-from plants.measured.residual.conditional import Sums, sums_of
-from plants.measured.residual.correlation import Correlation, correlation
-from plants.measured.residual.design import Design, design_of
-from plants.measured.residual.events import Events, events_in
-from plants.measured.residual.evidence import Evidence
-from plants.measured.residual.joined import Joined
-from plants.measured.residual.periodic import Line, Spectrum, harmonic, line_in, spectrum_of
-from plants.measured.residual.remainder import Array
-from plants.measured.residual.size import burst_test, size_tests, sizes_of
-from plants.measured.residual.whiteness import LAGS, autocorrelation, ljung_box
+from plants.measured.residual.checks.conditional import Sums, sums_of
+from plants.measured.residual.checks.correlation import Correlation, correlation
+from plants.measured.residual.checks.events import Events, events_in
+from plants.measured.residual.checks.evidence import Evidence
+from plants.measured.residual.checks.periodic import Line, Spectrum, harmonic, line_in, spectrum_of
+from plants.measured.residual.checks.size import burst_test, size_tests, sizes_of
+from plants.measured.residual.checks.whiteness import LAGS, autocorrelation, ljung_box
+from plants.measured.residual.series.background import background
+from plants.measured.residual.series.bins import Bins, bins_of, stretches
+from plants.measured.residual.series.design import Design, design_of
+from plants.measured.residual.series.joined import Joined
+from plants.measured.residual.series.remainder import Array
 
 FALSE_ALARM = 2e-5
 """Probability that noise alone exceeds any of the bounds of one examination."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from plants.measured.residual.battery import Battery
-from plants.measured.residual.bins import Bins
-from plants.measured.residual.remainder import Array
+from plants.measured.residual.series.bins import Bins
+from plants.measured.residual.series.remainder import Array
 
 SHOWN = 0.01
 """Probability that noise alone leaves the bounds of a curve anywhere."""

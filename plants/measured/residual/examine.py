@@ -14,9 +14,9 @@ import numpy as np
 
 from plants.measured.residual.battery import Battery, make_tests
 from plants.measured.residual.curves import BinnedCurve, curves_of
-from plants.measured.residual.joined import join
 from plants.measured.residual.names import named
-from plants.measured.residual.remainder import Remainder, RemainderStage
+from plants.measured.residual.series.joined import join
+from plants.measured.residual.series.remainder import Remainder, RemainderStage
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from plants.measured.residual.battery import Battery, correlated, events_of, sizes_over
-from plants.measured.residual.conditional import Sums
-from plants.measured.residual.events import LONGEST_SHARE
-from plants.measured.residual.evidence import Evidence
-from plants.measured.residual.remainder import Array
-from plants.measured.residual.size import evened, is_rough
+from plants.measured.residual.checks.conditional import Sums
+from plants.measured.residual.checks.events import LONGEST_SHARE
+from plants.measured.residual.checks.evidence import Evidence
+from plants.measured.residual.checks.size import evened, is_rough
+from plants.measured.residual.series.remainder import Array
 
 MINOR = 0.1
 """What accounts for less than this part of what the first name does is not worth a name."""

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.recording import Recording
-from plants.measured.residual.background import LONGEST_MEMORY, background, first_order, positive_parts
-from plants.measured.residual.joined import FEWEST, Joined, join
-from plants.measured.residual.periodic import harmonic, line_in, spectrum_of
-from plants.measured.residual.remainder import Array, Remainder
+from plants.measured.residual.checks.periodic import harmonic, line_in, spectrum_of
+from plants.measured.residual.series.background import LONGEST_MEMORY, background, first_order, positive_parts
+from plants.measured.residual.series.joined import FEWEST, Joined, join
+from plants.measured.residual.series.remainder import Array, Remainder
 
 SETTLED = 3.0
 """Time after the command moved [s] from which on the wrist counts as still."""

@@ -7,11 +7,11 @@ from plants.measured.campaign import Campaign
 from plants.measured.fit import Fit
 from plants.measured.free_run import FreeRun
 from plants.measured.residual.examine import Examination
-from plants.measured.trace.choose import EffectSearch
-from plants.measured.trace.learnt import Learnt
-from plants.measured.trace.model import Model
-from plants.measured.trace.stage import Stage
-from plants.quantities import ParameterSet
+from plants.measured.trace.search.choose import EffectSearch
+from plants.measured.trace.search.learnt import Learnt
+from plants.measured.trace.stages.model import Model
+from plants.measured.trace.stages.stage import Stage
+from plants.parameters.quantities import ParameterSet
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Trace:
     """The trace of a campaign.
 
     verdict: ``nothing-missing``, ``explained`` or ``unexplained``; before, after:
-    errors by channel on the recordings that took no part, with intervals at 95 %
+    errors by channel on the held-out recordings, with intervals at 95 %
     by bootstrap over blocks; revised: the declared parameters refitted, and effects.
     """
 

@@ -8,7 +8,7 @@ from plants.measured.campaign import Campaign
 from plants.measured.noise import noise_floor, resolution
 from plants.measured.problem import measured
 from plants.measured.recording import Recording
-from plants.measured.residual.joined import FEWEST
+from plants.measured.residual.series.joined import FEWEST
 
 Array = NDArray[np.float64]
 FLAT = 30

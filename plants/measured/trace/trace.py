@@ -16,19 +16,19 @@ from plants.measured.fit import CHANNELS, Fit, fit_campaign
 from plants.measured.free_run import FreeRun, rmse, squares
 from plants.measured.playback import Playback
 from plants.measured.problem import first_begin, measured
-from plants.measured.trace.choose import search
 from plants.measured.trace.declared import LOWER, driven, refitted
 from plants.measured.trace.errors import intervals
 from plants.measured.trace.experiments import sentence, separate
 from plants.measured.trace.judge import alternatives, explained, not_logged, unexcited
-from plants.measured.trace.learnt import learn
-from plants.measured.trace.model import Model
-from plants.measured.trace.remainders import begun, remainders
 from plants.measured.trace.result import Named, StageTrace, Trace
-from plants.measured.trace.stage import Stage
+from plants.measured.trace.search.choose import search
+from plants.measured.trace.search.learnt import learn
+from plants.measured.trace.stages.model import Model
+from plants.measured.trace.stages.remainders import begun, remainders
+from plants.measured.trace.stages.stage import Stage
 from plants.measured.trace.suspect import check
 from plants.measured.trace.two_rigs import rigs_differ
-from plants.quantities import ParameterSet, loop_names
+from plants.parameters.quantities import ParameterSet, loop_names
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]

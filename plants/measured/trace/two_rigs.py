@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from plants.measured.noise import noise_floor
-from plants.measured.trace.model import Model
 from plants.measured.trace.result import StageTrace
+from plants.measured.trace.stages.model import Model
 
 ALONE = 1.2
 """A recording whose chi-square per row is below this is explained by parameters of its own."""

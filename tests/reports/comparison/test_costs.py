@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from design.answer import LimitBroken
 from design.studies.study import Question
+from design.synthesis.answer import LimitBroken
 from reports.comparison.contest import main_table
 from reports.comparison.costs import break_even_table, break_even_words, ledger_table, ledger_words
 from reports.comparison.words import LATE, summary

@@ -79,7 +79,7 @@ def test_worst_values_that_never_settle_are_drawn_at_the_edge(compared):
 def test_a_fit_is_shown_on_a_recording_that_took_no_part(compared):
     fit = compared.fits["flexion"]
     assert shown_run(fit).role == "validate"
-    assert "took no part in the fit" in draw_fit(fit).axes[0].get_title(loc="left")
+    assert "held out" in draw_fit(fit).axes[0].get_title(loc="left")
 
 
 def test_signals_are_drawn_with_what_is_there():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from design.alternatives.lqi_design import RobustLQI
-from design.compare import row_record
+from design.comparison.compare import row_record
 from design.studies.study import Question, Study
 from plants import InputError
 from plants.effects import DeadTime

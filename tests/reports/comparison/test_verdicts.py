@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from design.answer import LimitBroken
-from design.compare import PAPER, TUNED, Comparison, Row, Standing
-from design.requirements import Limits
+from design.comparison.compare import PAPER, TUNED, Comparison, Row, Standing
 from design.studies.verdict import verdicts
+from design.synthesis.answer import LimitBroken
+from design.synthesis.requirements import Limits
 from reports.comparison.verdict_words import verdict_sentence, verdict_sentences
 from tests.reports.report_samples import small_study
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.requirements import Limits
 from design.robustness.predictions.limit_cycles import predicted
+from design.synthesis.requirements import Limits
 from plants import Wrist
 from plants.effects import DeadTime
 from reports.robustness.branch_figures import describing, nyquist, overlaid, sensitivities

@@ -34,7 +34,7 @@ def test_it_opens_with_three_sentences_that_hold_the_numbers(text, assessed):
     assert f"Ms is at most {number(Ms)} (limit: 2)" in opening[1]
     assert "more dead time (limit: 60 ms)" in opening[1]
     best = max(c.decay for c in assessed.ladder if c.holds and c.dead_time)
-    assert f"dies away at {number(best, 2)} 1/s or faster" in opening[2]
+    assert f"decays at {number(best, 2)} 1/s or faster" in opening[2]
     assert "with 50 ms of dead time too" in opening[2]
 
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plants.measured.trace.choose import SearchRound
-from plants.measured.trace.learnt import Learnt, LearntCurve
+from plants.measured.trace.search.choose import SearchRound
+from plants.measured.trace.search.learnt import Learnt, LearntCurve
 from reports.shared.html import Made
 from reports.shared.tables import fixed
 from reports.trace.page import draw_all, shown_channels, trace_page
@@ -81,7 +81,7 @@ def test_it_opens_with_three_sentences_the_verdict_first(text, page, bent):
     assert all(name in opening[2] for name in bent.cannot_judge)
     said = verdict_sentence(bent)
     assert said.startswith("The branches of the loop are curved: with branch-curvature (")
-    assert ") added, the angle error on the recordings that took no part falls from " in said
+    assert ") added, the angle error on the held-out recordings falls from " in said
     assert said in page.text[page.text.index("}") :].split("Errors before and after")[0]
 
 
@@ -182,9 +182,7 @@ def test_the_record_says_what_is_left_and_on_what_it_depends(unexplained):
 def test_the_verdicts_read_well(bent, unexplained):
     nothing = stripped(bent, verdict="nothing-missing", before=bent.noise)
     said = verdict_sentence(nothing)
-    assert said.startswith(
-        "Nothing is missing: on the recordings that took no part the declared wrist is off"
-    )
+    assert said.startswith("Nothing is missing: on the held-out recordings the declared wrist is off")
     assert "slow" not in said
     loud = verdict_sentence(replace(nothing, before=bent.before))
     assert loud.endswith("; what is left of the angle has no more structure than slow noise.")

@@ -22,7 +22,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from design.convex import Unsolved, solve
+from design.synthesis.convex import Unsolved, solve
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -31,7 +31,7 @@ from design.robustness.loop_model import LoopModel
 from design.robustness.statement import Claim, Reason, Statement
 from design.status import Status, of_proof
 from plants.errors import InputError
-from plants.linear import RATES, branch_slopes
+from plants.linearisation import RATES, branch_slopes
 
 MOST_LMIS = 300
 """Linear matrix inequalities that one cover may take; where they do not do, it is a prediction."""
@@ -125,7 +125,7 @@ def robust_stability(
     that there is not, a negative dead time, and where the loop at the centre of the box is unstable
     without that dead time.
 
-    >>> from plants.quantities import built_in
+    >>> from plants.parameters.quantities import built_in
     >>> from design.robustness.box import box_of
     >>> row = robust_stability(box_of(built_in("flexion")), PI(3.13, 10.4), "line1", "slow")
     >>> row.certified, row.holds, bool(3.5 < row.growth < 1 / row.lower < 3.6)

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Form:
     """P (n, n), n - 3 moments; S, R, popov (lambda): not negative; multipliers: of the sector at each
-    of `slopes` [deg/kPa], ascending, in between linear; decay [1/s]: that V is to die away with at
+    of `slopes` [deg/kPa], ascending, in between linear; decay [1/s]: that V is to decay with at
     twice the rate; open_law: whether psi is left open, or the rate of the regulator anywhere between
     its two at any time (`multipliers` is then empty)."""
 

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from design import convex
 from design.controllers.pi import PI
 from design.robustness.certificates.certificate import (
     Certificate,
@@ -18,6 +17,7 @@ from design.robustness.certificates.continuous.signals import rates, slopes, tot
 from design.robustness.certificates.continuous.virgin import VirginBounds, time_on_virgin_curve
 from design.robustness.certificates.reasons import UnstableBranch
 from design.robustness.loop_model import LoopModel
+from design.synthesis import convex
 from plants.wrist import Wrist
 
 DEAD_TIMES = (0.0, 0.05)
@@ -70,13 +70,13 @@ def certifies(model: LoopModel, rung: str, dead_time: float = 0.0) -> bool:
 
 
 def hopeless(model: LoopModel, dead_time: float) -> UnstableBranch | None:
-    """Why no function can fall along a loop: a linear loop of it does not die away; None where it may.
+    """Why no function can fall along a loop: a linear loop of it does not decay; None where it may.
     dead_time [s]: it moves poles, but not the one at 0 of a loop without integral action."""
     return unstable(model) if total_dead_time(model, dead_time) == 0.0 or model.Ki == 0.0 else None
 
 
 def unstable(model: LoopModel) -> UnstableBranch | None:
-    """The first branch and rate at which the linear loop without dead time does not die away; None where it
+    """The first branch and rate at which the linear loop without dead time does not decay; None where it
     does at every corner."""
     for branch, slope in model.distinct_slopes.items():
         for name, rate in (("slow", model.k_slow), ("fast", model.k_fast)):

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design import convex
+from design.synthesis import convex
 
 Array = NDArray[np.float64]
 
@@ -112,7 +112,7 @@ def _unit(matrix: Array, scale: Array) -> float:
 
 def widest(u: Unknowns, solvers: tuple[str, ...] = convex.SOLVERS) -> Solution:
     """The solution of largest margin among those whose positive form has the trace n; raises
-    `design.convex.Unsolved`."""
+    `design.synthesis.convex.Unsolved`."""
     import cvxpy
 
     n = u.P.shape[0]
@@ -125,7 +125,8 @@ def widest_within(u: Unknowns, start: Array, weights: Mapping[str, float], plane
     """The solution of largest margin whose ellipsoid lies between planes and holds a start.
 
     start (n,): X' P X + the sum of weight x number is at most 1 there; planes (m, n): |g X| <= 1
-    wherever the positive form is at most 1.  Raises `design.convex.Unsolved`, where there is none too.
+    wherever the positive form is at most 1.  Raises `design.synthesis.convex.Unsolved`, where there is none
+    too.
     """
     import cvxpy
 

@@ -15,13 +15,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from design import convex
 from design.robustness.certificates.certificate import Certificate
 from design.robustness.certificates.continuous.check import CONFIRMED, negative, positive
 from design.robustness.certificates.continuous.lmi import Inequality, unknowns, widest
 from design.robustness.certificates.continuous.signals import LoopSignals, rates, slopes
 from design.robustness.certificates.reasons import NoneOfThisKind, NoSolver
 from design.robustness.loop_model import LoopModel
+from design.synthesis import convex
 
 Array = NDArray[np.float64]
 

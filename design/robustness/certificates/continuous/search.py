@@ -5,12 +5,12 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from design import convex
 from design.robustness.certificates.continuous import check, lmi, popov, quadratic
 from design.robustness.certificates.continuous.form import Form, FormSearch
 from design.robustness.certificates.continuous.signals import LoopSignals, rates, slopes
 from design.robustness.certificates.reasons import NoneOfThisKind, NoSolver, NotConfirmed
 from design.robustness.loop_model import LoopModel
+from design.synthesis import convex
 
 Array = NDArray[np.float64]
 

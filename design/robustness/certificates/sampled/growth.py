@@ -1,4 +1,4 @@
-"""How a loop's state grows under a word of branches and rates, and dies away under each letter alone."""
+"""How a loop's state grows under a word of branches and rates, and decays under each letter alone."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

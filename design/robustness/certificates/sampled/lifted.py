@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design.convex import Unsolved, solve
 from design.robustness.certificates.reasons import NoneOfThisKind, NoSolver
 from design.robustness.certificates.sampled.switched import (
     CONFIRMED,
@@ -34,6 +33,7 @@ from design.robustness.certificates.sampled.switched import (
     share_of_least,
 )
 from design.robustness.certificates.sampled.words import Word, discrete_word
+from design.synthesis.convex import Unsolved, solve
 
 Array = NDArray[np.float64]
 

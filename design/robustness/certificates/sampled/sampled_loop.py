@@ -26,7 +26,7 @@ from design.robustness.certificates.sampled.switched import (
 from design.robustness.certificates.sampled.words import Word, named, search_word
 from design.robustness.loop_model import LoopModel
 from plants.errors import InputError
-from plants.linear import RATES
+from plants.linearisation import RATES
 
 Array = NDArray[np.float64]
 

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design.convex import Unsolved, solve
 from design.robustness.certificates.reasons import NoneOfThisKind, NoSolver
+from design.synthesis.convex import Unsolved, solve
 
 Array = NDArray[np.float64]
 
@@ -53,7 +53,7 @@ class Switched:
         return np.array([-np.max(2.0 * v.real + self.dt * np.abs(v) ** 2) for v in values])
 
     def rate(self, loss: float) -> float:
-        """Rate [1 / unit of time] at which x dies away where V loses `loss`; negative where it grows."""
+        """Rate [1 / unit of time] at which x decays where V loses `loss`; negative where it grows."""
         twice = loss if self.dt == 0.0 else -np.log1p(-min(loss * self.dt, 1.0 - 1e-300)) / self.dt
         return float(twice) / (2.0 * self.degree)
 

@@ -1,0 +1,87 @@
+"""``wrist export``: a controller as C99 for the target, with a test vector."""
+
+import math
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from design.cli.common import (
+    Axis,
+    AxisOption,
+    JsonOption,
+    PlantOption,
+    parameter_set,
+    pi_gains,
+    write_json,
+)
+from design.cli.completion import controllers, files
+from design.cli.places import check_places
+from design.cli.terminal.screen import console, progress
+
+NAME = "export"
+HELP = "Write a controller as C99 without allocation or global state, with a header, README and test vector."
+EXAMPLE = "Example: wrist export pi --gains 3.1,10.4 --out build/c"
+
+
+def command(
+    controller: Annotated[
+        str,
+        typer.Argument(
+            help="pi, lqi, feedforward, feedforward-pi, observer, mpc or mpc-robust.",
+            autocompletion=controllers,
+        ),
+    ],
+    out: Annotated[
+        Path,
+        typer.Option(help="Folder for the C; files of the same names are replaced.", autocompletion=files),
+    ],
+    gains: Annotated[
+        str | None,
+        typer.Option(
+            help="pi: Kp,Ki. lqi: Ke,Kd,Kq,jump,bandwidth. feedforward: speed. feedforward-pi: Kp,Ki,dead "
+            "time. observer: bandwidth. Needed by pi, lqi and feedforward-pi. "
+            "pi: a TOML file with them, too."
+        ),
+    ] = None,
+    axis: AxisOption = Axis.flexion,
+    plant: PlantOption = None,
+    json: JsonOption = None,
+) -> None:
+    from design.export.catalogue import part, record
+    from design.export.folder import write
+    from plants.wrist import Wrist
+
+    check_places({"--json": json}, out)
+    chosen = parameter_set(axis, plant)
+    wrist = Wrist.of(chosen)
+    with progress("export") as tell:
+        made = part(controller, chosen.axis, wrist, None if gains is None else numbers(gains))
+        tell("test vector", 0.0)
+        written = write(made, wrist, out)
+    said = console(json)
+    said.print(f"{made.title}: {made.name}_init and {made.name}_step, every {1000 * made.period:g} ms")
+    for path in written:
+        said.print(f"  {path}", soft_wrap=True)
+    said.print(f"replay the test vector with: make -C {out} check", soft_wrap=True)
+    write_json(json, record(made, controller, [p.name for p in written]))
+
+
+def numbers(text: str) -> tuple[float, ...]:
+    """Numbers with commas between, of either sign, or those of a TOML file with the gains of a PI; raises
+    InputError for anything else.
+
+    >>> numbers("600,-640")
+    (600.0, -640.0)
+    """
+    from plants.errors import InputError
+
+    if text.endswith(".toml"):
+        return pi_gains(text)
+    try:
+        found = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        found = ()
+    if not found or not all(math.isfinite(x) for x in found):
+        raise InputError(f"--gains: {text!r} is not finite numbers with commas between, like 3.1,10.4")
+    return found

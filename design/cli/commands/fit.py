@@ -1,0 +1,103 @@
+"""``wrist fit``: parameters from a measured campaign."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from design.cli.common import (
+    CampaignArgument,
+    JsonOption,
+    OutOption,
+    SeedOption,
+    StartOption,
+    rig_of,
+    starting_set,
+    write_json,
+)
+from design.cli.completion import files
+from design.cli.places import check_places
+from design.cli.terminal.screen import Sheet, console, progress
+
+if TYPE_CHECKING:
+    from plants.measured.fit import Fit
+
+NAME = "fit"
+HELP = "Fit the wrist to a measured campaign, and report the error on held-out recordings."
+EXAMPLE = "Example: wrist fit plants/measured/examples/flexion --save build/fitted.toml"
+
+
+def command(
+    campaign: CampaignArgument,
+    plant: StartOption = None,
+    save: Annotated[
+        Path | None,
+        typer.Option(help="Write the fitted set as TOML, for the other commands.", autocompletion=files),
+    ] = None,
+    starts: Annotated[int, typer.Option(help="Starting points of each stage.", min=1)] = 6,
+    seed: SeedOption = 0,
+    json: JsonOption = None,
+    out: OutOption = None,
+) -> None:
+    from plants.measured.campaign import load_campaign
+    from plants.measured.fit import fit_campaign
+    from plants.parameters.quantities import dump
+    from reports.shared.fit import fit_record
+
+    check_places({"--save": save, "--json": json}, out)
+    data = load_campaign(campaign, rig_of(plant))
+    with progress(f"fit {data.name}") as tell:
+        fitted = fit_campaign(data, starting_set(data, plant), starts, seed, tell)
+    said = console(json)
+    for part in tables(fitted):
+        said.print(part)
+    if save is not None:
+        dump(fitted.fitted, save)
+        said.print(f"fitted set in {save}", soft_wrap=True)
+    if out is not None:
+        from reports.shared.fit import draw_fit
+        from reports.shared.style import save as save_figure
+
+        path = out / f"fit-{data.name}.png"
+        save_figure(draw_fit(fitted), path)
+        said.print(f"picture in {path}", soft_wrap=True)
+    write_json(json, fit_record(fitted))
+
+
+def tables(fit: "Fit") -> list[Any]:
+    """What people read of a fit: parameters, errors, how the search went."""
+    lines: list[Any] = [fit.fitted.title, _parameters(fit), ""]
+    lines += ["rms error of free runs from the command", _errors(fit), ""]
+    for stage, found in fit.stages.items():
+        lines.append(
+            f"{stage} stage: {found.agreeing} of {len(found.costs)} starts ended at the same minimum"
+        )
+    lines += fit.remarks
+    return lines
+
+
+def _parameters(fit: "Fit") -> Sheet:
+    from plants.parameters.quantities import Fitted
+
+    rows = []
+    for name, p in fit.fitted.parameters.items():
+        if not isinstance(p.provenance, Fitted):
+            continue
+        error = "-" if p.provenance.std_error is None else f"{p.provenance.std_error:.2g}"
+        mark = " (at bound)" if name in fit.at_bounds else ""
+        before = f"{fit.before.parameters[name].value:.5g}"
+        rows.append((name, before, f"{p.value:.5g}{mark}", error, p.unit))
+    return Sheet(("name", "before", "fitted", "s.e.", "unit"), tuple(rows), words=(0, 4))
+
+
+def _errors(fit: "Fit") -> Sheet:
+    rows = []
+    for channel, unit in (("angle_deg", "deg"), ("pressure_kPa", "kPa")):
+        noise, after = fit.noise[channel], fit.validate_rmse[channel]
+        if noise is None or after is None:
+            continue
+        shown = (fit.validate_rmse_before[channel], after, fit.fit_rmse[channel], noise)
+        texts = ("-" if v is None else f"{v:.4g}" for v in shown)
+        rows.append((channel.split("_")[0], unit, *texts, f"{after / noise:.2f}" if noise else "-"))
+    headings = ("channel", "unit", "before", "validate", "fit", "noise", "validate / noise")
+    return Sheet(headings, tuple(rows), words=(0, 1))

@@ -1,0 +1,200 @@
+"""``wrist robust``: how far gains can be trusted, in certificates, predictions and samples."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from design.cli.common import (
+    Axis,
+    AxisOption,
+    JobsOption,
+    JsonOption,
+    PlantOption,
+    SchedulerOption,
+    SeedOption,
+    command_line,
+    numbers,
+    parameter_set,
+    pi_gains,
+    write_json,
+)
+from design.cli.completion import files
+from design.cli.completion import intervals as parameters
+from design.cli.places import check_places
+from design.cli.terminal.screen import Sheet, console, progress
+from design.status import BY_PROOF, Status
+
+if TYPE_CHECKING:
+    from design.controllers.pi import PI
+    from design.robustness.assess import Assessment
+    from design.robustness.statement import Statement
+    from plants.wrist import Wrist
+
+NAME = "robust"
+HELP = "How far gains can be trusted on every branch: certificates, predictions, samples, the worst case."
+EXAMPLE = "Example: wrist robust --gains 2.3,6.4 --out build/robust"
+
+KINDS: dict[tuple[Status, ...], str] = {
+    BY_PROOF: "Certificates (proved, and checked outside the solver)",
+    (Status.PREDICTED,): "Predictions (linear theory and describing functions)",
+    (Status.SAMPLED,): "Samples (simulated)",
+}
+MARKS = {True: "yes", False: "no", None: "open"}
+
+
+def command(
+    gains: Annotated[
+        str, typer.Option(help="Kp,Ki of the PI: kPa/deg, kPa/(deg s); or a TOML file with them.")
+    ],
+    axis: AxisOption = Axis.flexion,
+    plant: PlantOption = None,
+    box: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Interval of a parameter, such as a1=0.34:0.38, in place of two standard errors "
+            "(where fitted) or the shares of --corners (where assumed). May be repeated.",
+            autocompletion=parameters,
+        ),
+    ] = None,
+    corners: Annotated[
+        str | None, typer.Option(help="Shares by which assumed loop width, slopes and lag may differ.")
+    ] = None,
+    dead_time: Annotated[
+        float, typer.Option(help="Dead time that samples and the worst case may have on top [s].", min=0.0)
+    ] = 0.050,
+    load: Annotated[
+        float, typer.Option(help="Load that they may have, a shift of the static angle [deg].", min=0.0)
+    ] = 1.0,
+    noise: Annotated[
+        float, typer.Option(help="Noise of the angle at 100 Hz in samples, s.d. [deg].", min=0.0)
+    ] = 0.07,
+    quantum: Annotated[
+        float, typer.Option(help="Step of the angle sensor in samples [deg].", min=0.0)
+    ] = 0.01,
+    samples: Annotated[int, typer.Option(help="Independent samples.", min=20, max=10_000_000)] = 2000,
+    budget: Annotated[
+        int, typer.Option(help="Runs that the search for the worst scenario may take.", min=200)
+    ] = 20_000,
+    worst: Annotated[
+        Path | None,
+        typer.Option(
+            help="Write the worst scenario to this file, for `wrist simulate --scenario`.",
+            autocompletion=files,
+        ),
+    ] = None,
+    points: Annotated[
+        int, typer.Option(help="Points of the page's gain plane in each gain.", min=4, max=100)
+    ] = 20,
+    seed: SeedOption = 0,
+    json: JsonOption = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the page and its figures.", autocompletion=files)
+    ] = None,
+    jobs: JobsOption = None,
+    scheduler: SchedulerOption = None,
+) -> None:
+    from design.evaluation.scenarios import Spread
+    from design.robustness.assess import assess
+    from design.robustness.box import box_of
+    from design.robustness.samples.conditions import Conditions
+    from design.robustness.samples.scenario_file import save
+    from plants.errors import InputError
+    from plants.wrist import Wrist
+    from reports.robustness.record import assessment_record
+
+    check_places({"--worst": worst, "--json": json}, out)
+    chosen = parameter_set(axis, plant)
+    spread = (
+        Spread.of(chosen.rig) if corners is None else Spread(*numbers(corners, "--corners", "0.2,0.1,0.2"))
+    )
+    if max(vars(spread).values()) >= 1.0:
+        raise InputError(f"--corners: {corners!r} must be shares below 1")
+    pi = controller(gains, Wrist.of(chosen))
+    around = box_of(chosen, spread, given=intervals(box or []))
+    conditions = Conditions(dead_time, load, noise, quantum)
+    with progress("robust") as tell:
+        found = assess(around, pi, None, conditions, samples, seed, jobs, scheduler, tell, budget)
+    said = console(json)
+    for part in lines(found):
+        said.print(part)
+    if worst is not None:
+        save(found.worst, worst)
+        said.print(f"worst scenario in {worst}", soft_wrap=True)
+    if out is not None:
+        said.print(f"page in {_write_page(out, found, points, seed, jobs)}", soft_wrap=True)
+    write_json(json, assessment_record(found))
+    if not found.stable:
+        raise typer.Exit(1)
+
+
+def intervals(texts: list[str]) -> dict[str, tuple[float, float]]:
+    """Bounds by name, of options such as ``a1=0.34:0.38``.  Raises InputError for another form, and
+    for a name that is given twice.
+
+    >>> intervals(["a1=0.34:0.38"])
+    {'a1': (0.34, 0.38)}
+    """
+    from plants.errors import InputError
+
+    found: dict[str, tuple[float, float]] = {}
+    for text in texts:
+        name, _, bounds = text.partition("=")
+        low, _, high = bounds.partition(":")
+        try:
+            pair = (float(low), float(high))
+        except ValueError:
+            raise InputError(f"--box: {text!r} is not name=low:high, like a1=0.34:0.38") from None
+        if name in found:
+            raise InputError(f"--box: {name} is given twice")
+        found[name] = pair
+    return found
+
+
+def controller(gains: str, wrist: "Wrist") -> "PI":
+    """The PI of ``--gains``; raises InputError for gains that are not both above zero."""
+    from design.controllers.pi import PI
+    from plants.errors import InputError
+
+    Kp, Ki = pi_gains(gains)
+    if Kp <= 0.0 or Ki <= 0.0:
+        raise InputError(
+            f"--gains: {gains!r}: Kp and Ki must both be above 0; without Ki the error never goes"
+        )
+    return PI.of(wrist, Kp, Ki)
+
+
+def lines(found: "Assessment") -> list[Any]:
+    """What people read of an assessment: a summary, the statements by kind, where they disagree."""
+    from design.robustness.verdict import verdict
+    from reports.robustness.disagreements import disagreement_sentences
+    from reports.robustness.words import remarks, summary
+
+    said: list[Any] = [*summary(found), *remarks(found)]
+    for statuses, words in KINDS.items():
+        statements = [s for s in verdict(found) if s.status in statuses]
+        rows = tuple(_cells(s) for s in statements)
+        said += ["", Sheet(("holds", "value", "statement", "branch"), rows, words, words=(0, 2, 3))]
+    contradictions = disagreement_sentences(found)
+    if contradictions:
+        said += ["", "Where they disagree"] + [f"- {d}" for d in contradictions]
+    return said
+
+
+def _cells(s: "Statement") -> tuple[str, ...]:
+    from reports.robustness.statements import claim_words
+    from reports.robustness.tables import shown
+
+    holds = "told" if s.status is Status.PREDICTED and s.holds is None else MARKS[s.holds]
+    return holds, shown(s), claim_words(s.claim), s.branch
+
+
+def _write_page(out: Path, found: "Assessment", points: int, seed: int, jobs: int | None) -> Path:
+    from design.studies.robustness_study import robustness_study
+    from reports.robustness.page import write_robust
+    from reports.shared.html import Made
+
+    plant = found.box.plant
+    with progress("page") as tell:
+        study = robustness_study(found, points, jobs, tell)
+        return write_robust(out, study, Made.now(command_line(), seed, {plant.axis: plant}))

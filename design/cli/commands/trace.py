@@ -1,0 +1,142 @@
+"""``wrist trace``: from a measured campaign to what the declared wrist lacks, and the revised plant."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from design.cli.common import (
+    CampaignArgument,
+    JobsOption,
+    JsonOption,
+    SeedOption,
+    StartOption,
+    command_line,
+    rig_of,
+    starting_set,
+    write_json,
+)
+from design.cli.completion import files
+from design.cli.places import check_places
+from design.cli.terminal.screen import Sheet, console, progress
+
+if TYPE_CHECKING:
+    from design.synthesis.retune import Control
+    from plants.measured.trace.trace import Trace
+
+NAME = "trace"
+HELP = "Find what the declared wrist lacks of a measured rig: the effect, its size, and the revised plant."
+EXAMPLE = "Example: wrist trace plants/measured/examples/flexion --out build/trace --save build/revised.toml"
+
+
+def command(
+    campaign: CampaignArgument,
+    plant: StartOption = None,
+    save: Annotated[
+        Path | None,
+        typer.Option(
+            help="Write the revised plant as TOML, for the other commands' --plant.", autocompletion=files
+        ),
+    ] = None,
+    retune: Annotated[
+        bool,
+        typer.Option(
+            "--retune", help="Tune the PI on the declared and on the revised plant, and compare the two."
+        ),
+    ] = False,
+    seed: SeedOption = 0,
+    json: JsonOption = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", help="Folder for the page, its pictures, JSON and TOML.", autocompletion=files),
+    ] = None,
+    jobs: JobsOption = None,
+) -> None:
+    from plants.measured.campaign import load_campaign
+    from plants.measured.trace.trace import trace_campaign
+    from plants.parameters.quantities import dump
+    from reports.trace.record import control_record, trace_record
+    from reports.trace.words import control_sentence
+
+    check_places({"--save": save, "--json": json}, out)
+    data = load_campaign(campaign, rig_of(plant))
+    start = starting_set(data, plant)
+    with progress(f"trace {data.name}") as tell:
+        trace = trace_campaign(data, start, seed, tell)
+    control = _retuned(trace, seed, jobs) if retune else None
+    said = console(json)
+    for part in lines(trace):
+        said.print(part)
+    if retune:
+        said.print(f"\n{control_sentence(control)}")
+    if save is not None:
+        dump(trace.revised, save)
+        said.print(f"plant in {save}", soft_wrap=True)
+    if out is not None:
+        said.print(f"page in {_write_page(out, trace, control, seed)}", soft_wrap=True)
+    write_json(json, trace_record(trace, control_record(control) if retune else None))
+
+
+def _retuned(trace: "Trace", seed: int, jobs: int | None) -> "Control | None":
+    """Both PIs; None where the campaign has no angle, and so no loop to tune."""
+    from design.synthesis.retune import retune
+
+    if trace.campaign.stage != "wrist":
+        return None
+    with progress("retune") as tell:
+        return retune(trace.fit.fitted, trace.revised, seed=seed, jobs=jobs, progress=tell)
+
+
+def _write_page(out: Path, trace: "Trace", control: "Control | None", seed: int) -> Path:
+    from reports.shared.html import Made
+    from reports.trace.page import write_trace
+
+    with progress("page"):
+        made = Made.now(
+            command=command_line(),
+            seed=seed,
+            sets={trace.campaign.axis: trace.revised},
+            data={trace.campaign.name: trace.campaign.checksum},
+        )
+        return write_trace(out, trace, made, control)
+
+
+def lines(trace: "Trace") -> list[Any]:
+    """What people read of a trace: the verdict first, then errors, effects, and what is open."""
+    from reports.trace.words import description, verdict_sentence
+
+    said: list[Any] = [verdict_sentence(trace), ""]
+    said += ["rms error of free runs from the command, on the held-out recordings", _errors(trace)]
+    if trace.effects:
+        said += ["", _effects(trace)]
+    words = [w for e in trace.effects for w in e.separations]
+    words += [description(s.learnt) for s in trace.unexplained if s.learnt is not None]
+    if trace.cannot_judge:
+        words.append("These recordings cannot tell:")
+        words += [f"  {name}: {why}" for name, why in trace.cannot_judge.items()]
+    words += trace.remarks
+    return said + (["", *words] if words else [])
+
+
+def _errors(trace: "Trace") -> Sheet:
+    rows = []
+    for channel, unit in (("angle_deg", "deg"), ("pressure_kPa", "kPa")):
+        before, after, noise = (x.get(channel) for x in (trace.before, trace.after, trace.noise))
+        if before is None or after is None:
+            continue
+        texts = ("-" if v is None else f"{v:.4g}" for v in (before, after, noise))
+        rows.append((channel.split("_")[0], unit, *texts, f"{after / noise:.2f}" if noise else "-"))
+    headings = ("channel", "unit", "before", "after", "noise", "after / noise")
+    return Sheet(headings, tuple(rows), words=(0, 1))
+
+
+def _effects(trace: "Trace") -> Sheet:
+    rows = []
+    for effect in trace.effects:
+        first = (f"{effect.name}, {effect.form}", ", ".join(effect.alternatives) or "-")
+        for name, (value, unit, error) in effect.parameters.items():
+            shown_error = "-" if error is None else f"{error:.2g}"
+            rows.append((first[0], name, f"{value:.4g}", shown_error, unit, first[1]))
+            first = ("", "")
+    headings = ("effect", "parameter", "value", "s.e.", "unit", "or else")
+    return Sheet(headings, tuple(rows), words=(0, 1, 4, 5))

@@ -1,0 +1,189 @@
+"""``wrist tune``: gains of least worst cost under hard limits."""
+
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from design.cli.common import (
+    Axis,
+    AxisOption,
+    JobsOption,
+    JsonOption,
+    OutOption,
+    PlantOption,
+    SchedulerOption,
+    SeedOption,
+    numbers,
+    parameter_set,
+    seconds,
+    write_json,
+)
+from design.cli.completion import costs
+from design.cli.places import check_places
+from design.cli.terminal.screen import console, progress
+
+COST_TEXT = {
+    "iae": "IAE {:.4g} deg s",
+    "itae": "ITAE {:.4g} deg s²",
+    "settling_time": "settling time {:.4g} s",
+}
+
+if TYPE_CHECKING:
+    from design.synthesis.answer import Answer
+
+NAME = "tune"
+HELP = "Tune the PI: least worst cost over starting memories and corners of the plant, under hard limits."
+EXAMPLE = "Example: wrist tune --axis flexion --out build/tune"
+
+
+def command(
+    axis: AxisOption = Axis.flexion,
+    plant: PlantOption = None,
+    cost: Annotated[
+        str, typer.Option(help="What is minimised: iae, itae or settling_time.", autocompletion=costs)
+    ] = "iae",
+    nominal: Annotated[
+        bool,
+        typer.Option(
+            "--nominal", help="Only the nominal plant from rest, without the delay margin: fast on paper."
+        ),
+    ] = False,
+    overshoot: Annotated[
+        float | None,
+        typer.Option(help="Limit on the simulated overshoot [%]; the rig's if not given.", min=0.0),
+    ] = None,
+    ms: Annotated[
+        float | None, typer.Option(help="Limit on the peak of the sensitivity on every branch.", min=1.0)
+    ] = None,
+    delay_margin: Annotated[float | None, typer.Option(help="Least delay margin [s].", min=0.0)] = None,
+    variation: Annotated[
+        float | None, typer.Option(help="Limit on the total variation of the command in a step.", min=0.0)
+    ] = None,
+    steady_error: Annotated[
+        float | None,
+        typer.Option(help="Limit on what is left at the end of the run [% of the step].", min=0.0),
+    ] = None,
+    corners: Annotated[
+        str | None, typer.Option(help="Shares by which loop width, slopes and lag of the corners differ.")
+    ] = None,
+    points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 40,
+    starts: Annotated[int, typer.Option(help="Local searches.", min=1, max=100)] = 5,
+    robust: Annotated[
+        bool,
+        typer.Option(
+            "--robust", help="Search for the worst case of the gains, add it to the set, and tune again."
+        ),
+    ] = False,
+    rounds: Annotated[int, typer.Option(help="Rounds of --robust.", min=1, max=50)] = 15,
+    dead_time: Annotated[
+        float, typer.Option(help="Dead time that the worst case of --robust may have on top [s].", min=0.0)
+    ] = 0.0,
+    load: Annotated[
+        float, typer.Option(help="Load that it may have, a shift of the static angle [deg].", min=0.0)
+    ] = 0.0,
+    seed: SeedOption = 0,
+    json: JsonOption = None,
+    out: OutOption = None,
+    jobs: JobsOption = None,
+    scheduler: SchedulerOption = None,
+) -> None:
+    from design.evaluation.scenarios import Spread
+    from design.synthesis.answer import answer
+    from design.synthesis.requirements import COSTS, Limits, default_problem
+    from design.synthesis.tuning import Region, tune
+    from plants.errors import InputError
+    from plants.wrist import Wrist
+    from reports.shared.tuning import tuning_record
+
+    check_places({"--json": json}, out)
+    if cost not in COSTS:
+        raise InputError(f"--cost: unknown cost {cost!r}; one of {', '.join(COSTS)}")
+    chosen = parameter_set(axis, plant)
+    spread = (
+        Spread.of(chosen.rig) if corners is None else Spread(*numbers(corners, "--corners", "0.2,0.1,0.2"))
+    )
+    if max(vars(spread).values()) >= 1.0:
+        raise InputError(f"--corners: {corners!r} must be shares below 1")
+    given = {
+        "overshoot_percent": overshoot, "Ms": ms, "delay_margin_s": delay_margin,
+        "total_variation_V": variation, "steady_error_percent": steady_error,
+    }  # fmt: skip
+    limits = replace(Limits.of(chosen.rig), **{n: v for n, v in given.items() if v is not None})
+    limits = replace(limits, delay_margin_s=None) if nominal else limits
+    problem = default_problem(Wrist.of(chosen), limits, cost, nominal, jobs, spread)
+    region = Region(points=points)
+    said = console(json)
+    record: dict[str, Any] = {}
+    if robust:
+        from design.robustness.box import box_of
+        from design.robustness.robust_tuning import tune_robustly
+        from reports.robustness import tuning as robust_words
+
+        with progress("tune") as tell:
+            grown = tune_robustly(
+                problem, box_of(chosen, spread), region, starts, seed, dead_time, load, rounds, tell,
+                partial(tune, scheduler=scheduler),
+            )  # fmt: skip
+        found = grown.final
+        for line in robust_words.lines(grown):
+            said.print(line)
+        record = {"robust": robust_words.record(grown)}
+    else:
+        with progress("tune") as tell:
+            found = tune(problem, region, starts, seed, tell, scheduler)
+    answered = answer(found)
+    for line in lines(answered):
+        said.print(line)
+    if out is not None:
+        from reports.shared.gain_map import gain_map
+        from reports.shared.style import save
+
+        path = out / f"tune-{chosen.axis}.png"
+        save(gain_map(found), path)
+        said.print(f"map of the gains in {path}", soft_wrap=True)
+    write_json(json, tuning_record(answered, chosen.axis) | record)
+    if answered.refusal is not None:
+        raise typer.Exit(1)
+
+
+def lines(answered: "Answer") -> list[str]:
+    """What people read of a tuning."""
+    from design.evaluation.scenarios import HEADROOM
+    from reports.shared.tuning import refused
+
+    if answered.refusal is not None:
+        return [refused(answered.refusal)]
+    found, metrics = answered.tuning, answered.nominal
+    problem, at, region = found.problem, found.at, found.region
+    near = sum(s.feasible and s.cost <= 1.01 * float(at.cost[0]) for s in found.searches)
+    apart = " and ".join(f"{100 * (r - 1):.0f} %" for r in region.resolution)
+    said = [
+        f"Kp = {found.Kp:.4g} kPa/deg, Ki = {found.Ki:.4g} kPa/(deg s)",
+        f"worst {COST_TEXT[problem.cost].format(at.cost[0])} over {len(problem.scenarios)} scenarios, on "
+        f"{problem.place('cost', int(at.cost_at[0]))}",
+        f"nominal step of {problem.wrist.rig.task.step:+g} deg: settles in "
+        f"{seconds(metrics['settling_time_s'], problem.duration)}, "
+        f"overshoot {metrics['overshoot_percent']:.2g} %, IAE {metrics['iae_deg_s']:.4g} deg s",
+        f"worst overshoot {at.values['overshoot_percent'][0]:.3g} %, Ms {at.values['Ms'][0]:.3g}, "
+        f"delay margin {1000 * at.values['delay_margin_s'][0]:.0f} ms, "
+        f"total variation of the command {at.values['total_variation_V'][0]:.3g} V",
+        "active limit: "
+        + (
+            f"{found.active}, on {problem.place(found.active, int(at.values_at[found.active][0]))}"
+            if found.active
+            else "none; the optimum lies inside all limits"
+        ),
+        f"map of {region.points} x {region.points} gains, neighbours {apart} apart (Kp and Ki), "
+        f"{found.map.feasible.sum()} within the limits; {near} of {len(found.searches)} local searches ended "
+        f"within 1 % of the result, the others at higher costs",
+    ]
+    if problem.set_aside:
+        said.append(
+            f"{len(problem.set_aside)} scenarios set aside, since the command that holds them lies within "
+            f"{HEADROOM:g} V of the end of the range or beyond, such as {problem.set_aside[0].name}"
+        )
+    if found.on_edge:
+        said.append("the optimum lies on the edge of the searched gains, so it may go on outside")
+    return said

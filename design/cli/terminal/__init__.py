@@ -1,0 +1,1 @@
+"""The terminal: what is printed on it, and how a run is stopped from it."""

@@ -1,0 +1,1 @@
+"""Synthesis of a PI: requirements, search, tuning rules, and what a tuning answers."""

@@ -1,0 +1,96 @@
+"""What a tuning answers: gains and their evidence, or no, with the limit and the scenario."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from design.evaluation.scenarios import hindrance
+from design.synthesis.requirements import Problem, out_of_range, rollouts
+from design.synthesis.tuning import Tuning, nearest_limit
+
+UNITS = {"Kp": "kPa/deg", "Ki": "kPa/(deg s)"}
+"""Units of the gains."""
+
+NOMINAL = ("settling_time_s", "overshoot_percent", "iae_deg_s", "itae_deg_s2", "total_variation_V")
+"""Metrics that an answer tells of the nominal step, and at their worst over all scenarios."""
+
+
+@dataclass(frozen=True)
+class OutOfReach:
+    """No gains help: the scenario, by name, whose reference no command holds, since an `obstacle` stands in
+    the way (in words), or, where that is None, since the command range is `volts` [V] too small."""
+
+    scenario: str
+    obstacle: str | None
+    volts: float
+
+
+@dataclass(frozen=True)
+class LimitBroken:
+    """No gains of a region (ranges of Kp [kPa/deg] and Ki [kPa/(deg s)]) hold every limit: at the nearest,
+    Kp and Ki, the value of `limit` is beyond its bound in a place, by name."""
+
+    Kp_range: tuple[float, float]
+    Ki_range: tuple[float, float]
+    Kp: float
+    Ki: float
+    limit: str
+    value: float
+    bound: float
+    place: str
+
+
+Refusal = OutOfReach | LimitBroken
+"""Why the limits cannot be met."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A tuning with what its gains do: metrics of the nominal step from rest, and the worst of each over all
+    scenarios, both by name; refusal: None where every limit is held."""
+
+    tuning: Tuning
+    nominal: Mapping[str, float]
+    everywhere: Mapping[str, float]
+    refusal: Refusal | None
+
+
+def answer(found: Tuning) -> Answer:
+    """The answer of a tuning, whose gains are run once more on all scenarios."""
+    problem, at = found.problem, found.at
+    judged = rollouts(problem, at.Kp, at.Ki)
+    plain = next(
+        i
+        for i, s in enumerate(problem.scenarios)
+        if (s.start, s.plant) == ("virgin", "nominal") and s.reference > 0
+    )
+    values = {n: getattr(judged, n)[0] for n in NOMINAL}
+    return Answer(
+        found,
+        {n: float(v[plain]) for n, v in values.items()},
+        {n: float(np.max(v)) for n, v in values.items()},
+        refusal(found),
+    )
+
+
+def out_of_reach(problem: Problem) -> OutOfReach | None:
+    """The scenario of a problem that no gains can do; None where there is none."""
+    lack = out_of_range(problem)
+    if lack is None:
+        return None
+    scenario, volts = lack
+    return OutOfReach(scenario.name, hindrance(scenario), float(volts))
+
+
+def refusal(found: Tuning) -> Refusal | None:
+    """Why the limits cannot be met, or None where they are."""
+    beyond = out_of_reach(found.problem)
+    if beyond is not None or found.feasible:
+        return beyond
+    name = nearest_limit(found.at, 0)
+    assert name is not None
+    return LimitBroken(
+        found.region.Kp, found.region.Ki, found.Kp, found.Ki, name, float(found.at.values[name][0]),
+        found.problem.limits.named[name], found.problem.place(name, int(found.at.values_at[name][0])),
+    )  # fmt: skip

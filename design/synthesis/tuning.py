@@ -1,0 +1,250 @@
+"""Tuning the PI: the least worst cost under hard limits, with evidence that it is the global one.
+
+A dense map of the two gains comes first; it shows every valley.  Then a local
+search (Nelder-Mead, restarted once, since it stalls on the edge of a limit)
+runs from the lowest cells that are valleys of their own, and three ever finer
+maps are laid around the best of them.  Nothing here needs a derivative: the
+worst of many scenarios has none where the worst one changes.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.cluster import each
+from design.synthesis.requirements import Evaluation, Problem, evaluate
+
+Array = NDArray[np.float64]
+PENALTY = 20.0
+"""Price of an excess over a limit in the local search: a share of the cost per share of the limit."""
+ACTIVE = 0.01
+"""A limit is active where the optimum comes this near to it, as a share of the limit."""
+
+
+@dataclass(frozen=True)
+class Region:
+    """Gains that are searched, and how finely the map covers them (log-spaced)."""
+
+    Kp: tuple[float, float] = (0.3, 40.0)
+    Ki: tuple[float, float] = (0.3, 200.0)
+    points: int = 40
+
+    @property
+    def grid(self) -> tuple[Array, Array]:
+        """Kp and Ki of the map's rows and columns, each (points,)."""
+        return np.geomspace(*self.Kp, self.points), np.geomspace(*self.Ki, self.points)
+
+    @property
+    def resolution(self) -> tuple[float, float]:
+        """Ratio of neighbouring gains of the map, for Kp and Ki."""
+        return (
+            (self.Kp[1] / self.Kp[0]) ** (1 / (self.points - 1)),
+            (self.Ki[1] / self.Ki[0]) ** (1 / (self.points - 1)),
+        )
+
+
+@dataclass(frozen=True)
+class LocalSearch:
+    """One local search: gains it started from and ended at, cost there, whether limits hold."""
+
+    start: tuple[float, float]
+    end: tuple[float, float]
+    cost: float
+    feasible: bool
+    evaluations: int
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """What tuning found.
+
+    Kp, Ki: the gains, of least excess where no gains hold the limits.
+    at: their evaluation, arrays of length 1.  map: the evaluation of the whole
+    map, rows Kp, columns Ki, flattened.  searches: the local searches.
+    """
+
+    problem: Problem
+    region: Region
+    at: Evaluation
+    map: Evaluation
+    searches: tuple[LocalSearch, ...]
+
+    @property
+    def Kp(self) -> float:
+        """Proportional gain [kPa/deg]."""
+        return float(self.at.Kp[0])
+
+    @property
+    def Ki(self) -> float:
+        """Integral gain [kPa/(deg s)]."""
+        return float(self.at.Ki[0])
+
+    @property
+    def feasible(self) -> bool:
+        """Whether the gains hold every limit."""
+        return bool(self.at.feasible[0])
+
+    @property
+    def active(self) -> str | None:
+        """The limit that the gains run into first, or None for an optimum inside all limits."""
+        return nearest_limit(self.at, 0) if self.at.worst_excess[0] > -ACTIVE else None
+
+    @property
+    def spread(self) -> float:
+        """By how much the best local searches differ: the share of the cost by which the
+        second best feasible one lies above the best; infinite where there is only one."""
+        costs = sorted(s.cost for s in self.searches if s.feasible)
+        return costs[1] / costs[0] - 1.0 if len(costs) > 1 else float("inf")
+
+    @property
+    def on_edge(self) -> bool:
+        """Whether the optimum lies on the edge of the searched region, so that it may go on outside."""
+        return any(
+            min(gain / low, high / gain) < 1.02
+            for gain, (low, high) in ((self.Kp, self.region.Kp), (self.Ki, self.region.Ki))
+        )
+
+
+def nearest_limit(at: Evaluation, index: int) -> str | None:
+    """The limit that gains come nearest to, or violate most; None where there are no limits."""
+    return max(at.excess, key=lambda name: at.excess[name][index], default=None)
+
+
+def merit(at: Evaluation) -> Array:
+    """Cost, with excess over the limits at a price, (n,); large but finite where the cost is infinite."""
+    excess = np.nan_to_num(np.maximum(at.worst_excess, 0.0), posinf=1e3)
+    return np.nan_to_num(at.cost, posinf=1e3) * (1.0 + PENALTY * excess)
+
+
+def valleys(values: Array, count: int) -> list[tuple[int, int]]:
+    """Cells of a map, shape (n, m), that are no higher than their eight neighbours, lowest first.
+
+    >>> valleys(np.array([[3., 9., 9.], [9., 9., 9.], [9., 9., 1.]]), 5)
+    [(2, 2), (0, 0)]
+    """
+    n, m = values.shape
+
+    def neighbours(edge: float) -> list[Array]:
+        around = np.pad(values, 1, constant_values=edge)
+        return [around[1 + i : 1 + i + n, 1 + j : 1 + j + m] for i in (-1, 0, 1) for j in (-1, 0, 1)]
+
+    low = (values <= np.min(neighbours(np.inf), axis=0)) & (values < np.max(neighbours(-np.inf), axis=0))
+    cells = sorted(zip(*np.nonzero(low), strict=True), key=lambda cell: float(values[cell]))
+    return [(int(i), int(j)) for i, j in cells[:count]]
+
+
+def local_search(problem: Problem, region: Region, start: tuple[float, float]) -> LocalSearch:
+    """Nelder-Mead in the logarithms of the gains, within the region, restarted once."""
+    from scipy.optimize import minimize
+
+    best: tuple[float, Any, Evaluation] | None = None
+    low, high = np.log([region.Kp[0], region.Ki[0]]), np.log([region.Kp[1], region.Ki[1]])
+    calls = 0
+
+    def height(x: Array) -> float:
+        nonlocal best, calls
+        calls += 1
+        inside = np.clip(x, low, high)
+        at = evaluate(problem, np.exp(inside[:1]), np.exp(inside[1:]))
+        value = float(merit(at)[0])
+        if best is None or (not bool(at.feasible[0]), value) < (not bool(best[2].feasible[0]), best[0]):
+            best = (value, inside, at)
+        return value + float(np.abs(x - inside).sum()) * value
+
+    x = np.log(start)
+    for size in (1.0, 0.3):
+        steps = np.diag(np.log(region.resolution)) * size
+        options = {"initial_simplex": np.vstack([x, x + steps]), "xatol": 1e-4, "fatol": 1e-5, "maxfev": 70}
+        x = minimize(height, x, method="Nelder-Mead", options=options).x
+    assert best is not None
+    _, _, at = best
+    end = (float(at.Kp[0]), float(at.Ki[0]))
+    return LocalSearch(start, end, float(at.cost[0]), bool(at.feasible[0]), calls)
+
+
+def tune(
+    problem: Problem,
+    region: Region | None = None,
+    starts: int = 5,
+    seed: int = 0,
+    progress: Callable[[str, float], None] | None = None,
+    scheduler: str | None = None,
+) -> Tuning:
+    """Gains of least worst cost under the problem's limits.
+
+    `starts` is the number of local searches, from the valleys of the map and, where
+    these are fewer, from cells of it drawn with `seed`; `progress`, if given, is told the
+    stage and the share that is done; `scheduler` is the address of a Dask cluster that the
+    map, cut into pieces that do not depend on it, is computed on, to the same bits.  The result
+    says whether the limits are held (`Tuning.feasible`); it is for the caller to say no.
+    """
+    region, tell = region or Region(), progress or (lambda stage, share: None)
+    rows, columns = region.grid
+    Kp, Ki = (g.ravel() for g in np.meshgrid(rows, columns, indexing="ij"))
+    pieces = np.array_split(np.arange(Kp.size), max(1, Kp.size // 200))
+    tell("map", 0.0)
+    # On a cluster one thread a piece: its workers have threads of their own.
+    work = partial(_piece, problem if scheduler is None else replace(problem, jobs=1))
+    gains = [(Kp[piece], Ki[piece]) for piece in pieces]
+    whole = join(each(work, gains, scheduler, lambda share: tell("map", share)))
+
+    begins = _begins(whole, rows, columns, starts, seed)
+    searches = []
+    for number, begin in enumerate(begins):
+        tell("local search", number / len(begins))
+        searches.append(local_search(problem, region, begin))
+    at = _best(join([_best(whole), evaluate(problem, *np.array([s.end for s in searches]).T)]))
+    for zoom in (1.0, 0.3, 0.1):
+        tell("fine map", 1.0 - zoom)
+        at = _best(join([at, evaluate(problem, *_around(at, region, zoom))]))
+    tell("done", 1.0)
+    return Tuning(problem, region, at, whole, tuple(searches))
+
+
+def _piece(problem: Problem, gains: tuple[Array, Array]) -> Evaluation:
+    return evaluate(problem, *gains)
+
+
+def _begins(
+    whole: Evaluation, rows: Array, columns: Array, count: int, seed: int
+) -> list[tuple[float, float]]:
+    """Gains that local searches start from: valleys of the map, then cells drawn at random; of
+    those that hold the limits, where there are any."""
+    cells = valleys(merit(whole).reshape(rows.size, columns.size), rows.size * columns.size)
+    usable = whole.feasible if whole.feasible.any() else np.ones(whole.Kp.size, bool)
+    indices = [i * columns.size + j for i, j in cells if usable[i * columns.size + j]]
+    drawn = np.random.default_rng(seed).permutation(np.flatnonzero(usable))
+    chosen = list(dict.fromkeys([*indices, *map(int, drawn)]))[:count]
+    return [(float(whole.Kp[n]), float(whole.Ki[n])) for n in chosen]
+
+
+def _around(at: Evaluation, region: Region, zoom: float) -> tuple[Array, Array]:
+    """Gains of a fine map that reaches `zoom` cells of the region's map to each side, flattened."""
+    points = max(5, region.points // 2)
+    centres = (float(at.Kp[0]), float(at.Ki[0]))
+    sides = [
+        np.clip(centre * ratio ** np.linspace(-zoom, zoom, points), *bounds)
+        for centre, ratio, bounds in zip(centres, region.resolution, (region.Kp, region.Ki), strict=True)
+    ]
+    rows, columns = np.meshgrid(*sides, indexing="ij")
+    return rows.ravel(), columns.ravel()
+
+
+def _best(at: Evaluation) -> Evaluation:
+    """The gains of least cost among those that hold the limits, else those of least excess."""
+    rank = np.where(at.feasible, at.cost, np.inf) if at.feasible.any() else at.worst_excess
+    return at.only(int(np.argmin(rank)))
+
+
+def join(parts: list[Evaluation]) -> Evaluation:
+    """Evaluations of pieces of a set of gains, put together."""
+
+    def table(name: str) -> dict[str, Any]:
+        return {k: np.concatenate([getattr(p, name)[k] for p in parts]) for k in getattr(parts[0], name)}
+
+    row = {n: np.concatenate([getattr(p, n) for p in parts]) for n in ("Kp", "Ki", "cost", "cost_at")}
+    return Evaluation(**row, values=table("values"), values_at=table("values_at"), excess=table("excess"))

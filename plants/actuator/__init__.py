@@ -1,0 +1,1 @@
+"""The actuator: from the command to the pressure, and back."""

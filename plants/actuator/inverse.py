@@ -1,0 +1,45 @@
+"""Inverse of the regulator: the command that gives a pressure.
+
+That of the hysteresis, the pressure that gives an angle, is the law's own: `plants.hysteresis.law`.
+All functions are NumPy ufuncs of floats, lanes or symbols, as the laws are.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from plants.actuator.regulator import SampledRegulator, share
+
+Number = Any
+
+NEWTON_STEPS = 10
+"""Of `error_for`: to rounding for every regulator within the bounds of its parameters at 1 ms."""
+
+
+def error_for(change: Number, c: SampledRegulator) -> Number:
+    """Error gain v - P [kPa] that the regulator needs for a change of pressure [kPa] in one sample.
+
+    Solves ``share(e, c) e = change`` by Newton's method.  The rate grows with the size of the error, so
+    there is one solution; since k(e) e >= k_fast e - (k_fast - k_slow) e0 / 2, it lies at most e0 / 2
+    beyond that of the fast rate, which is where the iteration starts.
+
+    >>> from plants.actuator.regulator import Regulator, sampled
+    >>> c = sampled(Regulator(49.4, 9.0, 0.55, 9.0), 0.001)
+    >>> round(float(error_for(0.5, c)), 6), round(float(share(error_for(0.5, c), c) * error_for(0.5, c)), 12)
+    (57.110748, 0.5)
+    """
+    size = np.abs(change)
+    half = 0.5 * np.sqrt(c.e0_squared)
+    error = np.minimum(size / (c.alpha_slow + c.alpha_rise) + half, size / c.alpha_slow)
+    for _ in range(NEWTON_STEPS):
+        squared = error * error
+        w = squared / (squared + c.e0_squared)
+        by_w = c.alpha_rise - c.z_rise * ((1.0 - 2.0 * w) * c.z_centre + (2.0 - 3.0 * w) * w * c.z_rise)
+        of_error = share(error, c)
+        error = error - (of_error * error - size) / (of_error + 2.0 * w * (1.0 - w) * by_w)
+    return np.where(change < 0.0, -error, error)
+
+
+def command_for(before: Number, after: Number, c: SampledRegulator) -> Number:
+    """Command [V] that takes the regulator from one pressure to another [kPa] in one sample; not bounded."""
+    return (before + error_for(after - before, c)) / c.gain

@@ -1,0 +1,1 @@
+"""Effects between the pressure and the angle."""

@@ -1,0 +1,192 @@
+"""The wrist as python-control objects: the sampled system, and its linearisation on each branch.
+
+A wrist with effects is no small rational system any more, but has a frequency
+response all the same: `responses` multiplies it together from its parts.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plants import lag
+from plants.actuator import regulator
+from plants.actuator.regulator import Regulator
+from plants.hysteresis import Side
+from plants.kernel import pytrees as tree
+from plants.kernel.graphs import jacobians
+from plants.wrist import Wrist, step
+
+RATES = ("slow", "fast")
+"""The two ends of the regulator's rate: near to and far from the commanded pressure."""
+
+
+def nlsys(wrist: Wrist) -> Any:
+    """The sampled wrist as a discrete ``control.nlsys``: command [V] to pressure [kPa] and angle [deg].
+
+    States are pressure, static angle and the rest of the memory, and angle, at 1 ms; they start at 0
+    in python-control unless told otherwise, so pass ``wrist_x0(wrist)``.
+
+    >>> import control, numpy as np
+    >>> from plants import Wrist
+    >>> w, t = Wrist.flexion(), np.arange(1001) * 1e-3
+    >>> r = control.input_output_response(nlsys(w), t, np.full(1001, 3.0), wrist_x0(w))
+    >>> bool(abs(r.outputs[1, -1] - w.simulate([3.0] * 1000).angle[-1]) < 1e-12)
+    True
+
+    Raises ValueError for a wrist with effects, whose delay lines python-control cannot hold.
+    """
+    import control
+
+    if wrist.effects:
+        raise ValueError(f"{_named(wrist)}: no control.nlsys of it is to be had; use Wrist.simulate")
+    c, rest = wrist.sampled(), wrist.rest()
+    names = {
+        "pressure": "pressure_kPa",
+        "memory.h": "static_angle_deg",
+        "memory.virgin": "virgin",
+        "angle": "angle_deg",
+    }
+
+    def update(_t: float, x: Any, u: Any, _params: Any) -> Any:
+        return np.array(tree.leaves(step(tree.like(rest, list(x)), u[0], c)), float)
+
+    def output(_t: float, x: Any, _u: Any, _params: Any) -> Any:
+        return np.array([x[0], x[-1]])
+
+    return control.nlsys(
+        update, output, dt=wrist.rig.sample_time, name="wrist", inputs=["command_V"],
+        states=[names.get(n, n) for n in tree.names(rest)],
+        outputs=["pressure_kPa", "angle_deg"],
+    )  # fmt: skip
+
+
+def wrist_x0(wrist: Wrist) -> Any:
+    """Initial state of `nlsys` for a wrist at rest, shape (states,); (4,) for four segments."""
+    return np.array(tree.leaves(wrist.rest()), float)
+
+
+def branch_slope(wrist: Wrist, branch: str) -> float:
+    """Slope [deg/kPa] of a branch of the wrist's hysteresis law, such as ``transit``, ``line1`` or ``line2``.
+
+    Raises ValueError for another name.
+    """
+    slopes = branch_slopes(wrist)
+    if branch not in slopes:
+        raise ValueError(f"unknown branch {branch!r}; one of {', '.join(slopes)}")
+    return slopes[branch]
+
+
+def branch_slopes(wrist: Wrist) -> dict[str, float]:
+    """Slopes [deg/kPa] of the branches on which the closed loop can work, within the range of the command.
+
+    >>> branch_slopes(Wrist.flexion())
+    {'transit': 0.0803, 'line1': 0.36, 'line2': 0.36}
+    """
+    low, high = (wrist.regulator.gain * v for v in wrist.rig.command_range)
+    return {name: float(slope) for name, slope in wrist.hysteresis.branches(low, high).items()}
+
+
+def branch_ss(wrist: Wrist, branch: str, rate: str = "fast") -> Any:
+    """Linearisation on one branch at one regulator rate, a discrete ``control.ss`` at 1 ms.
+
+    Deviations from an equilibrium; input command [V], states pressure [kPa] and
+    angle [deg], output angle.  While a branch is not left, the static angle is
+    the pressure times the branch's slope, so it is no state of its own.  The two
+    rates are the ends of k(e); the slope of k(e) e itself passes its fast end by up
+    to an eighth of k_fast - k_slow (at e = sqrt(3) e0), which no branch here shows.
+    `rate` is ``fast`` or ``slow``.  Raises ValueError for another name, and for a
+    wrist with effects, of which there are only `responses`.
+
+    >>> from plants import Wrist
+    >>> w = Wrist.flexion()
+    >>> bool(abs(branch_ss(w, "line1").dcgain() - 49.4 * 0.36) < 1e-9)
+    True
+    """
+    import control
+
+    if wrist.effects:
+        raise ValueError(
+            f"{_named(wrist)}: no control.ss of it is to be had; use plants.linearisation.responses"
+        )
+    slope = branch_slope(wrist, branch)
+    if rate not in RATES:
+        raise ValueError(f"unknown regulator rate {rate!r}; one of {', '.join(RATES)}")
+    p = wrist.regulator
+    k = p.k_fast if rate == "fast" else p.k_slow
+    air = regulator.sampled(Regulator(p.gain, k, k, p.e0), wrist.rig.sample_time)
+    transient = lag.sampled(wrist.Tw, wrist.rig.sample_time)
+
+    def linear(state: Any, command: Any) -> Any:
+        pressure, angle = state
+        after = regulator.step(pressure, command, air)
+        return after, lag.step(angle, slope * pressure, slope * after, transient)
+
+    a, b = jacobians(linear, (0.0, 0.0), 0.0)
+    return control.ss(
+        a, b, [[0.0, 1.0]], [[0.0]], wrist.rig.sample_time, name=f"{branch}_{rate}",
+        inputs=["command_V"], states=["pressure_kPa", "angle_deg"], outputs=["angle_deg"],
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class FrequencyResponse:
+    """Frequency response [deg/V] of one branch at one regulator rate, shape of omega, with their
+    names; a branch that bends has its least and its largest slope, a rate its factors."""
+
+    branch: str
+    rate: str
+    response: NDArray[np.complex128]
+
+
+def responses(wrist: Wrist, omega: Any) -> list[FrequencyResponse]:
+    """Frequency responses of a wrist with effects at omega [rad/s], on every branch at every rate.
+
+    To the command [V], of small motions about an equilibrium: what comes from
+    outside the wrist (load, hum, drift, the other motion) takes no part, nor what
+    only acts beyond a threshold (dead band, end stop, supply) or on large motions
+    (the loop's widening with the rate, drag); all else is what `Effect.linear`
+    says.  Curved branches come with the least and the largest slope within the
+    command range, soft ones fresh and fully worked, the regulator with the rates
+    of filling and exhausting at both ends of the range.  Of several effects the
+    extremes are multiplied, so that the list holds more than what can occur at once.
+    """
+    z = np.exp(1j * np.asarray(omega, float) * wrist.rig.sample_time)
+    p = wrist.regulator
+    reach = (p.gain * wrist.rig.command_range[0], p.gain * wrist.rig.command_range[1])
+    parts = [e.linear(wrist, z, wrist.rig.sample_time, reach) for e in wrist.effects]
+    c = lag.sampled(wrist.Tw, wrist.rig.sample_time)
+    joint = next((x.joint for x in parts if x.joint is not None), (c.before + c.after * z) / (z - c.keep))
+    common = p.gain * joint
+    for part in parts:
+        common = common * part.command * part.static
+    speeds = _products([x.rates for x in parts])
+    found = []
+    for branch, straight in branch_slopes(wrist).items():
+        sides = wrist.hysteresis.sides(branch)
+        slopes = _products([slope_factors(x.slopes, sides) for x in parts])
+        for slope, rate, speed in product(sorted({min(slopes), max(slopes)}), RATES, speeds):
+            share = -np.expm1(-speed * (p.k_fast if rate == "fast" else p.k_slow) * wrist.rig.sample_time)
+            air = share / (z - 1.0 + share)
+            bent = "" if len(set(slopes)) == 1 else f", slope x {slope:.3g}"
+            quick = rate if speed == 1.0 else f"{rate} x {speed:.3g}"
+            found.append(FrequencyResponse(branch + bent, quick, common * air * (slope * straight)))
+    return found
+
+
+def slope_factors(slopes: Mapping[Side, tuple[float, float]], sides: tuple[Side, ...]) -> tuple[float, ...]:
+    """Least and largest factor of the slope that an effect has on some sides of the loop."""
+    found = [factor for side in sides for factor in slopes.get(side, (1.0,))]
+    return tuple(sorted({min(found), max(found)}))
+
+
+def _products(factors: list[tuple[float, ...]]) -> list[float]:
+    """Every product of one factor of each kind, without repetition."""
+    return list(dict.fromkeys(float(np.prod(chosen)) for chosen in product(*factors)))
+
+
+def _named(wrist: Wrist) -> str:
+    return f"a wrist with {', '.join(e.NAME for e in wrist.effects)}"

@@ -1,0 +1,1 @@
+"""A remainder as a series, its spectrum, and the columns that it is regressed on."""

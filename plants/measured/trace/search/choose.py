@@ -1,0 +1,230 @@
+"""Choosing effects: refit the best few fully, judge on blocks left out, prefer fewer effects."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plants.effects import EFFECTS
+from plants.measured.residual.examine import Examination, examine
+from plants.measured.trace.search.likelihood import demanded, log_likelihood
+from plants.measured.trace.search.screening import Ranked, Screen, screen
+from plants.measured.trace.stages.model import Model
+from plants.measured.trace.stages.remainders import remainders
+from plants.measured.trace.stages.stage import BLOCK
+
+Array = NDArray[np.float64]
+WORTH = 0.05
+"""Least fall of chi-square per row that an effect must bring.  With tens of thousands of rows far
+smaller ones are beyond doubt, but they are imperfections of a form as often as effects."""
+
+SHARE = 0.25
+"""Least share of what chi-square has above 1 that an effect must take away."""
+
+TRIFLE = 0.002
+"""Least share, of what chi-square fell by so far, that a further effect must bring: the form of a strong
+effect is never quite the rig's, and what it leaves invites others."""
+
+SHORTLIST, FORMS = 4, 2
+"""Effects that are refitted in each round, and of how many of their forms."""
+
+MOST = 3
+"""Effects that a stage may be given; beyond that a description is more honest than a list of causes."""
+
+SAME = 0.02
+"""Forms of one effect whose chi-square is within this share of its excess are equally good; the one
+with fewest parameters is taken."""
+
+BEAM, BEAM_REACH = 2, 5.0
+"""Models that a round starts from, and how much worse than the best the others may be."""
+
+FOLDS = 2
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A model that was fitted."""
+
+    model: Model
+
+    @cached_property
+    def held_out(self) -> float:
+        """Its chi-square per row on blocks that did not fit it."""
+        return held_out(self.model)
+
+    @cached_property
+    def examined(self) -> Examination:
+        """What its remainder shows."""
+        return examine(remainders(self.model))
+
+    @cached_property
+    def log_likelihood(self) -> float:
+        """Of what it leaves, as noise of a colour of its own."""
+        return log_likelihood(self.model)
+
+    @property
+    def lacks_something(self) -> bool:
+        """Whether its remainder is large enough to look further."""
+        return self.model.chi2 > 1.0 + WORTH
+
+
+@dataclass(frozen=True)
+class SearchRound:
+    """One decision: the model before it, the ranking, candidates that were refitted fully (best
+    first), and which was taken, None where the search ended."""
+
+    before: Candidate
+    ranking: tuple[Ranked, ...]
+    candidates: tuple[Candidate, ...]
+    taken: Candidate | None
+
+
+@dataclass(frozen=True)
+class EffectSearch:
+    """All decisions for one stage, and where they led."""
+
+    rounds: tuple[SearchRound, ...]
+    chosen: Candidate
+    declared: Candidate
+
+
+def held_out(model: Model, evaluations: int = 6) -> float:
+    """Chi-square per row on blocks of ten seconds, each fitted on the others' half of the data."""
+    fold = model.stage.blocks(BLOCK) % FOLDS
+    total = 0.0
+    for k in range(FOLDS):
+        apart = fold == k
+        total += float(np.sum(model.fitted(evaluations, 1e-4, ~apart).residual[apart] ** 2))
+    return total / fold.size
+
+
+def search(
+    declared: Model,
+    names: Sequence[str] | None = None,
+    tell: Callable[[str], None] | None = None,
+    seed: int = 0,
+) -> EffectSearch:
+    """Add effects, of those named, to a fitted declared model while each is worth it.
+
+    The best few models of a round are all carried to the next: the first effect
+    is chosen while another is still missing, which may pass for it.  Raises
+    nothing for a remainder that no effect explains: the search just ends.
+    """
+    tell = tell or (lambda what: None)
+    first = now = Candidate(declared)
+    beam, rounds = [first], list[SearchRound]()
+    while len(now.model.forms) < MOST and (not rounds or now.lacks_something):
+        candidates: list[Candidate] = []
+        ranking: list[Ranked] = []
+        for start in beam:
+            tell(f"ranking effects beyond {', '.join(start.model.effects) or 'none'}")
+            left = [n for n in names or declared.stage.effects if n not in start.model.effects]
+            found = screen(start.model, left, seed)
+            ranking = ranking or found
+            if now.lacks_something:
+                candidates += refit(start.model, shortlist(found))
+        candidates = distinct(sorted(candidates, key=lambda c: c.model.chi2))
+        best = candidates[0] if candidates else None
+        if best is not None and best.model.chi2 > 1.0 + WORTH:
+            best = reformed(best)
+        taken = best if best is not None and worth_it(now, best, first) else None
+        rounds.append(SearchRound(now, tuple(ranking), tuple(candidates), taken))
+        if taken is None:
+            break
+        now = pruned(taken, first)
+        beam = [now, *(c for c in candidates[1:] if c.model.chi2 < BEAM_REACH * now.model.chi2)][:BEAM]
+    return EffectSearch(tuple(rounds), simplest(now) if now.model.forms else now, first)
+
+
+def distinct(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """The first candidate of each set of effects."""
+    found: dict[frozenset[str], Candidate] = {}
+    for c in candidates:
+        found.setdefault(frozenset(c.model.effects), c)
+    return list(found.values())
+
+
+def reformed(now: Candidate) -> Candidate:
+    """The same effects, each tried in its other forms."""
+    for form in now.model.forms:
+        rest = now.model.without(form.NAME)
+        held = Screen(rest.fitted(6, 1e-3))
+        others = [held.rank(f) for f in EFFECTS[form.NAME] if f is not form]
+        for other in refit(rest, others, len(others)):
+            if other.model.chi2 < now.model.chi2:
+                now = other
+    return now
+
+
+def worth_it(before: Candidate, after: Candidate, declared: Candidate) -> bool:
+    """Whether an effect earns its place.
+
+    In a remainder that has structure, on the blocks that were left out.  One without may be slow noise
+    whose floor was taken too low, or an effect in recordings too short for the tests to see it: then
+    it has to take a good part away and to make the rest likelier as noise, of any colour, by more than
+    following slow noise for a while would.  Blocks left out say nothing there, since slow noise upsets
+    the declared parameters on half of the data as much as a missing effect.
+    """
+    if before.examined.structured:
+        return _enough(before.held_out, after.held_out, declared.held_out)
+    if not _enough(before.model.chi2, after.model.chi2, declared.model.chi2):
+        return False
+    more = max(1, len(after.model.names) - len(before.model.names))
+    return after.log_likelihood - before.log_likelihood > demanded(more)
+
+
+def _enough(before: float, after: float, declared: float) -> bool:
+    """Whether a chi-square per row falls by enough to be an effect and no imperfection of a form."""
+    return before - after > max(WORTH, SHARE * (before - 1.0), TRIFLE * (declared - before))
+
+
+def shortlist(ranking: Sequence[Ranked]) -> list[Ranked]:
+    """All ranked forms of the effects that explain most, beyond what chance would."""
+    names: list[str] = []
+    for r in ranking:
+        if r.name not in names and r.drop > max(2.0 * r.chance, 0.2 * WORTH):
+            names.append(r.name)
+    return [r for r in ranking if r.name in names[:SHORTLIST]]
+
+
+def refit(model: Model, ranked: Sequence[Ranked], forms: int = FORMS) -> list[Candidate]:
+    """Each effect ranked, in the best of so many of its forms, fitted fully; the best first."""
+    best: dict[str, Model] = {}
+    tried: dict[str, int] = {}
+    for r in ranked:
+        tried[r.name] = tried.get(r.name, 0) + 1
+        if r.drop <= 0.0 or tried[r.name] > forms:
+            continue
+        m = model.plus(r.form, r.values).fitted(8, 1e-3)
+        if r.name not in best or m.chi2 < best[r.name].chi2:
+            best[r.name] = m
+    order = sorted(best.values(), key=lambda m: m.chi2)
+    return sorted((Candidate(m.fitted()) for m in order[:3]), key=lambda c: c.model.chi2)
+
+
+def pruned(now: Candidate, declared: Candidate) -> Candidate:
+    """The model without effects that a later one made needless."""
+    for name in now.model.effects:
+        if len(now.model.forms) < 2:
+            break
+        less = Candidate(now.model.without(name).fitted())
+        if not worth_it(less, now, declared):
+            now = less
+    return now
+
+
+def simplest(now: Candidate) -> Candidate:
+    """Each effect in the form with fewest parameters among those that do equally well."""
+    for form in now.model.forms:
+        rest = now.model.without(form.NAME)
+        for other in sorted(EFFECTS[form.NAME], key=lambda f: len(f.kinds())):
+            if len(other.kinds()) >= len(form.kinds()):
+                break
+            ranked = Screen(rest.fitted(6, 1e-3)).rank(other)
+            found = Candidate(rest.plus(other, ranked.values).fitted())
+            if found.model.chi2 - now.model.chi2 < SAME * max(now.model.chi2 - 1.0, WORTH):
+                now = found
+                break
+    return now

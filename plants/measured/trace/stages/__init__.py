@@ -1,0 +1,1 @@
+"""Models of one measured channel, fitted, and what they leave."""

@@ -1,0 +1,180 @@
+"""One measured channel of a campaign, and what wrists with effects make of it.
+
+Stages are traced one after the other: the regulator on the pressure, then the
+wrist on the angle, driven by the pressure that the explained regulator gives.
+(Measured pressure would count its noise as motion.)  Where no pressure was
+logged there is one stage, from the command to the angle.
+"""
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plants.effects import EFFECTS
+from plants.effects.effect import Effect
+from plants.kernel.batches import default_jobs
+from plants.measured.playback import Playback
+from plants.measured.problem import Begin, block_length, measured
+from plants.measured.recording import Recording
+from plants.parameters.quantities import REGULATOR_NAMES, ParameterSet
+from plants.rig import Rig
+from plants.simulation.open_loop import driven
+from plants.wrist import State, Wrist
+
+Array = NDArray[np.float64]
+Name = Literal["regulator", "wrist", "whole"]
+Form = type[Effect]
+WILD = 1e6
+"""Residual, over the noise, beyond which nothing more is learnt."""
+
+BLOCK = 10.0
+"""Length [s] of the blocks that are left out in turn, long against every memory but the slowest."""
+
+STRIDES = (1, 2, 5)
+"""Steps of ms that a driven wrist may take between rows.  Its loop does not depend on the rate and
+its lag is exact for a pressure that moves linearly, so that fewer steps do as well."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A channel to explain, in recordings that may be fitted on.
+
+    name: ``regulator`` (command to pressure), ``wrist`` (pressure to angle), or
+    ``whole`` (command to angle).  noise: floor of the channel.  loop: parameters of hysteresis and joint
+    that are fitted; rig: whose motion was recorded.  drives: pressure
+    [kPa] of every ms, for ``wrist``.  begins: where recordings start, None at rest.
+    """
+
+    name: Name
+    channel: str
+    noise: float
+    playbacks: tuple[Playback, ...]
+    loop: tuple[str, ...]
+    rig: Rig
+    drives: tuple[Array, ...] | None = None
+    begins: tuple[Begin, ...] | None = None
+
+    @property
+    def declared(self) -> tuple[str, ...]:
+        """Names of the declared parameters that act in this stage."""
+        both = (*REGULATOR_NAMES, *self.loop)
+        return {"regulator": REGULATOR_NAMES, "wrist": self.loop, "whole": both}[self.name]
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Names of the effects that act in this stage."""
+        of_regulator = [n for n, forms in EFFECTS.items() if forms[0].STAGE == "regulator"]
+        if self.name == "whole":
+            return tuple(EFFECTS)
+        return tuple(n for n in EFFECTS if (n in of_regulator) == (self.name == "regulator"))
+
+    @cached_property
+    def target(self) -> Array:
+        """What was measured, all recordings end to end, (rows,)."""
+        return np.concatenate([self._measured(p.recording) for p in self.playbacks])
+
+    @cached_property
+    def edges(self) -> NDArray[np.intp]:
+        """First row of each recording, and the number of rows."""
+        return np.cumsum([0, *(len(p.recording.time) for p in self.playbacks)])
+
+    @cached_property
+    def time(self) -> Array:
+        """Time [s] of each row, (rows,)."""
+        return np.concatenate([p.recording.time for p in self.playbacks])
+
+    def blocks(self, length: float) -> NDArray[np.intp]:
+        """Number of the block of a length [s] that each row falls in; none spans two recordings."""
+        numbers = [
+            1e6 * i + np.floor((p.recording.time - p.recording.time[0]) / length)
+            for i, p in enumerate(self.playbacks)
+        ]
+        return np.unique(np.concatenate(numbers), return_inverse=True)[1]
+
+    def simulate(self, values: Mapping[str, Any], forms: Sequence[Form] = ()) -> Array:
+        """The channel of wrists with effects, shape (rows, lanes); leaves of `values` floats or (lanes,)."""
+        lanes = max((np.size(v) for v in values.values()), default=1)
+        wrist = Wrist.from_values(
+            {n: np.broadcast_to(np.asarray(v, float), lanes) for n, v in values.items()},
+            tuple(forms),
+            self.rig,
+        )
+        with ThreadPoolExecutor(default_jobs()) as pool:
+            return np.concatenate(list(pool.map(lambda i: self._play(i, wrist), range(len(self.playbacks)))))
+
+    def _measured(self, recording: Recording) -> Array:
+        found = measured(recording, self.channel)
+        assert found is not None
+        return found
+
+    def _play(self, i: int, wrist: Wrist) -> Array:
+        playback = self.playbacks[i]
+        state = self._state(i, wrist)
+        if self.drives is None:
+            pressure, angle = playback.play(wrist, state)
+            return pressure if self.channel == "pressure_kPa" else angle
+        stride = max(k for k in STRIDES if playback.every % k == 0)
+        other = playback.other_pressure
+        rows = driven(
+            wrist, self.drives[i][::stride], state, playback.every // stride, 1,
+            None if other is None else other[::stride], float(playback.recording.time[0]),
+            stride * playback.dt,
+        )  # fmt: skip
+        return rows[playback.rows // playback.every]
+
+    def _state(self, i: int, wrist: Wrist) -> State | None:
+        if self.begins is None:
+            return None
+        begin = self.begins[i].state(wrist.hysteresis)
+        return wrist.rest()._replace(pressure=begin.pressure, memory=begin.memory, angle=begin.angle)
+
+
+@dataclass(frozen=True)
+class StageProblem:
+    """Residuals of a stage with some effects, for `plants.measured.estimate`; in units of the noise.
+
+    names: the parameters of a vector; values: all others.  rows: those that
+    count; None for all.
+    """
+
+    stage: Stage
+    forms: tuple[Form, ...]
+    names: tuple[str, ...]
+    values: Mapping[str, float]
+    rows: NDArray[np.bool_] | None = None
+
+    @property
+    def blocks(self) -> NDArray[np.intp]:
+        """Blocks within which residuals may be correlated in any way."""
+        return self.stage.blocks(block_length(self.stage.playbacks))
+
+    def residuals(self, x: Array) -> Array:
+        """Simulated minus measured over noise, (rows, lanes), for vectors (lanes, n)."""
+        found = self._all(x)
+        return found if self.rows is None else found[self.rows]
+
+    def _all(self, x: Array) -> Array:
+        values = {**self.values, **{n: x[:, i] for i, n in enumerate(self.names)}}
+        simulated = self.stage.simulate(values, self.forms)
+        simulated -= self.stage.target[:, None]
+        simulated /= self.stage.noise
+        # A wrist that runs away is a bad fit, not the end of the search.
+        return np.clip(np.nan_to_num(simulated, nan=WILD), -WILD, WILD)
+
+    def on(self, rows: NDArray[np.bool_] | None) -> "StageProblem":
+        """The same problem on some rows."""
+        return replace(self, rows=rows)
+
+
+def bounds_of(names: Sequence[str], forms: Sequence[Form], parameters: ParameterSet, at: Array) -> Array:
+    """Start, lower and upper bound of each parameter, (3, n); the start is put inside."""
+    kinds = {f"{f.NAME}.{n}": k for f in forms for n, k in f.kinds().items()}
+    known = parameters.parameters
+    low = np.array([known[n].low if n in known else kinds[n].low for n in names])
+    high = np.array([known[n].high if n in known else kinds[n].high for n in names])
+    return np.array([np.clip(at, low, high), low, high])

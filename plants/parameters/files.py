@@ -1,0 +1,196 @@
+"""Parameter sets as TOML files: reading, with every mistake told in one line, and writing."""
+
+import tomllib
+from collections.abc import Mapping
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from plants.errors import InputError
+from plants.hysteresis import LAWS, FourSegment, HysteresisLaw, with_values
+from plants.parameters.quantities import (
+    Assumed,
+    Fitted,
+    Parameter,
+    ParameterSet,
+    Provenance,
+    Stated,
+    declared_kinds,
+    in_units,
+)
+from plants.parameters.spec import Kind
+from plants.rig import Rig, built_in_rig, parse_rig
+
+if TYPE_CHECKING:
+    from plants.effects.effect import Effect
+
+
+def read(path: str | Path) -> ParameterSet:
+    """The parameter set of a TOML file.
+
+    Raises InputError, in one line with the file, the effect and the parameter, for
+    a file that is missing or no TOML, for an unknown or missing name or form, a
+    wrong unit, a value outside its bounds, an unknown hysteresis law, or slopes and offsets that
+    make the loop run backwards.
+    """
+    path = Path(path)
+    try:
+        text = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such parameter set; give a .toml file that exists") from None
+    except IsADirectoryError:
+        raise InputError(f"{path}: is a folder; give the .toml file of a parameter set") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); give the .toml file of a set") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not valid TOML ({error}); see plants/parameters/flexion.toml") from None
+    table = text.get("parameters")
+    if not isinstance(table, dict) or not isinstance(text.get("axis"), str):
+        raise InputError(
+            f'{path}: needs axis = "..." and [parameters.NAME] tables, as plants/parameters/flexion.toml'
+        )
+    rig = parse_rig(text["rig"], f"{path}: rig") if isinstance(text.get("rig"), dict) else built_in_rig()
+    declared = declared_kinds(_law(path, text), table)
+    found = _parameters(f"{path}: ", table, {n: in_units(kind, rig) for n, kind in declared.items()})
+    effects = []
+    for form, own in _effects(path, text.get("effects", {})):
+        where = f"{path}: effect {form.NAME!r}: "
+        read_in = _parameters(where, own, {n: in_units(kind, rig) for n, kind in form.kinds().items()})
+        found |= {f"{form.NAME}.{name}": p for name, p in read_in.items()}
+        effects.append(form)
+    result = ParameterSet(text["axis"], str(text.get("title", text["axis"])), found, tuple(effects), rig)
+    _check_loop(path, result.values, rig)
+    return result
+
+
+def _law(path: Path, text: Mapping[str, Any]) -> type[HysteresisLaw]:
+    """The hysteresis law that a file names, the paper's where it names none."""
+    name = text.get("hysteresis", FourSegment.NAME)
+    if name not in LAWS:
+        raise InputError(f"{path}: unknown hysteresis law {name!r}; known are {', '.join(LAWS)}")
+    return LAWS[name]
+
+
+def _effects(path: Path, table: Any) -> list[tuple["type[Effect]", Mapping[str, Any]]]:
+    """The form of each effect of a file and its table of parameters, in the order in which effects act."""
+    from plants.effects import EFFECTS
+
+    if not isinstance(table, dict):
+        raise InputError(f"{path}: effects must be [effects.NAME] tables; known are {', '.join(EFFECTS)}")
+    unknown = [n for n in table if n not in EFFECTS]
+    if unknown:
+        raise InputError(f"{path}: unknown effect {unknown[0]!r}; known are {', '.join(EFFECTS)}")
+    found: list[tuple[type[Effect], Mapping[str, Any]]] = []
+    for name in (n for n in EFFECTS if n in table):
+        entry, forms = table[name], {e.FORM: e for e in EFFECTS[name]}
+        own = entry.get("parameters") if isinstance(entry, dict) else None
+        if not isinstance(own, dict):
+            raise InputError(
+                f'{path}: effect {name!r}: needs form = "..." and [effects.{name}.parameters.NAME] tables'
+            )
+        form = entry.get("form")
+        if form not in forms:
+            known = ", ".join(map(repr, forms))
+            raise InputError(f"{path}: effect {name!r}: unknown form {form!r}; known are {known}")
+        found.append((forms[form], own))
+    return found
+
+
+def _parameters(where: str, table: Mapping[str, Any], kinds: Mapping[str, Kind]) -> dict[str, Parameter]:
+    unknown = [n for n in table if n not in kinds]
+    if unknown:
+        raise InputError(f"{where}unknown parameter {unknown[0]!r}; known are {', '.join(kinds)}")
+    missing = [n for n in kinds if n not in table]
+    if missing:
+        raise InputError(f"{where}parameter {missing[0]!r} is missing; all of {', '.join(kinds)} are needed")
+    return {n: _parameter(f"{where}parameter {n!r}", kind, table[n]) for n, kind in kinds.items()}
+
+
+def _parameter(where: str, kind: Kind, entry: Any) -> Parameter:
+    if not isinstance(entry, dict):
+        raise InputError(f"{where}: needs value, unit and provenance")
+    value = entry.get("value")
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+        raise InputError(f"{where}: value {value!r} is not a finite number")
+    if entry.get("unit") != kind.unit:
+        raise InputError(f"{where}: unit {entry.get('unit')!r} is wrong; give the value in {kind.unit}")
+    bounds = entry.get("bounds", [kind.low, kind.high])
+    if not (
+        isinstance(bounds, list) and len(bounds) == 2 and all(isinstance(b, int | float) for b in bounds)
+    ):
+        raise InputError(f"{where}: bounds must be two numbers, lower and upper")
+    low, high = float(bounds[0]), float(bounds[1])
+    if not max(low, kind.low) <= value <= min(high, kind.high):
+        low, high = max(low, kind.low), min(high, kind.high)
+        raise InputError(f"{where}: value {value:g} is outside its bounds {low:g} to {high:g} {kind.unit}")
+    return Parameter(float(value), kind.unit, low, high, _provenance(where, entry.get("provenance")))
+
+
+def _provenance(where: str, entry: Any) -> Provenance:
+    match entry:
+        case {"kind": "stated", "source": str(source), "section": str(section)}:
+            return Stated(source, section)
+        case {"kind": "assumed", "why": str(why)}:
+            return Assumed(why)
+        case {"kind": "fitted", "data": str(data), "std_error": int(error) | float(error)}:
+            return Fitted(data, float(error))
+        case {"kind": "fitted", "data": str(data)}:
+            return Fitted(data, None)
+    raise InputError(
+        f'{where}: provenance must be {{kind="stated", source, section}}, {{kind="assumed", why}} '
+        'or {kind="fitted", data, std_error}'
+    )
+
+
+def _check_loop(path: Path, values: Mapping[str, float], rig: Rig) -> None:
+    loop = with_values(values)
+    problem = loop.problem(*(v * values["gain"] for v in rig.command_range))
+    if problem:
+        roles = loop.roles(loop.values)
+        names = [n for role in ("outer", "inner", "width") for n in roles[role]]
+        raise InputError(f"{path}: {problem}; check {', '.join(names[:-1])} and {names[-1]}")
+
+
+def write(parameters: ParameterSet, path: str | Path) -> None:
+    """Write a parameter set as TOML, complete or not at all."""
+    import tomlkit
+
+    from plants.files import write_atomically
+
+    document = tomlkit.document()
+    document["axis"], document["title"] = parameters.axis, parameters.title
+    document["hysteresis"] = parameters.law.NAME
+    if parameters.rig != built_in_rig():
+        document["rig"] = parameters.rig.record
+    kinds, declared = parameters.kinds, tomlkit.table(is_super_table=True)
+    of_wrist = declared_kinds(parameters.law, parameters.parameters)
+    for name, p in parameters.parameters.items():
+        if name in of_wrist:
+            declared[name] = _entry(p, kinds[name])
+    document["parameters"] = declared
+    effects = tomlkit.table(is_super_table=True)
+    for form in parameters.effects:
+        table, own = tomlkit.table(), tomlkit.table(is_super_table=True)
+        table["form"] = form.FORM
+        for name in form.kinds():
+            flat = f"{form.NAME}.{name}"
+            own[name] = _entry(parameters.parameters[flat], kinds[flat])
+        table["parameters"] = own
+        effects[form.NAME] = table
+    if parameters.effects:
+        document["effects"] = effects
+    write_atomically(path, tomlkit.dumps(document))
+
+
+def _entry(p: Parameter, kind: Kind) -> Any:
+    """The table of a parameter, its meaning as a comment."""
+    import tomlkit
+
+    entry = tomlkit.table()
+    entry.comment(kind.meaning)
+    entry["value"], entry["unit"], entry["bounds"] = p.value, p.unit, [p.low, p.high]
+    provenance = tomlkit.inline_table()
+    provenance["kind"] = type(p.provenance).__name__.lower()
+    provenance.update({k: v for k, v in vars(p.provenance).items() if v is not None})
+    entry["provenance"] = provenance
+    return entry
