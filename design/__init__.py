@@ -11,29 +11,61 @@ Names are imported when they are first used, so that the command starts fast.
 from importlib import import_module
 from typing import Any
 
-_HOME = {
+_HOMES = {  # the module of each name, and what it is called there where that is something else
+    "PAPER_GAINS": "design.synthesis.tuning_rules",
     "PI": "design.controllers.pi",
-    "Metrics": "design.evaluation.metrics",
-    "Trajectory": "design.evaluation.steps",
-    "run": "design.evaluation.steps",
-    "by_python_control": "design.margins",
-    "Scenario": "design.evaluation.scenarios",
-    "Spread": "design.evaluation.scenarios",
-    "tuning_scenarios": "design.evaluation.scenarios",
+    "RUNGS": "design.robustness.certificates.continuous.search",
+    "STEP": "design.evaluation.scenarios",
+    "Conditions": "design.robustness.samples.conditions",
+    "Feedforward": "design.controllers.feedforward",
+    "FeedforwardPI": "design.controllers.feedforward",
     "Limits": "design.synthesis.requirements",
+    "LoopModel": "design.robustness.loop_model",
+    "Metrics": "design.evaluation.metrics",
     "Problem": "design.synthesis.requirements",
     "Question": "design.studies.study",
-    "Study": "design.studies.study",
-    "study": "design.studies.study",
     "Region": "design.synthesis.tuning",
+    "Scenario": "design.evaluation.scenarios",
+    "Spread": "design.evaluation.scenarios",
+    "Study": "design.studies.study",
+    "Trajectory": "design.evaluation.steps",
+    "Tuner": "design.tuner",
     "Tuning": "design.synthesis.tuning",
-    "tune": "design.synthesis.tuning",
+    "assess": "design.robustness.assess",
     "baselines": "design.synthesis.tuning_rules",
+    "box_of": "design.robustness.box",
+    "break_even": "design.comparison.break_even",
+    "by_python_control": "design.margins",
+    "corners": "design.evaluation.scenarios",
+    "default_problem": "design.synthesis.requirements",
+    "design_feedforward": "design.alternatives.feedforward_design",
+    "envelopes": "design.robustness.samples.monte_carlo",
+    "evaluate": "design.synthesis.requirements",
+    "gain_plane": "design.robustness.gain_plane",
+    "growth_of": "design.robustness.certificates.sampled.growth",
+    "limit_cycles": "design.robustness.predictions.limit_cycles",
+    "linear_mpc": "design.mpc.linear",
+    "monte_carlo": "design.robustness.samples.monte_carlo",
+    "nominal_mpc": "design.mpc.problem:nominal",
+    "paper_series": "design.studies.paper:series",
+    "performance_bound": "design.limit:limit",
+    "reaction_curve": "design.synthesis.tuning_rules",
+    "real_time_mpc": "design.mpc.real_time",
+    "retune": "design.synthesis.retune",
+    "robust_mpc": "design.mpc.problem:robust",
+    "run": "design.evaluation.steps",
+    "run_mpc": "design.mpc.loop:run",
+    "stack": "design.evaluation.scenarios",
+    "study": "design.studies.study",
+    "tune": "design.synthesis.tuning",
+    "tuning_scenarios": "design.evaluation.scenarios",
+    "worst_run": "design.studies.robustness_study",
 }
-__all__ = list(_HOME)
+__all__ = list(_HOMES)
 
 
 def __getattr__(name: str) -> Any:
-    if name in _HOME:
-        return getattr(import_module(_HOME[name]), name)
-    raise AttributeError(f"module 'design' has no attribute {name!r}")
+    if name not in _HOMES:
+        raise AttributeError(f"module 'design' has no attribute {name!r}")
+    module, _, there = _HOMES[name].partition(":")
+    return getattr(import_module(module), there or name)

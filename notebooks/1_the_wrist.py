@@ -19,13 +19,8 @@ import numpy as np
 
 import design
 import plants
-from design.evaluation.scenarios import STEP, Scenario, stack
-from design.studies.paper import series
-from design.synthesis.tuning_rules import PAPER_GAINS
-from plants.hysteresis import Memory
-from plants.linearisation import RATES, branch_slopes, wrist_x0
-from plants.parameters.quantities import built_in
-from plants.wrist import STARTS
+from design import PAPER_GAINS, STEP, Scenario, paper_series, stack
+from plants import RATES, STARTS, Memory, branch_slopes, built_in, wrist_x0
 from reports.notebooks.tables import rows, shown
 from reports.paper import figures as paper
 from reports.shared.plant_tables import parameter_table
@@ -72,7 +67,7 @@ rows(
 # experiments.
 
 # %%
-paper.draw(5, series(5, flexion, deviation))
+paper.draw(5, paper_series(5, flexion, deviation))
 
 # %% [markdown]
 # *What to see: nine held commands, nine pressures on one line.*
@@ -84,10 +79,10 @@ paper.draw(5, series(5, flexion, deviation))
 # the end.
 
 # %%
-paper.draw(6, series(6, flexion, deviation))
+paper.draw(6, paper_series(6, flexion, deviation))
 
 # %%
-paper.draw(8, series(8, flexion, deviation))
+paper.draw(8, paper_series(8, flexion, deviation))
 
 # %% [markdown]
 # *What to see: the same rise in both, but in Fig. 8 the last kilopascals take seconds.* In numbers:
@@ -118,13 +113,13 @@ assert regulator.k_fast / regulator.k_slow > 10
 # one to the other.
 
 # %%
-paper.draw(10, series(10, flexion, deviation))
+paper.draw(10, paper_series(10, flexion, deviation))
 
 # %%
-paper.draw(11, series(11, flexion, deviation))
+paper.draw(11, paper_series(11, flexion, deviation))
 
 # %%
-paper.draw(12, series(12, flexion, deviation))
+paper.draw(12, paper_series(12, flexion, deviation))
 
 # %% [markdown]
 # *What to see: Fig. 10, the shaded dead zone; Fig. 11, the input; Fig. 12, two angles at every pressure,
@@ -188,7 +183,7 @@ for name, wrist in {"flexion": flexion, "deviation": deviation}.items():
 # Fig. 13 is its answer to the staircase.
 
 # %%
-paper.draw(13, series(13, flexion, deviation))
+paper.draw(13, paper_series(13, flexion, deviation))
 
 # %% [markdown]
 # *What to see: at 100 kPa, three times on the way, three different angles.*
@@ -200,10 +195,10 @@ paper.draw(13, series(13, flexion, deviation))
 # the range.
 
 # %%
-paper.draw(14, series(14, flexion, deviation))
+paper.draw(14, paper_series(14, flexion, deviation))
 
 # %%
-paper.draw(15, series(15, flexion, deviation))
+paper.draw(15, paper_series(15, flexion, deviation))
 
 # %% [markdown]
 # *What to see: a short delay while the dead zone is crossed, then a creep to the reference; the grey band

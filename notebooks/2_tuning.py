@@ -15,13 +15,24 @@ import numpy as np
 
 import design
 import plants
-from design.evaluation.scenarios import STEP, Scenario, Spread, corners, stack, tuning_scenarios
-from design.synthesis.requirements import Limits, Problem, default_problem, evaluate
-from design.synthesis.tuning import Region, tune
-from design.synthesis.tuning_rules import baselines, reaction_curve
-from design.tuner import Tuner
-from plants.parameters.quantities import built_in
-from plants.wrist import STARTS
+from design import (
+    STEP,
+    Limits,
+    Problem,
+    Region,
+    Scenario,
+    Spread,
+    Tuner,
+    baselines,
+    corners,
+    default_problem,
+    evaluate,
+    reaction_curve,
+    stack,
+    tune,
+    tuning_scenarios,
+)
+from plants import STARTS, built_in
 from reports.comparison.tables import limits_table, tuning_table
 from reports.notebooks.tables import limits_held, rows, shown
 from reports.robustness.branch_figures import nyquist

@@ -16,20 +16,24 @@ import numpy as np
 
 import design
 import plants
-from design.evaluation.scenarios import STEP
-from design.robustness.assess import assess
-from design.robustness.box import box_of
-from design.robustness.certificates.continuous.search import RUNGS
-from design.robustness.certificates.sampled.growth import growth_of
-from design.robustness.gain_plane import gain_plane
-from design.robustness.loop_model import LoopModel
-from design.robustness.predictions.limit_cycles import limit_cycles
-from design.robustness.samples.conditions import Conditions
-from design.robustness.samples.monte_carlo import envelopes, monte_carlo
-from design.studies.robustness_study import worst_run
-from design.synthesis.requirements import default_problem, evaluate
-from design.synthesis.tuning_rules import PAPER_GAINS
-from plants.parameters.quantities import built_in
+from design import (
+    PAPER_GAINS,
+    RUNGS,
+    STEP,
+    Conditions,
+    LoopModel,
+    assess,
+    box_of,
+    default_problem,
+    envelopes,
+    evaluate,
+    gain_plane,
+    growth_of,
+    limit_cycles,
+    monte_carlo,
+    worst_run,
+)
+from plants import built_in
 from reports.notebooks.figures import word_growth
 from reports.notebooks.tables import Markdown, limits_held, rows, shown
 from reports.robustness import words

@@ -13,19 +13,22 @@ import numpy as np
 
 import design
 import plants
-from design.alternatives.feedforward_design import design_feedforward
-from design.comparison.break_even import break_even
-from design.controllers.feedforward import Feedforward
-from design.evaluation.scenarios import STEP, Scenario
-from design.limit import limit
-from design.mpc.linear import linear_mpc
-from design.mpc.loop import run as run_mpc
-from design.mpc.problem import nominal, robust
-from design.mpc.real_time import real_time_mpc
-from design.robustness.box import box_of
-from design.synthesis.requirements import default_problem
-from plants.effects.regulator.dead_time import DeadTime
-from plants.parameters.quantities import built_in
+from design import (
+    STEP,
+    Feedforward,
+    Scenario,
+    box_of,
+    break_even,
+    default_problem,
+    design_feedforward,
+    linear_mpc,
+    nominal_mpc,
+    performance_bound,
+    real_time_mpc,
+    robust_mpc,
+    run_mpc,
+)
+from plants import DeadTime, built_in
 from reports.comparison.break_even_figure import break_even_figure
 from reports.notebooks.tables import rows
 from reports.shared.style import BLACK, DASHED, DOTTED, GREY, LINES, controller_line, new_figure, styled
@@ -42,7 +45,7 @@ wrist = plants.Wrist.flexion()
 
 # %%
 task = Scenario("virgin", 0.0, STEP, wrist)
-best = limit(task, trajectory=True)
+best = performance_bound(task, trajectory=True)
 print(f"{task.name}: settling takes {best.bound_s:.3f} s at least; {best.achieved_s:.3f} s were achieved")
 print(f"IAE {best.iae_bound:.3f} deg s at least; {best.iae_achieved:.3f} deg s were achieved")
 assert best.bound_s <= best.achieved_s < 1.05 * best.bound_s
@@ -87,9 +90,9 @@ in_every_sample = {
     "PI + feedforward": it,
 }
 once_a_period = {
-    "linear MPC": linear_mpc(nominal(wrist)),
-    "real-time MPC": real_time_mpc(nominal(wrist)),
-    "robust MPC": real_time_mpc(robust(wrist)),
+    "linear MPC": linear_mpc(nominal_mpc(wrist)),
+    "real-time MPC": real_time_mpc(nominal_mpc(wrist)),
+    "robust MPC": real_time_mpc(robust_mpc(wrist)),
 }
 plays = {name: design.run(wrist, c, STEP, record=True) for name, c in in_every_sample.items()}
 steps = {name: (judged, signals) for name, (judged, _, signals) in plays.items()}
@@ -135,7 +138,7 @@ figure
 
 # %%
 late = {f"{ms:.0f} ms": wrist + DeadTime(ms / 1000) if ms else wrist for ms in (0.0, 10.0, 20.0, 50.0)}
-bounds = {ms: limit(Scenario("virgin", 0.0, STEP, w)).bound_s for ms, w in late.items()}
+bounds = {ms: performance_bound(Scenario("virgin", 0.0, STEP, w)).bound_s for ms, w in late.items()}
 settling = {"lower bound": bounds}
 for name, c in in_every_sample.items():
     settling[name] = {ms: float(design.run(w, c, STEP)[0].settling_time_s[0]) for ms, w in late.items()}

@@ -14,16 +14,12 @@ import os
 import tempfile
 from pathlib import Path
 
-import plants.measured
+import plants
 from benchmarks.real_data import rigs
 from benchmarks.real_figures import draw_rig
 from benchmarks.real_rigs import outcome
-from design.synthesis.retune import retune
-from design.synthesis.tuning import Region
-from plants.measured.campaign import load_campaign
-from plants.measured.fit import fit_campaign
-from plants.measured.trace.trace import trace_campaign
-from plants.parameters.quantities import built_in
+from design import Region, retune
+from plants import built_in, fit_campaign, load_campaign, trace_campaign
 from reports.notebooks.tables import Markdown, rows, shown
 from reports.shared.fit import draw_fit
 from reports.shared.plant_tables import error_table, parameter_table
@@ -40,7 +36,7 @@ from reports.trace.words import control_sentence, verdict_sentence
 # ever used to report errors, of free runs from the command: nothing measured is fed back.
 
 # %%
-folder = Path(plants.measured.__file__).parent / "examples" / "deviation"
+folder = Path(plants.__file__).parent / "measured" / "examples" / "deviation"
 print((folder / "campaign.toml").read_text())
 campaign = load_campaign(folder)
 rows(

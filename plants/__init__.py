@@ -5,24 +5,55 @@
 np.float64(11.28)
 """
 
+from importlib import import_module
+from typing import Any
+
 from plants.actuator.regulator import Regulator
+from plants.effects.regulator.dead_time import DeadTime
+from plants.effects.wrist.creep import Creep
 from plants.errors import InputError, InputWarning
-from plants.hysteresis import FourSegment, HysteresisLaw, PrandtlIshlinskii
+from plants.hysteresis import FourSegment, HysteresisLaw, Memory, PrandtlIshlinskii
 from plants.parameters.quantities import ParameterSet, built_in, load
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
+from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, STARTS, State, Wrist
+
+_HOMES = {
+    "RATES": "plants.linearisation",
+    "branch_slopes": "plants.linearisation",
+    "wrist_x0": "plants.linearisation",
+    "load_campaign": "plants.measured.campaign",
+    "fit_campaign": "plants.measured.fit",
+    "trace_campaign": "plants.measured.trace.trace",
+}
+"""What needs more than NumPy, imported when it is first used, so that the command starts fast."""
 
 __all__ = [
     "COMMAND_RANGE",
+    "RATES",
     "SAMPLE_TIME",
+    "STARTS",
+    "Creep",
+    "DeadTime",
     "FourSegment",
     "HysteresisLaw",
     "InputError",
     "InputWarning",
+    "Memory",
     "ParameterSet",
     "PrandtlIshlinskii",
     "Regulator",
     "State",
     "Wrist",
+    "branch_slopes",
     "built_in",
+    "fit_campaign",
     "load",
+    "load_campaign",
+    "trace_campaign",
+    "wrist_x0",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        return getattr(import_module(_HOMES[name]), name)
+    raise AttributeError(f"module 'plants' has no attribute {name!r}")
