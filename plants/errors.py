@@ -2,7 +2,12 @@
 
 
 class InputError(ValueError):
-    """Bad input: the message says what is wrong, where, and what to do, in one line."""
+    """Bad input: the message says what is wrong, where, and what to do, in one line; draft: a file to start
+    from, where one can be guessed."""
+
+    def __init__(self, message: str, draft: str | None = None) -> None:
+        super().__init__(message)
+        self.draft = draft
 
 
 class InputWarning(UserWarning):

@@ -14,7 +14,6 @@ from design.cli.completion import files
 from design.cli.terminal.screen import is_stdout
 
 if TYPE_CHECKING:
-    from plants.measured.campaign import Campaign
     from plants.parameters.quantities import ParameterSet
     from plants.rig import Rig
 
@@ -82,20 +81,11 @@ def rig_of(plant: Path | None) -> "Rig | None":
     return None if plant is None else load(plant).rig
 
 
-def starting_set(data: "Campaign", plant: Path | None) -> "ParameterSet":
-    """The set that a fit starts from: the user's, or the built-in one of the campaign's axis."""
-    from plants.errors import InputError
-    from plants.parameters.quantities import built_in, load
+def given_set(plant: Path | None) -> "ParameterSet | None":
+    """The set that a fit starts from, if the user gave one."""
+    from plants.parameters.quantities import load
 
-    if plant is not None:
-        return shown(load(plant))
-    if data.axis in ("flexion", "deviation"):
-        return built_in(data.axis)
-    if data.stage == "regulator":  # any regulator: the built-in one, within what is possible at all
-        return built_in("flexion").unbounded()
-    raise InputError(
-        f"{data.name}: axis {data.axis!r} has no built-in parameters; give a set to start from with --plant"
-    )
+    return None if plant is None else shown(load(plant))
 
 
 def write_json(path: Path | None, content: Mapping[str, Any]) -> None:

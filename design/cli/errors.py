@@ -37,6 +37,8 @@ def answered(arguments: list[str] | None, stop: "Stop | None" = None) -> int:
                 traceback.print_exception(error)
             line, code = told(error, given)
             print(line, file=sys.stderr)
+            if draft := getattr(error, "draft", None):
+                print(draft, end="")
     if code == STOPPED:
         if stop is not None:
             stop.leave()

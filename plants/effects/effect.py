@@ -89,6 +89,33 @@ class TrialHints(Protocol):
         ...
 
 
+class Asked(Protocol):
+    """What was asked of a rig in the recordings at hand; `plants.measured.trace.search.excitation`.
+
+    ramp: whether each command is one ramp; begins: time [s] up to which recordings only begin; longest: of
+    the recordings [s].
+    """
+
+    @property
+    def ramp(self) -> bool:
+        """Whether each command is one ramp."""
+        ...
+
+    @property
+    def begins(self) -> float:
+        """Time [s] up to which the recordings only begin."""
+        ...
+
+    @property
+    def longest(self) -> float:
+        """Length of the longest recording [s]."""
+        ...
+
+    def harmonic(self, frequency: float) -> int | None:
+        """Which multiple of the single sine that was asked a frequency [Hz] is; None for none."""
+        ...
+
+
 def parameter(
     unit: str,
     meaning: str,
@@ -167,6 +194,11 @@ class Effect(ABC):
     def from_values(cls, values: Mapping[str, Number]) -> "Effect":
         """The effect with the parameters that `values` has of it, by their names in a wrist."""
         return cls(**{f.name: values[f"{cls.NAME}.{f.name}"] for f in fields(cls)})
+
+    def borrowed(self, asked: Asked) -> str | None:
+        """Why the effect, with these values, may be nothing but what the model does not make of the command,
+        and which recording would tell; None where it cannot."""
+        return None
 
     @abstractmethod
     def sampled(self, wrist: Any, dt: float) -> Any:

@@ -115,6 +115,20 @@ class FourSegment(HysteresisLaw):
                 return f"line 1 lies above line 2 at {pressure:g} kPa, so the loop runs backwards"
         return None
 
+    def kept_apart(self, low: float, high: float) -> dict[str, tuple[float, float]]:
+        """Lines of nearly one slope, so far apart that they cannot cross, and a transit below both.
+
+        >>> crossed = FourSegment(a1=0.6, w1=6.0, a2=0.3, w2=6.0, s=0.4)
+        >>> {n: (round(a, 2), round(b, 2)) for n, (a, b) in crossed.kept_apart(0.0, 200.0).items()}
+        {'a1': (0.44, 0.46), 'a2': (0.44, 0.46), 'w1': (1.5, 24.0), 'w2': (1.5, 24.0), 's': (0.0, 0.43)}
+        """
+        slope = 0.5 * (self.a1 + self.a2)
+        reach = max(abs(low - self.rest_pressure), abs(high - self.rest_pressure))
+        width = max(0.5 * (self.w1 + self.w2), 0.02 * slope * reach)
+        apart = min(0.25 * width / reach, 0.5 * slope)
+        lines, offsets = (slope - apart, slope + apart), (0.25 * width, 4.0 * width)
+        return {"a1": lines, "a2": lines, "w1": offsets, "w2": offsets, "s": (0.0, 0.99 * (slope - apart))}
+
     def initial(self) -> Memory:
         """At 0 on the virgin curve."""
         return Memory(0.0, 1.0)

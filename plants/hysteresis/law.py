@@ -54,12 +54,14 @@ class HysteresisLaw(ABC):
 
     NAME: as in a plant's TOML; DEAD_ZONE: whether the law has an initial curve of slope 0, which is left
     once, for good; its memory then has a `virgin`, 1.0 until it is left, else 0.0.  Every law has a
-    `rest_pressure` [kPa], at which h = 0 on the initial curve.  MONOTONE: whether of two pressures over time
-    the one that is never below the other gives an angle that is never below either, from ordered memories; a
-    play does, and the performance bound (`design.limit`) holds for such laws only.
+    `rest_pressure` [kPa], at which h = 0 on the initial curve.  SHIFTS: whether only the rest pressure moves
+    the loop as a whole, so that it is fitted where a recording need not start there.  MONOTONE: whether of
+    two pressures over time the one that is never below the other gives an angle that is never below either,
+    from ordered memories; a play does, and the performance bound (`design.limit`) holds for such laws only.
     """
 
     NAME: ClassVar[str]
+    SHIFTS: ClassVar[bool] = False
     DEAD_ZONE: ClassVar[bool] = False
     MONOTONE: ClassVar[bool] = False
 
@@ -105,6 +107,11 @@ class HysteresisLaw(ABC):
     @abstractmethod
     def problem(self, low: float, high: float) -> str | None:
         """Why the parameters make no loop between two pressures [kPa], or None if they do."""
+
+    def kept_apart(self, low: float, high: float) -> dict[str, tuple[float, float]]:
+        """Bounds of parameters, near these, within which they make a loop between two pressures [kPa]; empty
+        for a law whose bounds see to that."""
+        return {}
 
     @abstractmethod
     def initial(self) -> Any:

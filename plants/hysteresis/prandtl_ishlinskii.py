@@ -63,6 +63,7 @@ class PrandtlIshlinskii(HysteresisLaw):
     """
 
     NAME = "prandtl-ishlinskii"
+    SHIFTS = True
     MONOTONE = True
 
     v0: Number

@@ -14,9 +14,10 @@ import numpy as np
 from plants.errors import InputError, InputWarning
 from plants.measured.cells import one_line, shorten
 from plants.measured.columns import Source, parse_columns
+from plants.measured.draft import draft
 from plants.measured.recording import Recording, Stage, from_table, required
 from plants.measured.tables import Table, read_table
-from plants.rig import Rig
+from plants.rig import Rig, built_in_rig
 
 FILE = "campaign.toml"
 KEYS = ("axis", "stage", "start", "sample_time_s", "fit", "validate", "columns")
@@ -64,7 +65,7 @@ class Declaration:
 
 
 def load_campaign(folder: str | Path, rig: Rig | None = None) -> Campaign:
-    """The campaign in a folder, of a rig; the built-in one where not given.
+    """The campaign in a folder, of a rig; where not given, of the built-in one if it has that motion.
 
     Raises InputError, in one line with the file and, where it applies, row and column, for a
     folder without a valid campaign.toml and for recordings that ``from_table`` refuses.
@@ -72,6 +73,8 @@ def load_campaign(folder: str | Path, rig: Rig | None = None) -> Campaign:
     folder = Path(folder)
     content = _read_declaration(folder)
     said = parse_declaration(content, folder / FILE)
+    if rig is None and said.axis in built_in_rig().motions:
+        rig = built_in_rig()
     tables = {name: read_table(folder / name) for name in said.fit + said.validate}
     recordings = {
         name: from_table(table, _sources_in(table, said, tables), said.stage, said.sample_time, name, rig)
@@ -124,6 +127,7 @@ def load_recording(
 
     Raises InputError as ``load_campaign`` does.
     """
+    rig = built_in_rig() if rig is None else rig
     return from_table(read_table(path), parse_columns(columns, str(path)), stage, sample_time, rig=rig)
 
 
@@ -164,7 +168,11 @@ def _read_declaration(folder: Path) -> bytes:
     except FileNotFoundError:
         if not folder.exists():
             raise InputError(f"{folder}: no such folder; give the folder of a campaign") from None
-        raise InputError(f"{folder}: holds no {FILE}; write one that names axis, fit and validate") from None
+        said = draft(folder)
+        advice = (
+            "correct the draft and save it there" if said else "write one that names axis, fit and validate"
+        )
+        raise InputError(f"{folder}: holds no {FILE}; {advice}", said) from None
     except NotADirectoryError:
         raise InputError(f"{folder}: is a file; give the folder that holds it and {FILE}") from None
     except OSError as error:

@@ -4,19 +4,34 @@ from collections.abc import Mapping
 from math import isfinite
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from plants.errors import InputError
-from plants.measured.cells import shorten
+from plants.measured.cells import Array, shorten
 
 STANDARD = ("time_s", "command_V", "angle_deg", "pressure_kPa", "reference_deg", "other_pressure_kPa")
 """The names of the columns that a recording knows; the unit is in the name."""
 
 
+KPA = {"kPa": 1.0, "Pa": 1e-3, "MPa": 1e3, "bar": 100.0, "mbar": 0.1, "psi": 6.894757293168}
+"""Units of pressure, in kPa."""
+
+DEGREES = {"deg": 1.0, "rad": 57.29577951308232}
+"""Units of angle, in deg."""
+
+ATMOSPHERE = 101.325
+"""Standard atmosphere [kPa]: what an absolute pressure is counted from."""
+
+
 class Source(NamedTuple):
-    """Where a standard column comes from: value = scale * raw + offset, raw being the column `name`."""
+    """Where a standard column comes from: value = scale * raw + offset, raw being the column `name`, or,
+    where there is a `quaternion` (four columns w, x, y, z), the angle [deg] by which it has turned since the
+    first row, about the axis about which it turns most."""
 
     name: str
     scale: float = 1.0
     offset: float = 0.0
+    quaternion: tuple[str, ...] = ()
 
 
 def parse_columns(entries: Any, where: str) -> dict[str, Source]:
@@ -43,11 +58,15 @@ def parse_columns(entries: Any, where: str) -> dict[str, Source]:
 def _source(where: str, entry: Any) -> Source:
     if isinstance(entry, str):
         return Source(entry)
+    if isinstance(entry, Mapping) and "quaternion" in entry:
+        return _turned(where, entry)
     if not isinstance(entry, Mapping) or not isinstance(entry.get("name"), str):
         raise InputError(f'{where}: must be "NAME" or {{name = "NAME", scale = 1.0, offset = 0.0}}')
-    unknown = [k for k in entry if k not in Source._fields]
+    unknown = [k for k in entry if k not in KEYS]
     if unknown:
-        raise InputError(f"{where}: unknown key {unknown[0]!r}; known are {shorten(Source._fields)}")
+        raise InputError(f"{where}: unknown key {unknown[0]!r}; known are {shorten(KEYS)}")
+    if set(entry) & {"unit", "absolute", "counts", "full"}:
+        return _converted(where, entry)
     for key in ("scale", "offset"):
         value = entry.get(key, 1.0)
         if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
@@ -56,3 +75,65 @@ def _source(where: str, entry: Any) -> Source:
     if source.scale == 0.0:
         raise InputError(f"{where}: scale must not be 0, which would erase the column")
     return source
+
+
+KEYS = ("name", "scale", "offset", "unit", "absolute", "counts", "full")
+"""Keys of an entry of ``[columns]``."""
+
+
+def _converted(where: str, entry: Mapping[str, Any]) -> Source:
+    """An entry with a unit (pressure or angle, `absolute` for pressures above vacuum) or in counts of a
+    converter whose `counts` stand for `full` of the standard unit."""
+    if "scale" in entry or "offset" in entry:
+        raise InputError(f"{where}: scale and offset do not go with unit or counts; give one or the other")
+    if "counts" in entry or "full" in entry:
+        counts, full = (_positive(where, entry, n) for n in ("counts", "full"))
+        return Source(entry["name"], full / counts)
+    pressure = "pressure" in where
+    units = KPA if pressure else DEGREES
+    if entry.get("unit", next(iter(units))) not in units:
+        raise InputError(f"{where}: unit {entry['unit']!r} is unknown; known are {', '.join(units)}")
+    absolute = entry.get("absolute", False)
+    if not isinstance(absolute, bool) or (absolute and not pressure):
+        raise InputError(f"{where}: absolute = true is for pressures; leave it out")
+    return Source(
+        entry["name"], units[entry.get("unit", next(iter(units)))], -ATMOSPHERE if absolute else 0.0
+    )
+
+
+def _turned(where: str, entry: Mapping[str, Any]) -> Source:
+    names = entry["quaternion"]
+    if (
+        len(entry) > 1
+        or not isinstance(names, list)
+        or len(names) != 4
+        or not all(isinstance(n, str) for n in names)
+    ):
+        raise InputError(f'{where}: must be {{quaternion = ["w", "x", "y", "z"]}}, four columns')
+    return Source(names[0], quaternion=tuple(names))
+
+
+def _positive(where: str, entry: Mapping[str, Any], key: str) -> float:
+    value = entry.get(key)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value) or value <= 0.0:
+        raise InputError(
+            f"{where}: {key} {value!r} must be a positive number; counts = 4095 stand for full = 10.0"
+        )
+    return float(value)
+
+
+def turned(w: Array, x: Array, y: Array, z: Array) -> Array:
+    """Angle [deg] by which an orientation (quaternions of shape (n,)) has turned since its first row about
+    the axis about which it turns most.
+
+    >>> half = np.radians([0.0, 10.0, 20.0]) / 2
+    >>> turned(np.cos(half), np.sin(half), 0 * half, 0 * half).round(6).tolist()
+    [0.0, 10.0, 20.0]
+    """
+    from scipy.spatial.transform import Rotation
+
+    seen = Rotation.from_quat(np.column_stack([x, y, z, w]))
+    vectors = (seen[0].inv() * seen).as_rotvec(degrees=True)
+    axis = np.linalg.svd(vectors, full_matrices=False)[2][0]
+    along: Array = vectors @ axis
+    return along if along[np.argmax(np.abs(along))] >= 0.0 else -along

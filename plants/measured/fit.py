@@ -59,6 +59,7 @@ class Fit:
     at_bounds: tuple[str, ...] = ()
     undetermined: tuple[str, ...] = ()
     begins: tuple[Begin, ...] | None = None
+    no_loop: str | None = None
 
     @property
     def ratios(self) -> dict[str, float]:
@@ -70,6 +71,10 @@ class Fit:
     def remarks(self) -> list[str]:
         """What there is to say of the fit, in sentences; none where it explains the recordings."""
         said = []
+        if self.no_loop:
+            said.append(
+                f"The law {self.fitted.law.NAME} does not describe this loop; the best fit: {self.no_loop}."
+            )
         if self.undetermined:
             said.append(
                 "Not determined by these recordings, kept at their starting values: "
@@ -94,13 +99,15 @@ def fit_campaign(
     starts: int = 6,
     seed: int = 0,
     progress: Callable[[str, float], None] | None = None,
+    apart: bool = True,
 ) -> Fit:
     """Fit the declared wrist to the recordings of a campaign that may be fitted on.
 
     `start` gives the starting values, bounds and what is not fitted; `starts` is
     the number of starting points of each stage, the first being `start`, the
-    others drawn around it with `seed`.  Raises InputError where the recordings
-    hold no motion to fit on.  Warns, with InputWarning, where they do not start
+    others drawn around it with `seed`.  Where the best parameters make no loop, `Fit.no_loop`
+    says why; with `apart` they are fitted once more, within bounds where they make one.  Raises InputError
+    where the recordings hold no motion to fit on.  Warns, with InputWarning, where they do not start
     at rest though the campaign says so.
     """
     tell = progress or (lambda stage, share: None)
@@ -112,7 +119,7 @@ def fit_campaign(
     if any(with_pressure):
         plan.append(("regulator", REGULATOR_NAMES, "pressure_kPa"))
     if campaign.stage == "wrist":
-        of_loop = loop_names(start.parameters)
+        of_loop = loop_names(start.parameters, campaign.start == "rest")
         plan.append(("wrist", of_loop if any(with_pressure) else (*REGULATOR_NAMES, *of_loop), "angle_deg"))
 
     values: dict[str, float] = dict(start.values)
@@ -137,16 +144,19 @@ def fit_campaign(
             for i, begin in zip(used, problem.begins_at(found.x) or (), strict=True):
                 begins[i] = begin
     tell("done", 1.0)
-    loop = with_values(values)
-    trouble = (
-        loop.problem(*(v * values["gain"] for v in start.rig.command_range))
-        if campaign.stage == "wrist"
-        else None
-    )
+    loop, ends = with_values(values), tuple(v * values["gain"] for v in start.rig.command_range)
+    trouble = loop.problem(*ends) if campaign.stage == "wrist" else None
     if trouble:
-        raise InputError(
-            f"{campaign.name}: the best fit makes no loop ({trouble}); the data may not be a wrist's"
-        )
+        _check_sign(campaign)
+    if trouble and apart:
+        kept = {
+            n: replace(start.parameters[n], value=float(np.clip(values[n], *b)), low=b[0], high=b[1])
+            for n, b in loop.kept_apart(*ends).items()
+        }
+        if kept:
+            again = replace(start, parameters={**start.parameters, **kept})
+            inside = fit_campaign(campaign, again, starts, seed, progress, apart=False)
+            return replace(inside, before=start, no_loop=trouble)
     bounds = {n: (p.low, p.high) for n, p in start.parameters.items()}
     edges = tuple(n for n in errors if min(abs(values[n] - b) for b in bounds[n]) < 1e-3 * np.ptp(bounds[n]))
     errors |= dict.fromkeys(edges)
@@ -156,7 +166,7 @@ def fit_campaign(
     return Fit(
         campaign, start, fitted, noise,
         _errors(runs, "fit"), _errors(runs, "validate"), _errors(runs, "validate", before=True), runs, stages,
-        edges, tuple(undetermined), None if begins is None else tuple(begins),
+        edges, tuple(undetermined), None if begins is None else tuple(begins), trouble,
     )  # fmt: skip
 
 
@@ -178,6 +188,19 @@ def _check_motion(campaign: Campaign) -> None:
                 f"{campaign.name}: {channel} never changes in the recordings to fit on; "
                 "check the sensor, or leave the column out"
             )
+
+
+def _check_sign(campaign: Campaign) -> None:
+    """Refuse an angle that falls as the pressure rises: no loop of this kind does."""
+    runs = [(r.command if r.pressure is None else r.pressure, r.angle) for r in campaign.fit]
+    signs = [
+        np.corrcoef(x, y)[0, 1] for x, y in runs if y is not None and np.ptp(x) > 0.0 and np.ptp(y) > 0.0
+    ]
+    if signs and max(signs) < 0.0:
+        raise InputError(
+            f"{campaign.name}: the angle falls as the pressure rises; map angle_deg with scale = -1, or the "
+            "command and pressure of the muscle that raises it"
+        )
 
 
 def _begins(recordings: Sequence[Recording], campaign: Campaign, start: ParameterSet) -> list[Begin] | None:

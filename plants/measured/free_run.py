@@ -34,7 +34,10 @@ def squares(
     """Squared errors of the recordings of a role that logged a channel, one array for each."""
     name = ("pressure" if channel == "pressure_kPa" else "angle") + ("_before" if before else "")
     used = [r for r in runs if r.role == role]
-    pairs = [(getattr(r, name), measured(r.recording, channel), r.recording.judged) for r in used]
+    pairs = [
+        (getattr(r, name), measured(r.recording, channel), r.recording.judged & r.recording.fresh(channel))
+        for r in used
+    ]
     return [(a - b)[rows] ** 2 for a, b, rows in pairs if a is not None and b is not None]
 
 

@@ -116,7 +116,9 @@ def noise_of_campaign(recordings: Sequence[Recording], channel: str) -> float | 
     from plants.measured.residual.stillness import still_noise, total_noise, without_lines
 
     logged = [(r, v) for r in recordings if (v := r.channels.get(channel)) is not None]
-    white = noise_of([v for _, v in logged])
+    white = noise_of([v[r.fresh(channel)] for r, v in logged])
+    if any(channel in r.renewed for r, _ in logged):
+        return white  # too few rows are its own to see a colour
     if white is None:
         return None
     still = still_noise([r for r, _ in logged], [v for _, v in logged])

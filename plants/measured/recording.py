@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from plants.errors import InputError, InputWarning
 from plants.measured.cells import Array, Text, first_bad, shorten
-from plants.measured.columns import STANDARD, Source
+from plants.measured.columns import STANDARD, Source, turned
 from plants.measured.tables import Table
-from plants.rig import Rig, built_in_rig
+from plants.rig import Rig
 
 Stage = Literal["wrist", "regulator"]
 
@@ -35,7 +35,8 @@ class Recording:
     pressure [kPa]; reference [deg], there where the loop was closed;
     other_pressure [kPa] of the other motion; extra: any further numeric channel
     by its column name, in the unit of the file.  judged_from [s]: time from which its
-    error counts, where the rows before were fitted on.
+    error counts, where the rows before were fitted on.  renewed: rows at which a channel was renewed, of
+    those that the logger holds in between; there the values are straight lines.
 
     A row holds the sensors at its time, before the command of that row acts.
     """
@@ -49,6 +50,11 @@ class Recording:
     other_pressure: Array | None = None
     extra: Mapping[str, Array] = field(default_factory=dict)
     judged_from: float = -math.inf
+    renewed: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
+
+    def fresh(self, channel: str) -> NDArray[np.bool_]:
+        """Rows at which a channel was renewed, (n,): all, unless its logger holds it in between."""
+        return self.renewed.get(channel, np.ones(len(self.time), bool))
 
     @property
     def judged(self) -> NDArray[np.bool_]:
@@ -71,7 +77,8 @@ class Recording:
         """The recording up to a time [s]."""
         kept = self.time < time
         arrays: dict[str, Any] = {n: v[kept] for n, v in vars(self).items() if isinstance(v, np.ndarray)}
-        return replace(self, **arrays, extra={n: v[kept] for n, v in self.extra.items()})
+        extra = {n: v[kept] for n, v in self.extra.items()}
+        return replace(self, **arrays, extra=extra, renewed={n: v[kept] for n, v in self.renewed.items()})
 
 
 def from_table(
@@ -85,7 +92,7 @@ def from_table(
     """The recording in a table whose columns `sources` maps to the standard names.
 
     sample_time [s]: what the steps of the time are compared with; None to take the file's own.
-    rig: whose ranges the channels are held against, the built-in one where not given.
+    rig: whose ranges the channels are held against, None where they are not known.
     Raises InputError, in one line with file, row and column, for a column that
     is missing, cells that are no finite numbers, and a time that repeats, runs
     backwards, has gaps or another sample time.  Warns, with InputWarning, of a
@@ -96,9 +103,9 @@ def from_table(
     time, column = found["time_s"], sources["time_s"].name
     _check_lengths(table, sources, found)
     _check_time(table, column, time, sample_time)
-    rig = built_in_rig() if rig is None else rig
-    _warn_of_command(table, sources["command_V"].name, found["command_V"], rig)
-    if "angle_deg" in found:
+    if rig is not None:
+        _warn_of_command(table, sources["command_V"].name, found["command_V"], rig)
+    if rig is not None and "angle_deg" in found:
         _warn_of_radians(table, sources["angle_deg"].name, found, rig)
     return Recording(
         name or table.path.name,
@@ -139,6 +146,11 @@ def _sources(table: Table, mapped: Mapping[str, Source], stage: Stage) -> dict[s
 
 def _standard(table: Table, standard: str, source: Source) -> Array:
     """A column in its standard unit; an error names the first cell that is no finite number."""
+    if source.quaternion:
+        parts = [_standard(table, standard, Source(n)) for n in source.quaternion if n in table.columns]
+        if len(parts) < len(source.quaternion):
+            raise InputError(f"{table.path}: lacks a column of the quaternion {shorten(source.quaternion)}")
+        return turned(*parts)
     column = table.columns[source.name]
     bad = first_bad(column)
     if bad is not None:

@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Mapping
-from math import isfinite
+from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ from plants.hysteresis import LAWS, FourSegment, HysteresisLaw, with_values
 from plants.parameters.quantities import (
     Assumed,
     Fitted,
+    Guessed,
     Parameter,
     ParameterSet,
     Provenance,
@@ -50,12 +51,16 @@ def read(path: str | Path) -> ParameterSet:
             f'{path}: needs axis = "..." and [parameters.NAME] tables, as plants/parameters/flexion.toml'
         )
     rig = parse_rig(text["rig"], f"{path}: rig") if isinstance(text.get("rig"), dict) else built_in_rig()
-    declared = declared_kinds(_law(path, text), table)
-    found = _parameters(f"{path}: ", table, {n: in_units(kind, rig) for n, kind in declared.items()})
+    declared, of_paper = declared_kinds(_law(path, text), table), rig == built_in_rig()
+    found = _parameters(
+        f"{path}: ", table, {n: in_units(kind, rig) for n, kind in declared.items()}, of_paper
+    )
     effects = []
     for form, own in _effects(path, text.get("effects", {})):
         where = f"{path}: effect {form.NAME!r}: "
-        read_in = _parameters(where, own, {n: in_units(kind, rig) for n, kind in form.kinds().items()})
+        read_in = _parameters(
+            where, own, {n: in_units(kind, rig) for n, kind in form.kinds().items()}, of_paper
+        )
         found |= {f"{form.NAME}.{name}": p for name, p in read_in.items()}
         effects.append(form)
     result = ParameterSet(text["axis"], str(text.get("title", text["axis"])), found, tuple(effects), rig)
@@ -96,17 +101,21 @@ def _effects(path: Path, table: Any) -> list[tuple["type[Effect]", Mapping[str, 
     return found
 
 
-def _parameters(where: str, table: Mapping[str, Any], kinds: Mapping[str, Kind]) -> dict[str, Parameter]:
+def _parameters(
+    where: str, table: Mapping[str, Any], kinds: Mapping[str, Kind], of_paper: bool
+) -> dict[str, Parameter]:
     unknown = [n for n in table if n not in kinds]
     if unknown:
         raise InputError(f"{where}unknown parameter {unknown[0]!r}; known are {', '.join(kinds)}")
     missing = [n for n in kinds if n not in table]
     if missing:
         raise InputError(f"{where}parameter {missing[0]!r} is missing; all of {', '.join(kinds)} are needed")
-    return {n: _parameter(f"{where}parameter {n!r}", kind, table[n]) for n, kind in kinds.items()}
+    return {n: _parameter(f"{where}parameter {n!r}", kind, table[n], of_paper) for n, kind in kinds.items()}
 
 
-def _parameter(where: str, kind: Kind, entry: Any) -> Parameter:
+def _parameter(where: str, kind: Kind, entry: Any, of_paper: bool) -> Parameter:
+    """of_paper: whether the rig is the built-in one, whose bounds those of `kind` are; those of another rig
+    stand in its file."""
     if not isinstance(entry, dict):
         raise InputError(f"{where}: needs value, unit and provenance")
     value = entry.get("value")
@@ -120,8 +129,9 @@ def _parameter(where: str, kind: Kind, entry: Any) -> Parameter:
     ):
         raise InputError(f"{where}: bounds must be two numbers, lower and upper")
     low, high = float(bounds[0]), float(bounds[1])
-    if not max(low, kind.low) <= value <= min(high, kind.high):
-        low, high = max(low, kind.low), min(high, kind.high)
+    least, most = (kind.low, kind.high) if of_paper else (0.0 if kind.low >= 0.0 else -inf, inf)
+    if not max(low, least) <= value <= min(high, most):
+        low, high = max(low, least), min(high, most)
         raise InputError(f"{where}: value {value:g} is outside its bounds {low:g} to {high:g} {kind.unit}")
     return Parameter(float(value), kind.unit, low, high, _provenance(where, entry.get("provenance")))
 
@@ -132,13 +142,15 @@ def _provenance(where: str, entry: Any) -> Provenance:
             return Stated(source, section)
         case {"kind": "assumed", "why": str(why)}:
             return Assumed(why)
+        case {"kind": "guessed", "why": str(why)}:
+            return Guessed(why)
         case {"kind": "fitted", "data": str(data), "std_error": int(error) | float(error)}:
             return Fitted(data, float(error))
         case {"kind": "fitted", "data": str(data)}:
             return Fitted(data, None)
     raise InputError(
-        f'{where}: provenance must be {{kind="stated", source, section}}, {{kind="assumed", why}} '
-        'or {kind="fitted", data, std_error}'
+        f'{where}: provenance must be {{kind="stated", source, section}}, {{kind="assumed", why}}, '
+        '{kind="guessed", why} or {kind="fitted", data, std_error}'
     )
 
 

@@ -42,6 +42,14 @@ class Assumed:
 
 
 @dataclass(frozen=True)
+class Guessed(Assumed):
+    """Read off a log roughly, so that a fit can start; nothing rests on it but where the fit began."""
+
+    def __str__(self) -> str:
+        return f"guessed from the log of {self.why}"
+
+
+@dataclass(frozen=True)
 class Fitted:
     """Estimated from data: which, and the standard error in the parameter's unit
     (None where the estimate lies at a bound)."""
@@ -101,11 +109,16 @@ def in_units(kind: Kind, rig: Rig) -> Kind:
 REGULATOR_NAMES = tuple(REGULATOR)
 
 
-def loop_names(names: Iterable[str]) -> tuple[str, ...]:
-    """The parameters of hysteresis law and joint that can be fitted, of a set with these names; the rest
-    pressure is not, since it is where a recording starts."""
+def loop_names(names: Iterable[str], from_rest: bool = True) -> tuple[str, ...]:
+    """The parameters of hysteresis law and joint that can be fitted, of a set with these names.
+
+    The rest pressure is where a recording starts, and is not fitted; where recordings start anywhere
+    (`from_rest` false) it is, if nothing else moves the loop as a whole.
+    """
     given = tuple(names)
-    return tuple(n for n in (*law_of(given).kinds(given), *JOINT) if n != "rest_pressure")
+    law = law_of(given)
+    shifts = law.SHIFTS and not from_rest
+    return tuple(n for n in (*law.kinds(given), *JOINT) if n != "rest_pressure" or shifts)
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,11 @@ import numpy as np
 
 from plants.measured.fit import Fit
 from plants.measured.free_run import FreeRun
+from plants.measured.logger import habits
+from plants.measured.trace.law import LawChoice, RigFit
 from plants.parameters.quantities import Fitted
 from reports.shared.style import BLACK, BLUE, DASHED, DOTTED, GREY, POINTS, VERMILLION, WIDTH, seen, styled
+from reports.shared.tables import listed, number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -105,3 +108,23 @@ def fit_record(fit: Fit) -> dict[str, Any]:
         "remarks": fit.remarks,
         "stages": {n: {"costs": list(e.costs), "agreeing": e.agreeing} for n, e in fit.stages.items()},
     }
+
+
+def start_record(found: RigFit) -> dict[str, Any]:
+    """How a fit began, for JSON: whether from a guess, how the law was chosen, what the logger does."""
+    held_out = {} if found.law is None else dict(found.law.held_out)
+    return {
+        "guessed": found.start.guessed,
+        "law": {"name": found.fit.fitted.law.NAME, "held_out_rmse_deg": held_out},
+        "instrument": habits(found.start.instrument),
+    }
+
+
+def law_sentence(law: LawChoice) -> str:
+    """How a hysteresis law was chosen."""
+    errors = sorted(law.held_out.items(), key=lambda e: e[1])
+    told = listed([f"{number(e)} deg with {n}" for n, e in errors])
+    return (
+        f"Hysteresis law: {law.name}, chosen on rows left out, where the angle error under the measured "
+        f"pressure is {told}."
+    )

@@ -6,6 +6,7 @@ from typing import Any
 from design.evaluation.scenarios import STEP
 from design.synthesis.answer import UNITS as GAIN_UNITS
 from design.synthesis.retune import Control, RetunedSide
+from plants.measured.logger import habits
 from plants.measured.trace.trace import Named, StageTrace, Trace
 from reports.shared.tuning import refused
 from reports.trace.words import NO_LOOP, UNITS, describe
@@ -26,8 +27,38 @@ def trace_record(trace: Trace, control: Mapping[str, Any] | None = None) -> dict
         "effects": [_effect(e) for e in trace.effects],
         "unexplained": _unexplained(trace.unexplained),
         "cannot_judge": list(trace.cannot_judge),
+        "law": _law(trace),
+        "explained_share": {c.split("_")[0]: trace.explained_share.get(c) for c in UNITS},
+        "remainder": _remainder(trace),
+        "instrument": habits(trace.instrument),
     }
     return record if control is None else record | {"control": control}
+
+
+def _law(trace: Trace) -> dict[str, Any]:
+    """The hysteresis law, and what the others leave on rows left out; none others where it was given."""
+    chosen = trace.revised.law.NAME
+    held_out = {} if trace.law is None else trace.law.held_out
+    return {
+        "name": chosen,
+        "held_out_rmse_deg": held_out.get(chosen),
+        "others": [{"name": n, "held_out_rmse_deg": e} for n, e in held_out.items() if n != chosen],
+    }
+
+
+def _remainder(trace: Trace) -> dict[str, Any]:
+    """What is left on held-out recordings without the noise, by channel, with what it depends on."""
+    found: dict[str, Any] = {}
+    on = {s.stage.channel: list(s.after.depends_on) for s in trace.stages}
+    for channel, unit in UNITS.items():
+        name, left = channel.split("_")[0], trace.remainder.get(channel)
+        found[f"{name}_{unit}"] = None if left is None else left.rms
+        found[f"{name}_share_of_range"] = None if left is None else left.share_of_range
+        if left is not None:
+            bands = [{"from_hz": edge, "share": share} for edge, share in left.spectrum.items()]
+            found[f"{name}_spectrum"] = bands
+            found[f"{name}_depends_on"] = on.get(channel, [])
+    return found
 
 
 def _errors(errors: Mapping[str, float | None]) -> dict[str, float | None]:

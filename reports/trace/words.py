@@ -9,6 +9,7 @@ from plants.effects import EFFECTS
 from plants.measured.residual.examine import Examination
 from plants.measured.trace.search.learnt import Learnt
 from plants.measured.trace.trace import Named, StageTrace, Trace
+from reports.shared.fit import law_sentence
 from reports.shared.names import limit_name
 from reports.shared.tables import fixed, listed, number
 from reports.shared.tuning import refused
@@ -86,13 +87,49 @@ def _or(words: Sequence[str]) -> str:
 
 def verdict_sentence(trace: Trace) -> str:
     """The verdict in one sentence, with the errors that it rests on."""
+    if trace.worse:
+        return _worse(trace)
     if trace.verdict == "nothing-missing":
         return _nothing(trace)
     if trace.verdict == "explained":
-        said = f"{_happens(trace.effects)}: with {added(trace.effects)} added, {_falls(trace)}"
-        either = [f"{e.name} from {' or '.join(e.alternatives)}" for e in trace.effects if e.alternatives]
-        return f"{said}{f'; these recordings do not tell {_and(either)}' if either else ''}."
+        return _explained(trace)
     return _unexplained(trace)
+
+
+def _worse(trace: Trace) -> str:
+    channel = _logged(trace)[0]
+    return (
+        f"The revised plant is worse on the held-out recordings: the {_channel(channel)} error rises from "
+        f"{number(trace.before[channel])} to {_amount(trace.after[channel], channel)}; use the declared "
+        "plant."
+    )
+
+
+def _explained(trace: Trace) -> str:
+    channel = _logged(trace)[0]
+    falls, left = _falls(trace), trace.remainder[channel]
+    if trace.effects:
+        said = f"{_happens(trace.effects)}: with {added(trace.effects)} added, {falls}"
+    else:
+        said = f"{_law_words(trace)}: with it {falls}"
+    if left is not None and left.rms > (trace.noise[channel] or 0.0):
+        said += f"; {_share(left.share_of_range)} of the range is left"
+    either = [f"{e.name} from {' or '.join(e.alternatives)}" for e in trace.effects if e.alternatives]
+    return f"{said}{f'; these recordings do not tell {_and(either)}' if either else ''}."
+
+
+def _law_words(trace: Trace) -> str:
+    return f"Four straight segments do not describe this loop, the law {trace.revised.law.NAME} does"
+
+
+def log_words(trace: Trace) -> list[str]:
+    """What the log does, how the hysteresis law was chosen, and what was remarked, in sentences."""
+    law = [law_sentence(trace.law)] if trace.law is not None else []
+    return [*law, *(f"Instrument: {r}" for r in trace.instrument), *trace.remarks]
+
+
+def _share(share: float) -> str:
+    return f"{100.0 * share:.2g} %"
 
 
 def _nothing(trace: Trace) -> str:
@@ -111,14 +148,26 @@ def _nothing(trace: Trace) -> str:
 
 
 def _unexplained(trace: Trace) -> str:
-    stages = trace.unexplained
+    stages = trace.unexplained or list(trace.stages)
+    channel = _logged(trace)[0] if _logged(trace) else stages[0].stage.channel
+    share, left = trace.explained_share.get(channel), trace.remainder.get(channel)
     off = [w for i, s in enumerate(stages) if (w := _still(trace, s.stage.channel, i == 0))]
-    tried = f"with {added(trace.effects)} added, " if trace.effects else ""
     on = depends(stages[0].after.depends_on)
     if len(stages) > 1:
         on = on.replace("what is left", f"what is left of the {_channel(stages[0].stage.channel)}")
+    law = trace.law is not None and trace.revised.law.NAME != trace.fit.before.law.NAME
+    if (trace.effects or law) and share is not None and left is not None:
+        causes = [e.name for e in trace.effects] + (
+            [f"the hysteresis law {trace.revised.law.NAME}"] if law else []
+        )
+        explain = "explains" if len(causes) == 1 else "explain"
+        head = (
+            f"{_and(causes)} {explain} {100.0 * share:.0f} % of the {_channel(channel)} error; "
+            f"{_share(left.share_of_range)} of the range is left, which has structure"
+        )
+        return f"{head[0].upper()}{head[1:]}: {_and(off)}; {on}." if off else f"{head}; {on}."
     head = f"Something is left that none of the {len(EFFECTS)} effects explains"
-    return f"{head}: {tried}{_and(off)}; {on}." if off else f"{head}; {on}."
+    return f"{head}: {_and(off)}; {on}." if off else f"{head}; {on}."
 
 
 def _still(trace: Trace, channel: str, first: bool) -> str:

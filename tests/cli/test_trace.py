@@ -18,7 +18,10 @@ from plants.simulation.open_loop import open_loop
 from plants.wrist import Wrist
 from tests.rig.campaign import make_campaign
 
-KEYS = {"axis", "verdict", "before", "after", "noise_floor", "effects", "unexplained", "cannot_judge"}
+KEYS = {
+    "axis", "verdict", "before", "after", "noise_floor", "effects", "unexplained", "cannot_judge", "law",
+    "explained_share", "remainder", "instrument",
+}  # fmt: skip
 
 
 def quick_problem(wrist, jobs=None):
@@ -155,14 +158,20 @@ def test_looking_at_a_place_leaves_nothing(tmp_path):
         check_places({"--save": tmp_path})
 
 
-def test_an_axis_without_built_in_parameters_needs_a_plant(wrist, late, tmp_path):
+def test_an_axis_without_built_in_parameters_is_traced_from_the_log_alone(wrist, late, tmp_path):
     own = tmp_path / "own"
     own.mkdir()
     for path in late.iterdir():
         (own / path.name).write_text(path.read_text().replace('"flexion"', '"elbow"'))
-    outcome = wrist("trace", own)
-    assert outcome.code == 2
-    assert "--plant" in outcome.err
+    outcome = wrist("trace", own, "--json", tmp_path / "elbow.json", "--save", tmp_path / "elbow.toml")
+    assert outcome.code == 0
+    record = json.loads((tmp_path / "elbow.json").read_text())
+    assert [e["name"] for e in record["effects"]] == ["dead-time"]
+    assert record["law"]["name"] == "four-segment"
+    assert [o["name"] for o in record["law"]["others"]] == ["prandtl-ishlinskii"]
+    assert record["explained_share"]["angle"] > 0.9
+    assert record["remainder"]["angle_share_of_range"] < 0.005
+    assert load(tmp_path / "elbow.toml").axis == "elbow"
 
 
 def test_a_campaign_of_the_regulator_alone_has_no_loop_to_tune(wrist, late, tmp_path):

@@ -149,10 +149,10 @@ def _plants(
     """Fits of the campaigns, and the parameter set of each motion: fitted, given, or, where nothing is given,
     built in."""
     from design.cli.commands.fit import tables
-    from design.cli.common import shown, starting_set
+    from design.cli.common import shown
     from plants.errors import InputError
     from plants.measured.campaign import load_campaign
-    from plants.measured.fit import fit_campaign
+    from plants.measured.trace.law import fit_rig
     from plants.parameters.quantities import built_in, load
 
     given: dict[str, ParameterSet] = {}
@@ -171,12 +171,12 @@ def _plants(
             raise InputError(f"{folder}: {data.axis!r} was given before; give one campaign a motion")
         campaigns[data.axis] = (
             data,
-            given.pop(data.axis) if data.axis in given else starting_set(data, None),
+            given.pop(data.axis, None),
         )
     sets = dict(given)  # what no campaign starts from
     for axis, (data, start) in campaigns.items():
         with progress(f"fit {data.name}") as tell:
-            fits[axis] = fit_campaign(data, start, seed=seed, progress=tell)
+            fits[axis] = fit_rig(data, start, seed=seed, progress=tell).fit
         for part in tables(fits[axis]):
             said.print(part)
         sets[axis] = fits[axis].fitted

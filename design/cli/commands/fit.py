@@ -11,8 +11,8 @@ from design.cli.common import (
     OutOption,
     SeedOption,
     StartOption,
+    given_set,
     rig_of,
-    starting_set,
     write_json,
 )
 from design.cli.completion import files
@@ -21,6 +21,7 @@ from design.cli.terminal.screen import Sheet, console, progress
 
 if TYPE_CHECKING:
     from plants.measured.fit import Fit
+    from plants.measured.trace.law import RigFit
 
 NAME = "fit"
 HELP = "Fit the wrist to a measured campaign, and report the error on held-out recordings."
@@ -40,16 +41,17 @@ def command(
     out: OutOption = None,
 ) -> None:
     from plants.measured.campaign import load_campaign
-    from plants.measured.fit import fit_campaign
+    from plants.measured.trace.law import fit_rig
     from plants.parameters.quantities import dump
-    from reports.shared.fit import fit_record
+    from reports.shared.fit import fit_record, start_record
 
     check_places({"--save": save, "--json": json}, out)
     data = load_campaign(campaign, rig_of(plant))
     with progress(f"fit {data.name}") as tell:
-        fitted = fit_campaign(data, starting_set(data, plant), starts, seed, tell)
+        found = fit_rig(data, given_set(plant), starts, seed, tell)
+    fitted = found.fit
     said = console(json)
-    for part in tables(fitted):
+    for part in [*tables(fitted), *chosen(found)]:
         said.print(part)
     if save is not None:
         dump(fitted.fitted, save)
@@ -61,7 +63,15 @@ def command(
         path = out / f"fit-{data.name}.png"
         save_figure(draw_fit(fitted), path)
         said.print(f"picture in {path}", soft_wrap=True)
-    write_json(json, fit_record(fitted))
+    write_json(json, fit_record(fitted) | start_record(found))
+
+
+def chosen(found: "RigFit") -> list[str]:
+    """How the hysteresis law was chosen, and what the logger does; empty where there is nothing to say."""
+    from reports.shared.fit import law_sentence
+
+    law = [law_sentence(found.law)] if found.law is not None else []
+    return law + [f"Instrument: {r}" for r in found.start.instrument]
 
 
 def tables(fit: "Fit") -> list[Any]:

@@ -12,8 +12,8 @@ from design.cli.common import (
     SeedOption,
     StartOption,
     command_line,
+    given_set,
     rig_of,
-    starting_set,
     write_json,
 )
 from design.cli.completion import files
@@ -60,7 +60,7 @@ def command(
 
     check_places({"--save": save, "--json": json}, out)
     data = load_campaign(campaign, rig_of(plant))
-    start = starting_set(data, plant)
+    start = given_set(plant)
     with progress(f"trace {data.name}") as tell:
         trace = trace_campaign(data, start, seed, tell)
     control = _retuned(trace, seed, jobs) if retune else None
@@ -103,7 +103,7 @@ def _write_page(out: Path, trace: "Trace", control: "Control | None", seed: int)
 
 def lines(trace: "Trace") -> list[Any]:
     """What people read of a trace: the verdict first, then errors, effects, and what is open."""
-    from reports.trace.words import description, verdict_sentence
+    from reports.trace.words import description, log_words, verdict_sentence
 
     said: list[Any] = [verdict_sentence(trace), ""]
     said += ["rms error of free runs from the command, on the held-out recordings", _errors(trace)]
@@ -114,7 +114,7 @@ def lines(trace: "Trace") -> list[Any]:
     if trace.cannot_judge:
         words.append("These recordings cannot tell:")
         words += [f"  {name}: {why}" for name, why in trace.cannot_judge.items()]
-    words += trace.remarks
+    words += log_words(trace)
     return said + (["", *words] if words else [])
 
 

@@ -67,7 +67,7 @@ class DeadTime(_Late):
 
     FORM = "transport"
 
-    delay: Number = parameter("s", "transport delay", 0.0, 0.4, 0.0, (0.01, 0.03, 0.08, 0.15))
+    delay: Number = parameter("s", "transport delay", 0.0, 1.0, 0.0, (0.01, 0.03, 0.08, 0.15, 0.35, 0.7))
 
     def sampled(self, wrist: Any, dt: float) -> SampledDeadTime:
         return SampledDeadTime(delay.sampled(self.delay, dt))
@@ -86,7 +86,7 @@ class TubeDeadTime(_Late):
 
     FORM = "transport and tube lag"
 
-    delay: Number = parameter("s", "transport delay", 0.0, 0.4, 0.0, (0.01, 0.05, 0.1))
+    delay: Number = parameter("s", "transport delay", 0.0, 1.0, 0.0, (0.01, 0.05, 0.1, 0.35, 0.7))
     lag: Number = parameter("s", "time constant of the tube's filling", 0.0, 0.2, 0.0, (0.01, 0.04))
 
     def sampled(self, wrist: Any, dt: float) -> SampledTube:

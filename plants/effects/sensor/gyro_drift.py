@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, Nothing, Number, parameter
+from plants.effects.effect import Around, Asked, Effect, Nothing, Number, parameter
 
 
 class SampledDrift(NamedTuple):
@@ -28,6 +28,12 @@ class _Drifting(Effect):
     HAPPENS = "The angle sensor drifts"
     WANDERS = True
     BOUND = "kept"
+
+    def borrowed(self, asked: Asked) -> str | None:
+        """In one ramp of the command time and command are the same."""
+        if asked.ramp:
+            return "the command is one ramp, which goes with time as a drift does; record steps up and down"
+        return None
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, Nothing, Number, TrialHints, parameter
+from plants.effects.effect import Around, Asked, Effect, Nothing, Number, TrialHints, parameter
 
 
 class SampledHum(NamedTuple):
@@ -33,8 +33,14 @@ def _part(name: str, trial: float) -> Any:
 _FREQUENCY = parameter("Hz", "frequency of the hum", 0.05, 50.0, 1.0, (1.0,), 0.002)
 
 
+SLOWEST = 2.0
+"""Periods that the longest recording must hold: less cannot be told from drift."""
+
+
 class _Humming(Effect):
     """What the forms share."""
+
+    frequency: Number
 
     NAME = "periodic-disturbance"
     STAGE = "sensor"
@@ -50,6 +56,19 @@ class _Humming(Effect):
             {**first, "frequency": f, "sine": a * noise, "cosine": b * noise}
             for f, a, b in log.spectral_lines()
         ]
+
+    def borrowed(self, asked: Asked) -> str | None:
+        """A sinusoid at a multiple of the only sine that was asked, or too slow to come round twice."""
+        order = asked.harmonic(float(self.frequency))
+        if order is not None:
+            return (
+                f"what was found at {float(self.frequency):.3g} Hz is {order} times the frequency of the "
+                "command, a sine; record steps, or a sine of another frequency"
+            )
+        if float(self.frequency) * asked.longest < SLOWEST:
+            period = 1.0 / float(self.frequency)
+            return f"a period of {period:.3g} s comes round less than twice; record for longer"
+        return None
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, Nothing, Number, TrialHints, parameter
+from plants.effects.effect import Around, Asked, Effect, Nothing, Number, TrialHints, parameter
 
 
 class SampledLoad(NamedTuple):
@@ -36,6 +36,8 @@ _MOMENT = parameter(
 class _Loaded(Effect):
     """What the forms share."""
 
+    moment: Number
+
     NAME = "load-step"
     STAGE = "wrist"
     HAPPENS = "The load on the hand changes"
@@ -47,6 +49,15 @@ class _Loaded(Effect):
         """Shifts of three times the noise at the moments at which the remainder steps."""
         first, size = next(cls.trials()), 3.0 * log.noise
         return [{**first, "moment": moment, "shift": size * sign} for moment, sign in log.steps()]
+
+    def borrowed(self, asked: Asked) -> str | None:
+        """A load that comes as a recording begins shifts all of it."""
+        if float(self.moment) < asked.begins:
+            return (
+                f"a shift at {float(self.moment):.3g} s, where the recordings begin, is an offset as well; "
+                "record with the load picked up later"
+            )
+        return None
 
 
 @dataclass(frozen=True)

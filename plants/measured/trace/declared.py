@@ -74,17 +74,22 @@ def _under(declared: Model, regulator: StageTrace, put_back: bool) -> Model:
     with what that leaves of the measured pressure put back, smoothed."""
     stage = declared.stage
     wrist = Wrist.from_values(declared.values, regulator.model.forms, declared.stage.rig)
-    drives = []
+    simulated, drives = [], []
     for i, playback in enumerate(stage.playbacks):
         begin = None if stage.begins is None else stage.begins[i]
         pressure = open_loop(
             wrist, playback.commands, begun(wrist, begin), begin=float(playback.recording.time[0])
         ).pressure
-        if put_back and playback.recording.pressure is not None:
+        simulated.append(pressure)
+        if playback.recording.pressure is not None:
             left = playback.recording.pressure - pressure[playback.rows]
             pressure = pressure + np.interp(np.arange(len(pressure)), playback.rows, _smooth(left))
         drives.append(pressure)
-    return replace(declared, stage=replace(stage, drives=tuple(drives)))
+    free = tuple(simulated)
+    driven = (
+        replace(stage, drives=tuple(drives), free_drives=free) if put_back else replace(stage, drives=free)
+    )
+    return replace(declared, stage=driven)
 
 
 def _smooth(left: Array) -> Array:

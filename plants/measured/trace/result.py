@@ -1,14 +1,17 @@
 """What a trace finds."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from plants.measured.campaign import Campaign
 from plants.measured.fit import Fit
 from plants.measured.free_run import FreeRun
+from plants.measured.logger import Remark
 from plants.measured.residual.examine import Examination
+from plants.measured.trace.law import LawChoice
 from plants.measured.trace.search.choose import EffectSearch
 from plants.measured.trace.search.learnt import Learnt
+from plants.measured.trace.size import Remainder, explained_share, remainder
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.stage import Stage
 from plants.parameters.quantities import ParameterSet
@@ -35,7 +38,7 @@ class Named:
 class StageTrace:
     """One stage: the search for effects, the remainder before and after it, and what to make of it.
 
-    explained: whether the remainder reaches the noise.  cannot_judge: effects
+    explained: whether the remainder reaches the noise, or is too small to matter.  cannot_judge: effects
     that the data never excites, with the reason.  learnt: a description of what
     is left, where no effect explains it.
     """
@@ -47,6 +50,12 @@ class StageTrace:
     explained: bool
     cannot_judge: Mapping[str, str]
     learnt: Learnt | None
+
+    @property
+    def without_effects(self) -> "StageTrace":
+        """The same stage without the effects that were found."""
+        declared = self.search.declared
+        return replace(self, search=replace(self.search, chosen=declared), after=self.before)
 
     @property
     def model(self) -> Model:
@@ -65,7 +74,8 @@ class Trace:
 
     verdict: ``nothing-missing``, ``explained`` or ``unexplained``; before, after:
     errors by channel on the held-out recordings, with intervals at 95 %
-    by bootstrap over blocks; revised: the declared parameters refitted, and effects.
+    by bootstrap over blocks; revised: the declared parameters refitted, and effects.  law: how the hysteresis
+    law was chosen, None where it was given; instrument: what the logger does.
     """
 
     campaign: Campaign
@@ -80,6 +90,27 @@ class Trace:
     before_interval: Mapping[str, tuple[float, float] | None]
     after_interval: Mapping[str, tuple[float, float] | None]
     remarks: tuple[str, ...] = ()
+    law: LawChoice | None = None
+    instrument: tuple[Remark, ...] = ()
+
+    @property
+    def explained_share(self) -> dict[str, float | None]:
+        """Share of the variance above the noise that the declared model leaves and the revised one does not,
+        by channel."""
+        return {c: explained_share(self.before[c], self.after[c], self.noise[c]) for c in self.before}
+
+    @property
+    def remainder(self) -> dict[str, Remainder | None]:
+        """What is left of each channel without the noise."""
+        return {c: remainder(self.runs, c, self.noise[c] or 0.0) for c in self.before}
+
+    @property
+    def worse(self) -> bool:
+        """Whether the revised plant is further off the angle, or the pressure where no angle was logged, than
+        the declared one on recordings that chose nothing."""
+        channel = "angle_deg" if self.before.get("angle_deg") is not None else "pressure_kPa"
+        before, after = self.before[channel], self.after[channel]
+        return before is not None and after is not None and after > 1.0001 * before
 
     @property
     def noise(self) -> Mapping[str, float | None]:

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from plants.errors import InputError
 from plants.measured.campaign import Campaign
+from plants.measured.logger import longest
 from plants.measured.noise import noise_floor, resolution
 from plants.measured.problem import measured
 from plants.measured.recording import Recording
@@ -46,19 +47,16 @@ def check(campaign: Campaign) -> tuple[str, ...]:
 def _check_clipped(campaign: Campaign, recording: Recording, channel: str, values: Array) -> None:
     step = resolution(values)
     for extreme in (values.min(), values.max()):
+        # A sensor may rest for long where it rests at the beginning, and at its zero.
+        if extreme in (0.0, values[0]):
+            continue
         at = values == extreme
-        if _longest(at) < FLAT or (~at).sum() < FLAT:
+        if longest(at) < FLAT or (~at).sum() < FLAT:
             continue
         # A channel without noise may well stay at one value.
         if noise_floor(values[~at]) > 0.7 * step:
             raise InputError(
                 f"{campaign.name}/{recording.name}: column {channel!r}: stays at exactly {extreme:g}, its "
-                f"extreme, for {_longest(at)} rows though it is noisy elsewhere: the sensor is clipped; "
+                f"extreme, for {longest(at)} rows though it is noisy elsewhere: the sensor is clipped; "
                 "widen its range or cut those rows out"
             )
-
-
-def _longest(flags: NDArray[np.bool_]) -> int:
-    """Longest run of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(np.int8), [0]])))
-    return int(max(edges[1::2] - edges[::2], default=0))

@@ -13,19 +13,23 @@ from numpy.typing import NDArray
 from plants.measured.campaign import Campaign
 from plants.measured.estimate import HUBER, standard_errors
 from plants.measured.fit import CHANNELS, Fit, fit_campaign
-from plants.measured.free_run import FreeRun, rmse, squares
+from plants.measured.free_run import FreeRun, rmse
+from plants.measured.logger import Remark
 from plants.measured.playback import Playback
 from plants.measured.problem import first_begin, measured
 from plants.measured.trace.declared import LOWER, driven, refitted
 from plants.measured.trace.errors import intervals
 from plants.measured.trace.experiments import sentence, separate
 from plants.measured.trace.judge import alternatives, explained, not_logged, unexcited
+from plants.measured.trace.law import LawChoice, law_of_rig
 from plants.measured.trace.result import Named, StageTrace, Trace
 from plants.measured.trace.search.choose import search
 from plants.measured.trace.search.learnt import learn
+from plants.measured.trace.size import MATTERS, NAMED, span
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import begun, remainders
 from plants.measured.trace.stages.stage import Stage
+from plants.measured.trace.start import starting
 from plants.measured.trace.suspect import check
 from plants.measured.trace.two_rigs import rigs_differ
 from plants.parameters.quantities import ParameterSet, loop_names
@@ -36,20 +40,21 @@ SLOW_NOISE = 100.0
 """Chi-square up to which a remainder without structure, of which no effect takes a good part away, is
 slow noise whose floor was taken too low."""
 
-REMAINS = 0.25
+REMAINS = 0.5
 """Share of its excess that an effect may leave and still be adopted where not all is explained."""
 
 
 def trace_campaign(
     campaign: Campaign,
-    start: ParameterSet,
+    start: ParameterSet | None = None,
     seed: int = 0,
     progress: Callable[[str, float], None] | None = None,
 ) -> Trace:
     """Find what the declared wrist lacks of a rig, from its recordings.
 
-    `start` gives starting values and bounds of the declared parameters.  Raises
-    InputError where the recordings cannot be fitted at all.
+    `start` gives starting values and bounds of the declared parameters; where it is not given they are those
+    of the built-in motion of that name, or, for any other, guessed from the log, and the hysteresis law is
+    chosen.  Raises InputError where the recordings cannot be fitted at all.
     """
     from threadpoolctl import threadpool_limits
 
@@ -58,22 +63,32 @@ def trace_campaign(
         return _trace(campaign, start, seed, progress or (lambda what, share: None))
 
 
-def _trace(campaign: Campaign, start: ParameterSet, seed: int, tell: Callable[[str, float], None]) -> Trace:
+def _trace(
+    campaign: Campaign, given: ParameterSet | None, seed: int, tell: Callable[[str, float], None]
+) -> Trace:
+    begun = starting(campaign, given)
+    campaign = begun.campaign
     remarks = check(campaign)
     tell("fitting the declared wrist", 0.0)
-    fit = fit_campaign(campaign, start, starts=3, seed=seed)
-    values: dict[str, float] = dict(fit.fitted.values)
+    fit = fit_campaign(campaign, begun.parameters, begun.starts, seed, apart=not begun.guessed)
+    tell("choosing the hysteresis law", 0.1)
+    law = law_of_rig(begun, fit, seed)
+    changed = law is not None and law.name != fit.fitted.law.NAME
+    start = law.parameters if changed and law is not None else begun.parameters
+    base = replace(fit, fitted=start, undetermined=()) if changed else fit
+    values: dict[str, float] = dict(base.fitted.values)
     traced: list[StageTrace] = []
-    for stage in _stages(campaign, fit):
+    for stage in _stages(campaign, base):
         share = 0.15 + 0.4 * len(traced)
-        declared = Model(stage, start, values, fixed=_fixed(stage, fit))
+        declared = Model(stage, start, values, fixed=_fixed(stage, base))
         declared = driven(declared, traced[0]) if stage.name == "wrist" else refitted(declared)
-        fit = _once_more(campaign, start, fit, declared, seed)
-        found = _trace_stage(declared, fit, _part(tell, share), seed)
+        if not changed:
+            base = fit = _once_more(campaign, start, fit, declared, seed)
+        found = _trace_stage(declared, base, _part(tell, share), seed)
         values |= {n: found.model.values[n] for n in found.model.names}
         traced.append(found)
     tell("judging", 0.95)
-    return _result(campaign, fit, tuple(traced), remarks)
+    return _result(campaign, fit, base, tuple(traced), remarks, law, begun.instrument)
 
 
 def _part(tell: Callable[[str, float], None], share: float) -> Callable[[str], None]:
@@ -89,7 +104,8 @@ def _stages(campaign: Campaign, fit: Fit) -> list[Stage]:
         floor = fit.noise[channel] or 1.0
         rig = fit.before.rig
         played = tuple(Playback(campaign.fit[i], rig.sample_time) for i in used)
-        return Stage(name, channel, floor, played, loop_names(fit.fitted.parameters), rig, None, begins)  # type: ignore[arg-type]
+        loop = loop_names(fit.fitted.parameters, campaign.start == "rest")
+        return Stage(name, channel, floor, played, loop, rig, None, begins)  # type: ignore[arg-type]
 
     pressure = any(r.pressure is not None for r in campaign.fit)
     stages = [made("regulator", "pressure_kPa")] if pressure else []
@@ -118,6 +134,8 @@ def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: i
     logged = [n for n in stage.effects if not not_logged(declared, n)]
     found = search(declared, logged, lambda what: tell(f"{stage.name}: {what}"), seed)
     model, blind = found.chosen.model, unexcited(declared, found.rounds[0].ranking)
+    borrowed = {n: why for r in found.rounds for n, why in r.borrowed.items()}
+    blind = {**blind, **{n: why for n, why in borrowed.items() if n not in model.effects}}
     before, after = found.declared.examined, found.chosen.examined
     # Stationary sensor noise, however coloured, is not a missing effect.
     good = explained(found) or (not after.structured and model.chi2 < SLOW_NOISE)
@@ -130,36 +148,51 @@ def _numeric(depends_on: Sequence[str]) -> list[str]:
     return list(dict.fromkeys("time_s" if d == "time" else d for d in depends_on))
 
 
-def _result(campaign: Campaign, fit: Fit, stages: tuple[StageTrace, ...], remarks: tuple[str, ...]) -> Trace:
+def _result(
+    campaign: Campaign, fit: Fit, base: Fit, stages: tuple[StageTrace, ...], remarks: tuple[str, ...],
+    law: LawChoice | None, instrument: tuple[Remark, ...],
+) -> Trace:  # fmt: skip
+    """base: the fit that was revised: the declared one, or of another hysteresis law."""
+    changed = base is not fit
     forms = tuple(f for s in stages for f in s.model.forms)
+    dropped = [s for s in stages if s.model.forms and not _helps(s)]
+    if dropped:
+        tried = ", ".join(f.NAME for s in dropped for f in s.model.forms)
+        remarks = (
+            *remarks,
+            f"Tried and not adopted, since too little of what is left goes with it: {tried}.",
+        )
+        stages = tuple(s.without_effects if s in dropped else s for s in stages)
+        forms = tuple(f for s in stages for f in s.model.forms)
     values: dict[str, float] = {}
     errors: dict[str, float | None] = {}
     for s in stages:
-        if forms:
+        if forms or changed:
             values |= {n: s.model.values[n] for n in s.model.names}
             errors |= _errors(s.model)
     origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
-    revised = fit.fitted.revised(forms, values, errors, origin) if forms else fit.fitted
-    runs = tuple(_played(fit, Wrist.of(revised)))
+    revised = base.fitted.revised(forms, values, errors, origin) if values else fit.fitted
+    runs = tuple(_played(fit, Wrist.of(revised), changed))
     effects = tuple(n for s in stages for n in _named(s, errors, revised))
-    whole = all(s.explained for s in stages)
-    if forms and not whole and not _helps(stages, runs, campaign.stage):
-        tried = ", ".join(f.NAME for f in forms)
-        remarks = (
-            *remarks,
-            f"Tried and not adopted: {tried}. It takes away too little of what is left, or makes free runs "
-            "from the command worse on a recording that it was fitted on.",
-        )
-        revised, effects = fit.fitted, ()
-        runs = tuple(_played(fit, Wrist.of(revised)))
     before = fit.validate_rmse
-    after = {c: rmse(runs, c) for c in CHANNELS} if effects else before
-    verdict = ("explained" if effects else "nothing-missing") if whole else "unexplained"
+    after = {c: rmse(runs, c) for c in CHANNELS} if values else before
+    stages = tuple(s if s.explained else replace(s, explained=not _matters(s, fit)) for s in stages)
+    whole = all(s.explained for s in stages)
+    found = "explained" if effects or changed else "nothing-missing"
     return Trace(
-        campaign, fit, verdict, stages, effects, revised, runs, before, after,
+        campaign, fit, found if whole else "unexplained", stages, effects, revised, runs, before, after,
         intervals(runs, before=True), intervals(runs),
-        (*remarks, *rigs_differ(stages)),
+        (*remarks, *rigs_differ(stages)), law, instrument,
     )  # fmt: skip
+
+
+def _matters(stage: StageTrace, fit: Fit) -> bool:
+    """Whether what is left of a stage, in recordings that it was fitted on, matters: by its share of the
+    range, or because no cause was found for most of what the declared model leaves."""
+    channel, noise = stage.stage.channel, stage.stage.noise
+    left = max(stage.model.chi2 - 1.0, 0.0)
+    declared = max(stage.search.declared.model.chi2, ((fit.fit_rmse[channel] or 0.0) / noise) ** 2) - 1.0
+    return noise * left**0.5 > MATTERS * span(fit.runs, channel) or left > (1.0 - NAMED) * declared
 
 
 def _errors(model: Model) -> dict[str, float | None]:
@@ -171,8 +204,8 @@ def _errors(model: Model) -> dict[str, float | None]:
     return {n: None if e else s for n, s, e in zip(model.names, found, at_edge, strict=True)}
 
 
-def _played(fit: Fit, wrist: Wrist) -> list[FreeRun]:
-    """Every recording beside the free runs of both wrists."""
+def _played(fit: Fit, wrist: Wrist, changed: bool) -> list[FreeRun]:
+    """Every recording beside the free runs of both wrists; changed: whether the law is another one."""
     found = []
     fitted_begins = iter(fit.begins or ())
     for run in fit.runs:
@@ -181,25 +214,19 @@ def _played(fit: Fit, wrist: Wrist) -> list[FreeRun]:
             rest = fit.before.values["rest_pressure"]
             begin = next(fitted_begins) if run.role == "fit" else first_begin(run.recording, rest)
         after = run.pressure, run.angle
-        if wrist.effects:
+        if wrist.effects or changed:
             pressure, angle = Playback(run.recording, wrist.rig.sample_time).play(wrist, begun(wrist, begin))
             after = pressure, None if run.angle is None else angle
         found.append(FreeRun(run.recording, run.role, *after, run.pressure, run.angle))
     return found
 
 
-def _helps(stages: Sequence[StageTrace], runs: Sequence[FreeRun], stage: str) -> bool:
-    """Whether effects that do not explain all are worth having: they take away most of what chi-square
-    has above 1, and no recording that they were fitted on is worse for them in a free run from the
-    command, which is how the plant will be used."""
-    for s in stages:
-        excess = s.search.declared.model.chi2 - 1.0
-        if s.model.forms and s.model.chi2 - 1.0 > REMAINS * excess:
-            return False
-    channel = "pressure_kPa" if stage == "regulator" else "angle_deg"
-    before, after = (squares(runs, channel, earlier, "fit") for earlier in (True, False))
-    each = all(a.mean() <= 1.02 * b.mean() for a, b in zip(after, before, strict=True))
-    return each and sum(a.sum() for a in after) < 0.9 * sum(b.sum() for b in before)
+def _helps(s: StageTrace) -> bool:
+    """Whether effects that do not explain all of a stage are worth having: they take away most of what
+    chi-square has above 1.  That a free run from the command falls on rows left out each of them had to
+    show before it was taken."""
+    excess = s.search.declared.model.chi2 - 1.0
+    return s.explained or s.model.chi2 - 1.0 <= REMAINS * excess
 
 
 def _named(s: StageTrace, errors: Mapping[str, float | None], revised: ParameterSet) -> list[Named]:

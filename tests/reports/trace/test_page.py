@@ -180,11 +180,11 @@ def test_the_record_says_what_is_left_and_on_what_it_depends(unexplained):
 
 
 def test_the_verdicts_read_well(bent, unexplained):
-    nothing = stripped(bent, verdict="nothing-missing", before=bent.noise)
+    nothing = stripped(bent, verdict="nothing-missing", before=bent.noise, after=bent.noise)
     said = verdict_sentence(nothing)
     assert said.startswith("Nothing is missing: on the held-out recordings the declared wrist is off")
     assert "slow" not in said
-    loud = verdict_sentence(replace(nothing, before=bent.before))
+    loud = verdict_sentence(replace(nothing, before=bent.before, after=bent.before))
     assert loud.endswith("; what is left of the angle has no more structure than slow noise.")
     left = verdict_sentence(unexplained)
     assert left.startswith("Something is left that none of the 14 effects explains: the angle error on ")

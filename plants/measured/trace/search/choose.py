@@ -1,7 +1,7 @@
 """Choosing effects: refit the best few fully, judge on blocks left out, prefer fewer effects."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from plants.effects import EFFECTS
 from plants.measured.residual.examine import Examination, examine
+from plants.measured.trace.search.excitation import Excitation, excitation
 from plants.measured.trace.search.likelihood import demanded, log_likelihood
 from plants.measured.trace.search.screening import Ranked, Screen, screen
 from plants.measured.trace.stages.model import Model
@@ -42,6 +43,18 @@ BEAM, BEAM_REACH = 2, 5.0
 
 FOLDS = 2
 
+ROUGH = 1e-4
+"""Relative change of chi-square at which a candidate is fitted well enough to be compared."""
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Residuals (rows,) over the noise, each of a fit to the other half of the data: under the pressure that
+    drives the stage, and in a free run from the command."""
+
+    driven: Array
+    free: Array
+
 
 @dataclass(frozen=True)
 class Candidate:
@@ -50,9 +63,14 @@ class Candidate:
     model: Model
 
     @cached_property
+    def left_out(self) -> LeftOut:
+        """What it leaves of rows that did not fit it."""
+        return left_out(self.model)
+
+    @property
     def held_out(self) -> float:
         """Its chi-square per row on blocks that did not fit it."""
-        return held_out(self.model)
+        return float(np.mean(self.left_out.driven**2))
 
     @cached_property
     def examined(self) -> Examination:
@@ -73,12 +91,14 @@ class Candidate:
 @dataclass(frozen=True)
 class SearchRound:
     """One decision: the model before it, the ranking, candidates that were refitted fully (best
-    first), and which was taken, None where the search ended."""
+    first), and which was taken, None where the search ended; borrowed: effects that may be nothing but the
+    command, with the reason, which were not candidates."""
 
     before: Candidate
     ranking: tuple[Ranked, ...]
     candidates: tuple[Candidate, ...]
     taken: Candidate | None
+    borrowed: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -90,14 +110,25 @@ class EffectSearch:
     declared: Candidate
 
 
-def held_out(model: Model, evaluations: int = 6) -> float:
-    """Chi-square per row on blocks of ten seconds, each fitted on the others' half of the data."""
+def left_out(model: Model, evaluations: int = 6) -> LeftOut:
+    """Residuals on blocks of ten seconds, each fitted on the others' half of the data."""
     fold = model.stage.blocks(BLOCK) % FOLDS
-    total = 0.0
+    driven, free = np.empty(fold.size), np.empty(fold.size)
     for k in range(FOLDS):
         apart = fold == k
-        total += float(np.sum(model.fitted(evaluations, 1e-4, ~apart).residual[apart] ** 2))
-    return total / fold.size
+        fitted = model.fitted(evaluations, 1e-4, ~apart)
+        driven[apart] = fitted.residual[apart]
+        free[apart] = fitted.freely.residual[apart]
+    return LeftOut(driven, free)
+
+
+def falls(before: Candidate, after: Candidate) -> bool:
+    """Whether the error of a free run from the command falls on rows left out: in total over all recordings,
+    and by more than the standard error of that total over blocks of ten seconds."""
+    blocks = before.model.stage.blocks(BLOCK)
+    gain = np.bincount(blocks, before.left_out.free**2 - after.left_out.free**2)
+    scatter = float(np.std(gain, ddof=1)) * len(gain) ** 0.5 if len(gain) > 1 else 0.0
+    return float(gain.sum()) > scatter
 
 
 def search(
@@ -115,6 +146,7 @@ def search(
     tell = tell or (lambda what: None)
     first = now = Candidate(declared)
     beam, rounds = [first], list[SearchRound]()
+    asked = excitation(declared.stage.playbacks)
     while len(now.model.forms) < MOST and (not rounds or now.lacks_something):
         candidates: list[Candidate] = []
         ranking: list[Ranked] = []
@@ -125,12 +157,14 @@ def search(
             ranking = ranking or found
             if now.lacks_something:
                 candidates += refit(start.model, shortlist(found))
+        borrowed = {n: why for c in candidates for n, why in borrowed_in(c, asked).items()}
+        candidates = [c for c in candidates if not borrowed_in(c, asked)]
         candidates = distinct(sorted(candidates, key=lambda c: c.model.chi2))
         best = candidates[0] if candidates else None
         if best is not None and best.model.chi2 > 1.0 + WORTH:
-            best = reformed(best)
-        taken = best if best is not None and worth_it(now, best, first) else None
-        rounds.append(SearchRound(now, tuple(ranking), tuple(candidates), taken))
+            best = reformed(best, asked)
+        taken = Candidate(best.model.fitted()) if best is not None and worth_it(now, best, first) else None
+        rounds.append(SearchRound(now, tuple(ranking), tuple(candidates), taken, borrowed))
         if taken is None:
             break
         now = pruned(taken, first)
@@ -146,14 +180,20 @@ def distinct(candidates: Sequence[Candidate]) -> list[Candidate]:
     return list(found.values())
 
 
-def reformed(now: Candidate) -> Candidate:
+def borrowed_in(candidate: Candidate, asked: Excitation) -> dict[str, str]:
+    """Effects of a candidate that may be nothing but the command, with the reason."""
+    found = {e.NAME: e.borrowed(asked) for e in candidate.model.wrist.effects}
+    return {n: why for n, why in found.items() if why is not None}
+
+
+def reformed(now: Candidate, asked: Excitation) -> Candidate:
     """The same effects, each tried in its other forms."""
     for form in now.model.forms:
         rest = now.model.without(form.NAME)
         held = Screen(rest.fitted(6, 1e-3))
         others = [held.rank(f) for f in EFFECTS[form.NAME] if f is not form]
         for other in refit(rest, others, len(others)):
-            if other.model.chi2 < now.model.chi2:
+            if other.model.chi2 < now.model.chi2 and not borrowed_in(other, asked):
                 now = other
     return now
 
@@ -161,12 +201,15 @@ def reformed(now: Candidate) -> Candidate:
 def worth_it(before: Candidate, after: Candidate, declared: Candidate) -> bool:
     """Whether an effect earns its place.
 
-    In a remainder that has structure, on the blocks that were left out.  One without may be slow noise
-    whose floor was taken too low, or an effect in recordings too short for the tests to see it: then
-    it has to take a good part away and to make the rest likelier as noise, of any colour, by more than
+    The error of a free run from the command has to fall on rows left out, by more than its uncertainty, and
+    by enough: in a remainder that has structure, on the blocks that were left out.  One without may be slow
+    noise whose floor was taken too low, or an effect in recordings too short for the tests to see it: then it
+    has to take a good part away and to make the rest likelier as noise, of any colour, by more than
     following slow noise for a while would.  Blocks left out say nothing there, since slow noise upsets
     the declared parameters on half of the data as much as a missing effect.
     """
+    if not falls(before, after):
+        return False
     if before.examined.structured:
         return _enough(before.held_out, after.held_out, declared.held_out)
     if not _enough(before.model.chi2, after.model.chi2, declared.model.chi2):
@@ -201,7 +244,7 @@ def refit(model: Model, ranked: Sequence[Ranked], forms: int = FORMS) -> list[Ca
         if r.name not in best or m.chi2 < best[r.name].chi2:
             best[r.name] = m
     order = sorted(best.values(), key=lambda m: m.chi2)
-    return sorted((Candidate(m.fitted()) for m in order[:3]), key=lambda c: c.model.chi2)
+    return sorted((Candidate(m.fitted(20, ROUGH)) for m in order[:3]), key=lambda c: c.model.chi2)
 
 
 def pruned(now: Candidate, declared: Candidate) -> Candidate:

@@ -1,7 +1,7 @@
 """A wrist with effects, fitted to one stage: what a trace compares."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -75,6 +75,11 @@ class Model:
     def chi2(self) -> float:
         """Mean square of the residual in units of the noise: 1 where all is explained."""
         return float(np.mean(self.residual**2))
+
+    @property
+    def freely(self) -> "Model":
+        """The same model in a free run from the command."""
+        return replace(self, stage=self.stage.freely)
 
     def at(self, vector: Array) -> "Model":
         """The same model with other values of its parameters."""

@@ -47,7 +47,9 @@ class Stage:
     name: ``regulator`` (command to pressure), ``wrist`` (pressure to angle), or
     ``whole`` (command to angle).  noise: floor of the channel.  loop: parameters of hysteresis and joint
     that are fitted; rig: whose motion was recorded.  drives: pressure
-    [kPa] of every ms, for ``wrist``.  begins: where recordings start, None at rest.
+    [kPa] of every ms, for ``wrist``; free_drives: that simulated from the command, where `drives` holds what
+    was measured too.  floating: whether the zero of the channel is unknown, so that only residuals about
+    their mean count.  begins: where recordings start, None at rest.
     """
 
     name: Name
@@ -58,6 +60,13 @@ class Stage:
     rig: Rig
     drives: tuple[Array, ...] | None = None
     begins: tuple[Begin, ...] | None = None
+    free_drives: tuple[Array, ...] | None = None
+    floating: bool = False
+
+    @property
+    def freely(self) -> "Stage":
+        """The stage in a free run from the command."""
+        return self if self.free_drives is None else replace(self, drives=self.free_drives, free_drives=None)
 
     @property
     def declared(self) -> tuple[str, ...]:
@@ -163,6 +172,8 @@ class StageProblem:
         simulated = self.stage.simulate(values, self.forms)
         simulated -= self.stage.target[:, None]
         simulated /= self.stage.noise
+        if self.stage.floating:
+            simulated -= simulated.mean(axis=0)
         # A wrist that runs away is a bad fit, not the end of the search.
         return np.clip(np.nan_to_num(simulated, nan=WILD), -WILD, WILD)
 

@@ -1,0 +1,209 @@
+"""What the logger does, as apart from what the rig does: found by tests, taken out, and said.
+
+None of it is an effect of the rig: a channel that is renewed less often than rows are written, a pressure
+that is counted from somewhere else, an angle sensor that is offset anew in each recording, a sensor that
+rests at its zero.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plants.measured.campaign import Campaign
+from plants.measured.noise import noise_floor, resolution
+from plants.measured.recording import Recording
+
+Array = NDArray[np.float64]
+Habit = Literal["held", "counted from", "offset", "resting"]
+FIELDS = {"pressure_kPa": "pressure", "angle_deg": "angle"}
+
+HELD = 0.6
+"""Share of rows with a new value below which a channel may be held between renewals."""
+
+JUMPS = 2.5
+"""Steps of the sensor by which half of the new values differ from the held ones: a coarse sensor that moves
+slowly differs by one."""
+
+LOWEST = 3
+"""Rows of rest before the command first moves that are needed to see an offset."""
+
+LOUD = 3.0
+"""Times its noise that an angle at rest has to be off to be offset: a hum may be off by less."""
+
+AT_REST = 1.0
+"""Largest angle [deg] at rest that is taken for an offset: what is further off starts elsewhere."""
+
+REST_ROWS = 30
+"""Rows at exactly zero that make a sensor rest."""
+
+
+@dataclass(frozen=True)
+class Remark:
+    """Something that the log does.
+
+    habit: ``held`` (renewed every `value` s), ``counted from`` (the pressure is `value` where the command is
+    zero), ``offset`` (the angle is off by up to `value` at rest), ``resting`` (exactly zero for `value` s);
+    recordings: in which, by name.
+    """
+
+    habit: Habit
+    channel: str
+    value: float
+    unit: str
+    recordings: tuple[str, ...]
+
+    def __str__(self) -> str:
+        name, many = self.channel.split("_")[0], len(self.recordings) > 1
+        where = f"{len(self.recordings)} recordings" if many else self.recordings[0]
+        match self.habit:
+            case "held":
+                return (
+                    f"The {name} channel is renewed every {self.value:.3g} s and held in between ({where}); "
+                    "only renewed values count, with straight lines between them."
+                )
+            case "counted from":
+                return (
+                    f"The pressure is {self.value:.4g} kPa where the command is zero; it is counted from "
+                    "there. To keep it so, map the column with that offset."
+                )
+            case "offset":
+                return (
+                    f"The angle sensor is offset by up to {self.value:.3g} deg at rest, anew in each "
+                    f"recording ({where}); the offsets are taken off."
+                )
+            case _:
+                return f"The {name} sensor rests at exactly zero for up to {self.value:.3g} s ({where})."
+
+
+def corrected(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
+    """The campaign without the logger's habits, and what they were.
+
+    Values of a held channel are replaced by straight lines between renewals, and an offset of the angle at
+    rest is taken off where recordings start at rest.  (The zero of the pressure: `trace.zero`.)
+    """
+    remarks: list[Remark] = []
+    campaign = _renewed(campaign, remarks)
+    if campaign.start == "rest":
+        campaign = _without_offsets(campaign, remarks)
+    remarks += _resting(campaign)
+    return campaign, tuple(remarks)
+
+
+def renewals(values: Array) -> NDArray[np.bool_] | None:
+    """Rows at which a channel was renewed, None for one that is renewed in every row.
+
+    >>> renewals(np.repeat(np.random.default_rng(0).normal(size=50), 4)).sum()
+    50
+    """
+    changed = np.append(True, np.diff(values) != 0.0)
+    at = np.flatnonzero(changed)
+    if len(at) < 8 or changed.mean() > HELD:
+        return None
+    period = int(np.median(np.diff(at)))
+    jumps = np.abs(np.diff(values[at]))
+    if period < 2 or np.median(jumps) < JUMPS * resolution(values):
+        return None
+    # A sensor at rest is renewed too, with the value it had.
+    fresh = changed.copy()
+    for first, gap in zip(at, np.diff(np.append(at, len(values))), strict=True):
+        fresh[first : first + gap : period] = True
+    return fresh
+
+
+def _renewed(campaign: Campaign, remarks: list[Remark]) -> Campaign:
+    for channel, field in FIELDS.items():
+        held: dict[str, float] = {}
+
+        def straight(
+            r: Recording, channel: str = channel, field: str = field, held: dict[str, float] = held
+        ) -> Recording:
+            values = getattr(r, field)
+            fresh = None if values is None else renewals(values)
+            if fresh is None:
+                return r
+            held[r.name] = float(np.median(np.diff(r.time[fresh])))
+            lines = np.interp(r.time, r.time[fresh], values[fresh])
+            return replace(r, **{field: lines}, renewed={**r.renewed, channel: fresh})
+
+        campaign = _each(campaign, straight)
+        if held:
+            remarks.append(Remark("held", channel, float(np.median(list(held.values()))), "s", tuple(held)))
+    return campaign
+
+
+def shifted(campaign: Campaign, by: float) -> Campaign:
+    """The campaign with a number [kPa] added to its pressures."""
+
+    def moved(r: Recording) -> Recording:
+        return r if r.pressure is None else replace(r, pressure=r.pressure + by)
+
+    return _each(campaign, moved)
+
+
+def _without_offsets(campaign: Campaign, remarks: list[Remark]) -> Campaign:
+    off: dict[str, float] = {}
+
+    def taken(r: Recording) -> Recording:
+        if r.angle is None or r.other_pressure is not None:
+            return r
+        moved = np.flatnonzero(r.command != r.command[0])
+        rows = int(moved[0]) if len(moved) else 0
+        if rows < LOWEST:
+            return r
+        at = float(np.mean(r.angle[:rows]))
+        if not max(LOUD * noise_floor(r.angle), resolution(r.angle)) < abs(at) < AT_REST:
+            return r
+        off[r.name] = at
+        return replace(r, angle=r.angle - at)
+
+    changed = _each(campaign, taken)
+    # One and the same offset everywhere is where the rig rests, not what a sensor does.
+    values = np.array([off.get(n, 0.0) for n in _names(campaign)])
+    if not off or np.ptp(values) < 0.5 * float(np.max(np.abs(values))):
+        return campaign
+    remarks.append(Remark("offset", "angle_deg", float(np.max(np.abs(values))), "deg", tuple(off)))
+    return changed
+
+
+def _resting(campaign: Campaign) -> list[Remark]:
+    found: dict[str, float] = {}
+    for r in (*campaign.fit, *campaign.validate):
+        if r.angle is None:
+            continue
+        rows = longest(r.angle == 0.0)
+        if rows >= REST_ROWS and np.ptp(r.angle) > 0.0:
+            found[r.name] = rows * float(np.median(np.diff(r.time)))
+    return [Remark("resting", "angle_deg", max(found.values()), "s", tuple(found))] if found else []
+
+
+def longest(flags: NDArray[np.bool_]) -> int:
+    """Longest run of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(np.int8), [0]])))
+    return int(max(edges[1::2] - edges[::2], default=0))
+
+
+def _each(campaign: Campaign, change: Callable[[Recording], Recording]) -> Campaign:
+    return replace(
+        campaign, fit=tuple(map(change, campaign.fit)), validate=tuple(map(change, campaign.validate))
+    )
+
+
+def _names(campaign: Campaign) -> tuple[str, ...]:
+    return tuple(r.name for r in (*campaign.fit, *campaign.validate))
+
+
+def recorded(recordings: Sequence[Recording], field: str) -> list[tuple[Array, Array, float]]:
+    """Command, a measured channel (`pressure` or `angle`) and sample time [s] of recordings that have it."""
+    return [
+        (r.command, v, float(np.median(np.diff(r.time))))
+        for r in recordings
+        if (v := getattr(r, field)) is not None
+    ]
+
+
+def habits(remarks: Sequence[Remark]) -> list[dict[str, object]]:
+    """The remarks as dictionaries, for JSON."""
+    return [dict(vars(r)) | {"recordings": list(r.recordings), "text": str(r)} for r in remarks]

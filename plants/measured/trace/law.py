@@ -1,0 +1,157 @@
+"""Which hysteresis law describes the loop: chosen on rows left out, before effects are looked for.
+
+Each law is fitted from the pressure as it was measured to the angle, so that what the regulator lacks has no
+part in the choice; where no pressure was logged, from the command.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plants.hysteresis import LAWS
+from plants.measured.campaign import Campaign
+from plants.measured.fit import Fit, fit_campaign
+from plants.measured.guess import guessed_set
+from plants.measured.playback import Playback
+from plants.measured.trace.search.choose import Candidate
+from plants.measured.trace.stages.model import Model
+from plants.measured.trace.stages.stage import Stage
+from plants.measured.trace.start import FROM_GUESS, Start, starting
+from plants.parameters.quantities import ParameterSet, loop_names
+
+Array = NDArray[np.float64]
+BETTER = 0.9
+"""Another law is taken if its error on rows left out is below this share of the declared law's."""
+
+STARTS = 4
+"""Fits of each law: one from the guess, the others from where it wanders."""
+
+SMOOTHED = 9
+"""Rows over which the measured pressure is smoothed, since its noise would work the loop."""
+
+
+@dataclass(frozen=True)
+class LawChoice:
+    """The law that was chosen, its parameter set with values fitted to the loop, and the error on rows left
+    out [deg] of each law that was tried, by name."""
+
+    name: str
+    parameters: ParameterSet
+    held_out: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class RigFit:
+    """A fit of a rig from its log: the start, the fit of the declared law, how the law was chosen (None where
+    it was given), and the fit of the law that was chosen."""
+
+    start: Start
+    declared: Fit
+    law: LawChoice | None
+    fit: Fit
+
+
+def fit_rig(
+    campaign: Campaign,
+    given: ParameterSet | None = None,
+    starts: int = 6,
+    seed: int = 0,
+    progress: Callable[[str, float], None] | None = None,
+) -> RigFit:
+    """Fit a rig from its log: from the set `given`, the built-in one of a motion of that name, or a guess,
+    and then with the hysteresis law that does best on rows left out.  starts: starting points of each stage,
+    from a set that somebody made; a guess is near already.
+
+    Raises InputError as `plants.measured.fit.fit_campaign` does.
+    """
+    begun = starting(campaign, given)
+    fit = fit_campaign(
+        begun.campaign, begun.parameters, FROM_GUESS if begun.guessed else starts, seed, progress,
+        apart=not begun.guessed,
+    )  # fmt: skip
+    law = law_of_rig(begun, fit, seed)
+    if law is None or law.name == fit.fitted.law.NAME:
+        return RigFit(begun, fit, law, fit)
+    return RigFit(begun, fit, law, fit_campaign(begun.campaign, law.parameters, 1, seed, progress))
+
+
+def law_of_rig(begun: Start, fit: Fit, seed: int = 0) -> LawChoice | None:
+    """The choice of a law where it is open, None where it was given or no angle was logged."""
+    return (
+        choose_law(begun.campaign, fit, seed) if begun.guessed and begun.campaign.stage == "wrist" else None
+    )
+
+
+def choose_law(campaign: Campaign, fit: Fit, seed: int = 0) -> LawChoice:
+    """The law with the least error on blocks left out, the declared one where no other is clearly better."""
+    declared = fit.fitted.law.NAME
+    found: dict[str, tuple[Model, float]] = {}
+    for name in LAWS:
+        start = _start(campaign, fit, name)
+        model = _best(_model(campaign, fit, start), seed)
+        found[name] = (model, model.stage.noise * float(np.sqrt(Candidate(model).held_out)))
+    makes = [n for n, (m, _) in found.items() if not m.wrist.hysteresis.problem(*_ends(m, fit))] or [declared]
+    best = min(makes, key=lambda n: found[n][1])
+    loops = fit.no_loop is None
+    if declared in found and loops and found[best][1] > BETTER * found[declared][1]:
+        best = declared
+    if best == declared:
+        return LawChoice(best, fit.fitted, {n: e for n, (_, e) in found.items()})
+    model = found[best][0]
+    values = {n: model.values[n] for n in model.names}
+    origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
+    parameters = model.start.fitted(values, dict.fromkeys(values), origin)
+    return LawChoice(best, parameters, {n: e for n, (_, e) in found.items()})
+
+
+def _start(campaign: Campaign, fit: Fit, law: str) -> ParameterSet:
+    """Values and bounds to fit a law from: the guess, under the regulator that was fitted."""
+    guess = guessed_set(campaign, law, fit.fitted.rig)
+    known = {n: p for n, p in fit.fitted.parameters.items() if n in ("gain", "k_fast", "k_slow", "e0")}
+    if campaign.start == "rest":
+        known["rest_pressure"] = fit.fitted.parameters["rest_pressure"]
+    return replace(guess, parameters={**guess.parameters, **known})
+
+
+def _model(campaign: Campaign, fit: Fit, start: ParameterSet) -> Model:
+    """The law alone, driven by what was measured of the pressure."""
+    used = [i for i, r in enumerate(campaign.fit) if r.angle is not None]
+    driven = all(campaign.fit[i].pressure is not None for i in used)
+    played = tuple(Playback(campaign.fit[i], start.rig.sample_time) for i in used)
+    begins = None if fit.begins is None else tuple(fit.begins[i] for i in used)
+    stage = Stage(
+        "wrist" if driven else "whole", "angle_deg", fit.noise["angle_deg"] or 1.0, played,
+        loop_names(start.parameters, campaign.start == "rest"), start.rig,
+        tuple(map(_measured, played)) if driven else None, begins,
+    )  # fmt: skip
+    return Model(stage, start, start.values)
+
+
+def _measured(playback: Playback) -> Array:
+    """The measured pressure [kPa] at every sample of the model."""
+    from scipy.signal import savgol_filter
+
+    pressure = playback.recording.pressure
+    assert pressure is not None
+    smooth = savgol_filter(pressure, SMOOTHED, 2) if len(pressure) > SMOOTHED else pressure
+    return np.interp(np.arange(playback.rows[-1] + 1), playback.rows, smooth)
+
+
+def _best(model: Model, seed: int) -> Model:
+    """The best of fits from some starts around the guess."""
+    start, low, high = model.bounds
+    rng = np.random.default_rng(seed)
+    best = model.fitted()
+    for _ in range(STARTS - 1):
+        near = np.clip(start * np.exp(0.7 * rng.standard_normal(start.size)), low, high)
+        found = model.at(near).fitted()
+        if found.chi2 < best.chi2:
+            best = found
+    return best
+
+
+def _ends(model: Model, fit: Fit) -> tuple[float, ...]:
+    """Pressures [kPa] at the ends of the command's range."""
+    return tuple(sorted(v * model.values["gain"] for v in fit.fitted.rig.command_range))

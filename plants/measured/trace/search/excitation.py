@@ -1,0 +1,93 @@
+"""What was asked of the rig: so that an effect that sits in the command is not named as one of the rig.
+
+Under a single sine a hum at a harmonic of it, in one ramp a drift, at the first rows a load step fit anything
+that the model does not make of the command.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plants.measured.playback import Playback
+from plants.measured.recording import Recording
+
+Array = NDArray[np.float64]
+SINGLE = 0.7
+"""Share of a command's power in one line from which on it is a single sine, or a wave of that period."""
+
+MOST = 0.4
+"""Share of the time of all recordings that single sines, or ramps, have to fill to be what was asked."""
+
+NEAR, NEARLY = 0.5, 0.05
+"""How far a frequency may lie from a multiple of a line, in widths of the line: at all, and an order."""
+
+RAMP = 0.9
+"""Correlation of a command with time from which on it is one ramp."""
+
+BEGINS = 0.03
+"""Share of a recording that counts as its beginning, a second at least."""
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """What the commands of some recordings are.
+
+    lines: frequency [Hz] of each single sine, and how finely it is known [Hz], empty where the commands hold
+    more; ramp: whether each is one ramp; begins: time [s] up to which the recordings only begin; longest [s].
+    """
+
+    lines: tuple[tuple[float, float], ...]
+    ramp: bool
+    begins: float
+    longest: float
+
+    def harmonic(self, frequency: float, orders: int = 20) -> int | None:
+        """Which multiple of a line a frequency [Hz] is, as far as the recordings tell; None for none."""
+        for line, width in self.lines:
+            order = max(1, round(frequency / line))
+            if order <= orders and abs(frequency - order * line) < width * max(NEAR, NEARLY * order):
+                return order
+        return None
+
+
+def excitation(playbacks: Sequence[Playback]) -> Excitation:
+    """What was asked in the recordings of a stage."""
+    recordings = [p.recording for p in playbacks]
+    spans = np.array([float(r.time[-1] - r.time[0]) for r in recordings])
+    lines = [line(r) for r in recordings]
+    share = float(spans[[f is not None for f in lines]].sum() / spans.sum())
+    alone = tuple(f for f in lines if f is not None) if share >= MOST else ()
+    ramps = np.array([_is_ramp(r) for r in recordings])
+    begins = min(float(r.time[0]) + max(1.0, BEGINS * s) for r, s in zip(recordings, spans, strict=True))
+    return Excitation(alone, bool(spans[ramps].sum() >= MOST * spans.sum()), begins, float(spans.max()))
+
+
+def line(recording: Recording) -> tuple[float, float] | None:
+    """Frequency of the single sine that a command is and the width of its line [Hz], None for another one.
+
+    >>> t = np.arange(6000) / 100
+    >>> f, width = line(Recording("sine", t, 2.0 + np.sin(2.0 * np.pi * 0.1 * t)))
+    >>> abs(f - 0.1) < width
+    True
+    """
+    dt = float(np.median(np.diff(recording.time)))
+    asked = recording.command - recording.command.mean()
+    n = len(asked)
+    if n < 16 or not np.any(asked):
+        return None
+    size = 8 * n
+    power = np.abs(np.fft.rfft(asked * np.hanning(n), size)) ** 2
+    k = int(np.argmax(power[1:])) + 1
+    reach = 2 * size // n  # half the main lobe of the window
+    inside = power[max(k - reach, 0) : k + reach + 1].sum()
+    if k < size // n or inside < SINGLE * power.sum():
+        return None
+    return k / (size * dt), 1.0 / (n * dt)
+
+
+def _is_ramp(recording: Recording) -> bool:
+    if np.ptp(recording.command) == 0.0:
+        return False
+    return bool(abs(np.corrcoef(recording.time, recording.command)[0, 1]) > RAMP)

@@ -1,0 +1,45 @@
+"""Where a fit starts: the set that was given, the built-in one of a motion of that name, or a guess."""
+
+from dataclasses import dataclass
+
+from plants.measured.campaign import Campaign
+from plants.measured.guess import guessed_set
+from plants.measured.logger import Remark, corrected
+from plants.measured.trace.zero import counted
+from plants.parameters.quantities import ParameterSet, built_in
+from plants.rig import built_in_rig
+
+STARTS, FROM_GUESS = 3, 1
+"""Starting points of a fit: from bounds that somebody set, and from a guess, which is near already."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """A campaign without its logger's habits, and what those were; a parameter set to start from; guessed:
+    whether it was guessed from the log, so that the hysteresis law is open too."""
+
+    campaign: Campaign
+    instrument: tuple[Remark, ...]
+    parameters: ParameterSet
+    guessed: bool
+
+    @property
+    def starts(self) -> int:
+        """Number of starting points of a fit."""
+        return FROM_GUESS if self.guessed else STARTS
+
+
+def starting(campaign: Campaign, given: ParameterSet | None = None) -> Start:
+    """The start of a campaign; given: the set that the user gave.
+
+    >>> from plants import load_campaign
+    >>> starting(load_campaign("plants/measured/examples/flexion")).guessed
+    False
+    """
+    campaign, instrument = corrected(campaign)
+    if given is not None:
+        return Start(campaign, instrument, given, False)
+    if campaign.axis in built_in_rig().motions:
+        return Start(campaign, instrument, built_in(campaign.axis), False)
+    campaign, zero = counted(campaign)
+    return Start(campaign, (*instrument, *zero), guessed_set(campaign), True)

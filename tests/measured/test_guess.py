@@ -1,0 +1,76 @@
+"""A fit can start from the log alone: delay, lag, gain and loop are guessed within bounds around them."""
+
+import numpy as np
+import pytest
+
+from plants.measured.campaign import load_campaign
+from plants.measured.guess import first_order, guessed_rig, guessed_set, loop_guess, plays
+from plants.measured.recording import Recording
+from plants.parameters.quantities import Guessed, dump, load
+from tests.rig.soft import CAMPAIGNS
+
+
+@pytest.fixture(scope="module", params=CAMPAIGNS)
+def soft(request, tmp_path_factory):
+    """A rig that no parameter file describes, and its campaign."""
+    make, fit, validate = CAMPAIGNS[request.param]
+    rig, folder = make(), tmp_path_factory.mktemp("soft") / request.param
+    rig.write(folder, fit, validate)
+    return rig, load_campaign(folder)
+
+
+def test_a_delayed_lag_is_found_from_steps():
+    dt, tau, late = 0.01, 0.3, 20
+    x = np.repeat([0.0, 1.0, 0.2, 0.8, 0.5], 300)
+    delayed = np.concatenate([np.zeros(late), x])[: len(x)]
+    y = np.empty(len(x))
+    now = 0.0
+    for i, u in enumerate(delayed):
+        y[i] = now
+        now += (1.0 - np.exp(-dt / tau)) * (u - now)
+    found = first_order([(x, 3.0 * y + 5.0, dt)])
+    assert found.gain == pytest.approx(3.0, rel=0.05)
+    assert found.offset == pytest.approx(5.0, abs=0.1)
+    assert found.tau == pytest.approx(tau, rel=0.3)
+    assert found.delay == pytest.approx(0.2, abs=0.06)
+
+
+def test_plays_follow_only_when_pushed():
+    x = np.array([0.0, 3.0, 2.0, -1.0])
+    np.testing.assert_allclose(plays(x, np.array([1.0, 2.0])), [[0, 0], [2, 1], [2, 1], [0, 1]])
+
+
+def test_the_loop_of_a_play_is_found():
+    t = np.arange(6000) / 100
+    x = 50.0 + 40.0 * np.sin(0.5 * t) * np.exp(-t / 60.0)
+    y = 0.1 * (x - 20.0) + 0.3 * (plays(x, np.array([6.0]))[:, 0] - 20.0)
+    found = loop_guess([Recording("loop", t, x, angle=y, pressure=x)], [x])
+    assert found.outer == pytest.approx(0.4, rel=0.05)
+    assert found.width == pytest.approx(0.3 * 6.0, rel=0.15)
+    assert found.rest == pytest.approx(20.0, abs=1.0)
+
+
+def test_ranges_and_motion_are_those_of_the_log(soft):
+    rig, campaign = soft
+    found = guessed_rig(campaign)
+    commands = [r.command for r in (*campaign.fit, *campaign.validate)]
+    assert found.motions == (rig.name,)
+    low, high = found.command_range
+    assert low == pytest.approx(min(c.min() for c in commands))
+    assert high == pytest.approx(max(c.max() for c in commands))
+    assert found.log_time == campaign.sample_time
+    rows = found.log_time / found.sample_time
+    assert rows == pytest.approx(round(rows))
+
+
+@pytest.mark.parametrize("law", ["four-segment", "prandtl-ishlinskii"])
+def test_a_guess_is_a_set_that_says_that_it_is_guessed(soft, law, tmp_path):
+    rig, campaign = soft
+    found = guessed_set(campaign, law)
+    assert law == found.law.NAME
+    assert all(isinstance(p.provenance, Guessed) for p in found.parameters.values())
+    assert all(p.low <= p.value <= p.high for p in found.parameters.values())
+    assert found.values["gain"] == pytest.approx(rig.gain, rel=0.1)
+    dump(found, tmp_path / "guess.toml")
+    assert load(tmp_path / "guess.toml").values == found.values
+    assert "guessed" in (tmp_path / "guess.toml").read_text()

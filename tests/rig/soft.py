@@ -1,0 +1,217 @@
+"""Soft actuators on cheap hardware, as a real logger sees them: rigs that no parameter file describes.
+
+Each is a chain of its own, of nobody's library: a valve whose rate depends on the pressure and on the
+direction, transport delay, several plays, a curved and saturating joint, slow creep.  The logger renews the
+pressure less often than it writes rows, counts in steps, lets the angle rest at zero, and is offset anew in
+each recording.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numba import njit
+
+from tests.rig.signals import Signal
+
+TICK = 0.001
+
+
+@dataclass(frozen=True)
+class Logger:
+    """What is written: row time [s] and its jitter [s], renewal of the pressure [s] (0: every row), steps of
+    angle [deg] and pressure [kPa], noise of both, largest offset of the angle in a recording [deg], whether
+    the angle cannot go below zero, delay of the angle channel [s]."""
+
+    row: float
+    jitter: float = 0.0
+    renewal: float = 0.0
+    angle_step: float = 0.01
+    pressure_step: float = 0.01
+    angle_noise: float = 0.02
+    pressure_noise: float = 0.1
+    offset: float = 0.0
+    rests: bool = False
+    angle_delay: float = 0.0
+
+
+@dataclass(frozen=True)
+class SoftRig:
+    """A chain from command (own unit) to angle [deg].
+
+    low, high: command range; gain, bias [kPa]; delay [s]; fill, exhaust [1/s] at 0 kPa and how they fall
+    with the pressure (per 100 kPa); thresholds [kPa] and weights [deg/kPa] of the plays; cubic: share by
+    which the joint stiffens at `full` deg; first: angle below which it does not move [deg]; creep: share and
+    time constant [s]; lag [s].
+    """
+
+    name: str
+    low: float
+    high: float
+    gain: float
+    bias: float
+    delay: float
+    fill: float
+    exhaust: float
+    falls: float
+    thresholds: tuple[float, ...]
+    weights: tuple[float, ...]
+    origin: float
+    cubic: float
+    full: float
+    first: float
+    creep: tuple[float, float]
+    lag: float
+    logger: Logger
+    commands: dict[str, Callable[[], Signal]] = field(default_factory=dict)
+
+    def play(self, command: Signal) -> tuple[Signal, Signal]:
+        """Pressure [kPa] and angle [deg] at every ms of a command at 1 kHz."""
+        late = round(self.delay / TICK)
+        delayed = np.concatenate([np.full(late, command[0]), command])[: len(command)]
+        return _chain(
+            delayed, self.gain, self.bias, self.fill, self.exhaust, self.falls, np.array(self.thresholds),
+            np.array(self.weights), self.origin, self.cubic, self.full, self.first, *self.creep, self.lag,
+        )  # fmt: skip
+
+    def log(self, command: Signal, seed: int) -> pd.DataFrame:
+        """The rows of a recording."""
+        rng, kept = np.random.default_rng(seed), self.logger
+        pressure, angle = self.play(command)
+        every = kept.row / TICK
+        at = np.arange(0.0, len(command) - 1, every)
+        at = at + np.concatenate([[0.0], rng.uniform(-0.5, 0.5, len(at) - 1) * kept.jitter / TICK])
+        rows = np.clip(np.rint(at).astype(int), 0, len(command) - 1)
+        seen = np.maximum(rows - round(kept.angle_delay / TICK), 0)
+        measured = (
+            angle[seen] + rng.normal(0.0, kept.angle_noise, len(rows)) + rng.uniform(-1, 1) * kept.offset
+        )
+        if kept.rests:
+            measured = np.maximum(measured, 0.0)
+        fresh = pressure + rng.normal(0.0, kept.pressure_noise, len(pressure))
+        if kept.renewal > 0.0:
+            period = round(kept.renewal / TICK)
+            fresh = fresh[(np.arange(len(fresh)) // period) * period]
+        return pd.DataFrame(
+            {
+                "time_s": np.round(rows * TICK, 4),
+                "command_V": np.round(command[rows], 4),
+                "pressure_kPa": np.round(np.round(fresh[rows] / kept.pressure_step) * kept.pressure_step, 5),
+                "angle_deg": np.round(np.round(measured / kept.angle_step) * kept.angle_step, 5),
+            }
+        )
+
+    def write(self, folder: Path, fit: Sequence[str], validate: Sequence[str]) -> None:
+        """A campaign of the recordings named."""
+        folder.mkdir(parents=True, exist_ok=True)
+        for i, name in enumerate((*fit, *validate)):
+            table = self.log(self.commands[name](), 100 + i)
+            table.to_csv(folder / f"{name}.csv", index=False, lineterminator="\n")
+        lists = [", ".join(f'"{n}.csv"' for n in names) for names in (fit, validate)]
+        (folder / "campaign.toml").write_text(
+            f'axis = "{self.name}"\nstart = "unknown"\nsample_time_s = {self.logger.row:.5g}\n'
+            f"fit = [{lists[0]}]\nvalidate = [{lists[1]}]\n"
+        )
+
+
+@njit
+def _chain(command, gain, bias, fill, exhaust, falls, r, w, origin, cubic, full, first, share, slow, lag):
+    n = len(command)
+    pressure, angle = np.empty(n), np.empty(n)
+    P = gain * command[0] + bias
+    plays = np.zeros(len(r))
+    y = 0.0
+    c = 0.0
+    for j in range(len(r)):
+        plays[j] = min(max(0.0, P - origin - r[j]), P - origin + r[j])
+    for i in range(n):
+        target = gain * command[i] + bias
+        rate = (fill if target > P else exhaust) / (1.0 + falls * max(P, 0.0) / 100.0)
+        P += 0.001 * rate * (target - P)
+        x = P - origin
+        u = 0.0
+        for j in range(len(r)):
+            plays[j] = min(max(plays[j], x - r[j]), x + r[j])
+            u += w[j] * plays[j]
+        h = u - cubic * full * (u / full) ** 3
+        h = max(h - first, 0.0) if first > 0.0 else h
+        if i == 0:
+            y, c = h, share * h
+        c += 0.001 / slow * (share * h - c)
+        y += 0.001 / lag * (h + c - y)
+        pressure[i], angle[i] = P, y
+    return pressure, angle
+
+
+def sine(low: float, high: float, frequency: float, seconds: float) -> Signal:
+    """Between two commands, from the lower one."""
+    t = np.arange(round(seconds / TICK)) * TICK
+    return 0.5 * (low + high) - 0.5 * (high - low) * np.cos(2.0 * np.pi * frequency * t)
+
+
+def stairs(levels: Sequence[float], hold: float) -> Signal:
+    """Levels held for a time [s]."""
+    return np.repeat(np.asarray(levels, float), round(hold / TICK))
+
+
+def wandering(low: float, high: float, hold: float, seconds: float, seed: int) -> Signal:
+    """Random levels, each held from half to one and a half times `hold` [s]."""
+    rng, parts, total = np.random.default_rng(seed), [np.full(1000, low)], 1.0
+    while total < seconds:
+        for_s = rng.uniform(0.5, 1.5) * hold
+        parts.append(np.full(round(for_s / TICK), rng.uniform(low, high)))
+        total += for_s
+    return np.concatenate(parts)[: round(seconds / TICK)]
+
+
+def arm_a() -> SoftRig:
+    """Driven by one slow sine; the pressure channel is renewed every 0.17 s."""
+    return SoftRig(
+        "arm-a", 0.0, 5.0, 30.0, 4.0, 0.66, 2.4, 1.6, 0.8, (0.0, 3.0, 8.0, 15.0, 25.0),
+        (0.08, 0.05, 0.05, 0.04, 0.04), 10.0, 0.12, 30.0, 0.0, (0.08, 12.0), 0.08,
+        Logger(0.0102, renewal=0.17, angle_noise=0.015, pressure_noise=0.15),
+        {
+            "large": lambda: sine(0.5, 4.5, 0.1, 60.0),
+            "medium": lambda: sine(0.5, 3.5, 0.1, 60.0),
+            "check": lambda: sine(0.5, 4.0, 0.1, 60.0),
+        },
+    )  # fmt: skip
+
+
+def arm_b() -> SoftRig:
+    """Three runs at 20 Hz, a sensor that rests at zero until the joint moves."""
+    return SoftRig(
+        "arm-b", 0.0, 10.0, 8.0, 0.0, 0.10, 4.0, 2.5, 0.3, (0.0, 2.0, 6.0, 12.0), (0.10, 0.08, 0.06, 0.05),
+        12.0, 0.10, 18.0, 2.0, (0.05, 8.0), 0.15,
+        Logger(0.05, angle_step=0.05, pressure_step=0.1, angle_noise=0.0, rests=True),
+        {
+            "stairs": lambda: stairs([0, 3, 6, 9, 10, 7, 4, 1, 5, 8, 2, 0], 5.0),
+            "wave": lambda: sine(0.0, 10.0, 0.05, 80.0),
+            "check": lambda: wandering(0.0, 10.0, 3.0, 60.0, 4),
+        },
+    )  # fmt: skip
+
+
+def bender() -> SoftRig:
+    """A bending actuator on a pump: filling in 2 s, exhausting in 5, commanded in counts of a DAC."""
+    return SoftRig(
+        "bender", 0.0, 4095.0, 0.02, 3.0, 0.08, 1.1, 0.45, 0.2, (0.0, 1.5, 4.0), (0.45, 0.2, 0.15), 8.0, 0.08,
+        55.0, 0.0, (0.04, 6.0), 0.1,
+        Logger(0.04, angle_step=0.1, pressure_step=0.05, angle_noise=0.1, pressure_noise=0.1, offset=0.3),
+        {
+            "stairs": lambda: stairs([0, 1000, 2000, 3000, 4000, 3000, 2000, 1000, 0], 10.0),
+            "steps": lambda: wandering(0.0, 4095.0, 6.0, 90.0, 1),
+            "wave": lambda: sine(0.0, 4000.0, 0.04, 75.0),
+            "check": lambda: wandering(200.0, 3800.0, 5.0, 75.0, 2),
+        },
+    )  # fmt: skip
+
+
+CAMPAIGNS = {
+    "arm-a": (arm_a, ("large", "medium"), ("check",)),
+    "arm-b": (arm_b, ("stairs", "wave"), ("check",)),
+    "bender": (bender, ("stairs", "steps", "wave"), ("check",)),
+}
+"""Rig, recordings to fit on and held-out ones, by name."""

@@ -1,0 +1,59 @@
+"""What sits in the command is not named as an effect of the rig."""
+
+import numpy as np
+import pytest
+
+from plants.effects.sensor.gyro_drift import Drift
+from plants.effects.sensor.periodic import Hum
+from plants.effects.wrist.creep import Creep
+from plants.effects.wrist.load_step import LoadStep
+from plants.measured.playback import Playback
+from plants.measured.recording import Recording
+from plants.measured.trace.search.excitation import excitation, line
+
+T = np.arange(6000) / 100
+SINE = Recording("sine", T, 2.0 + np.sin(2 * np.pi * 0.1 * T))
+STEPS = Recording("steps", T, np.repeat(np.random.default_rng(1).uniform(0, 4, 60), 100))
+RAMP = Recording("ramp", T, 0.05 * T)
+
+
+def asked(*recordings):
+    return excitation([Playback(r) for r in recordings])
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 5])
+def test_a_hum_at_a_harmonic_of_the_only_sine_is_borrowed(order):
+    assert f"{order} times the frequency" in Hum(0.1 * order + 0.002, 1.0).borrowed(asked(SINE))
+
+
+def test_a_hum_beside_the_harmonics_is_not():
+    assert Hum(0.25, 1.0).borrowed(asked(SINE)) is None
+
+
+def test_under_steps_any_hum_is_the_rigs():
+    assert Hum(0.2, 1.0).borrowed(asked(STEPS, SINE, STEPS)) is None
+
+
+def test_a_hum_that_does_not_come_round_twice_is_no_hum():
+    assert "less than twice" in Hum(0.02, 1.0).borrowed(asked(STEPS))
+
+
+def test_a_load_step_at_the_first_rows_is_an_offset():
+    assert "offset" in LoadStep(1.0, 0.5).borrowed(asked(STEPS))
+    assert LoadStep(1.0, 20.0).borrowed(asked(STEPS)) is None
+
+
+def test_a_drift_along_the_only_ramp_is_the_commands():
+    assert "ramp" in Drift(0.01).borrowed(asked(RAMP))
+    assert Drift(0.01).borrowed(asked(STEPS)) is None
+
+
+def test_other_effects_borrow_nothing():
+    assert Creep(0.1, 4.0).borrowed(asked(SINE)) is None
+
+
+def test_a_line_is_a_sine_or_a_wave_and_no_steps():
+    triangle = Recording("triangle", T, np.abs((T / 10.0) % 2.0 - 1.0))
+    assert line(triangle)[0] == pytest.approx(0.05, abs=0.005)
+    assert line(STEPS) is None
+    assert line(Recording("still", T, np.ones(len(T)))) is None

@@ -1,0 +1,49 @@
+"""Rigs that no parameter file describes are traced from the log alone: what is left is small, what is named
+is true, nothing is borrowed from the command.
+
+The rigs are those of `tests.rig.soft`, which share no code with the library and have other forms of the
+effects.
+"""
+
+import pytest
+
+from plants.measured.campaign import load_campaign
+from plants.measured.trace.trace import trace_campaign
+from tests.rig.soft import CAMPAIGNS
+
+pytestmark = pytest.mark.suite
+TRUE = {
+    "arm-a": {"dead-time", "fill-exhaust-asymmetry", "branch-curvature", "creep"},
+    "arm-b": {"dead-time", "fill-exhaust-asymmetry", "branch-curvature", "creep", "end-stop"},
+    "bender": {"dead-time", "fill-exhaust-asymmetry", "branch-curvature", "creep"},
+}
+"""Effects that a rig has; a joint that does not move below an angle has a stop there."""
+
+
+@pytest.fixture(scope="module", params=CAMPAIGNS)
+def traced(request, tmp_path_factory):
+    make, fit, validate = CAMPAIGNS[request.param]
+    folder = tmp_path_factory.mktemp("soft") / request.param
+    make().write(folder, fit, validate)
+    return request.param, trace_campaign(load_campaign(folder))
+
+
+def test_the_error_is_at_most_half_of_the_declared_models_and_one_hundredth_of_the_range(traced):
+    _, trace = traced
+    assert trace.after["angle_deg"] <= 0.5 * trace.before["angle_deg"]
+    assert trace.remainder["angle_deg"].share_of_range <= 0.01
+    assert trace.explained_share["angle_deg"] >= 0.75
+    assert not trace.worse
+
+
+def test_only_what_the_rig_has_is_named(traced):
+    name, trace = traced
+    named = {e.name for e in trace.effects}
+    assert named <= TRUE[name]
+    assert {"dead-time", "fill-exhaust-asymmetry"} <= named
+
+
+def test_the_curved_loop_takes_another_law(traced):
+    _, trace = traced
+    assert trace.law.name == "prandtl-ishlinskii"
+    assert trace.law.held_out["prandtl-ishlinskii"] < trace.law.held_out["four-segment"]
