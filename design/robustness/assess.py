@@ -14,9 +14,10 @@ from design.robustness.certificates.certificate import Certificate
 from design.robustness.certificates.constant import robust_stability as constant
 from design.robustness.certificates.continuous import ladder
 from design.robustness.certificates.continuous.virgin import time_on_virgin_curve
+from design.robustness.certificates.memory.ladder import certify_memory
 from design.robustness.certificates.sampled import sampled_loop
 from design.robustness.certificates.sampled.words import Word
-from design.robustness.certificates.statements import of_ladder, of_step, of_virgin_curve
+from design.robustness.certificates.statements import of_ladder, of_step, of_tasks, of_virgin_curve
 from design.robustness.loop_model import LoopModel
 from design.robustness.predictions import limit_cycles as cycles
 from design.robustness.predictions import margins
@@ -141,8 +142,8 @@ def assess(
     return Assessment(
         box, controller, limits, conditions,
         (
-            *of_ladder(rungs, left_out), *of_step(rungs, wrist.rig.task.step),
-            *_virgin(wrist, controller), *proved,
+            *of_ladder(rungs, left_out), *of_tasks(rungs, wrist.rig.task.step, left_out),
+            *of_step(rungs, wrist.rig.task.step), *_virgin(wrist, controller), *proved,
         ),
         (*margins.statements(rows, limits), *cycles.statements(found, swings), *predicted),
         tuple(of_samples(cases)),
@@ -157,8 +158,10 @@ def _ladder(wrist: Wrist, controller: PI, stable: bool, tell: Tell) -> tuple[lis
     rungs = ladder.certify(model, wrist, controller, wrist.rig.task.step, DEAD_TIMES)
     tell("certificates", 0.4)
     word = sampled_loop.word_of(model) if stable else None
+    tell("certificates", 0.5)
+    rungs = [*rungs, *sampled_loop.certify_sampled(model, DEAD_TIMES, word)]
     tell("certificates", 0.7)
-    return rungs + sampled_loop.certify_sampled(model, DEAD_TIMES, word), word
+    return [*rungs, *certify_memory(model, wrist, controller, DEAD_TIMES)], word
 
 
 def _virgin(wrist: Wrist, controller: PI) -> list[Statement]:

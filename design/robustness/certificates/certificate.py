@@ -15,9 +15,16 @@ from design.status import Status
 class Switching(Enum):
     """What may change at will along a loop of a class, the narrowest class first."""
 
+    MEMORY = "nothing: the slope is that of a memory that meets one line at most"
+    SLOPE_EVERY_SAMPLE = "slope, at every sample"
     FIXED_LAW = "slope, at any time"
     ANY_TIME = "slope and regulator rate, at any time"
     EVERY_SAMPLE = "slope and regulator rate, at every sample"
+
+    @property
+    def sampled(self) -> bool:
+        """Whether loops of the class move from sample to sample."""
+        return self in (Switching.MEMORY, Switching.SLOPE_EVERY_SAMPLE, Switching.EVERY_SAMPLE)
 
 
 @dataclass(frozen=True)
@@ -62,7 +69,7 @@ class Certificate:
     @property
     def rung(self) -> str:
         """Name of the rung among those of loops in continuous time and sampled ones."""
-        sampled = self.about is not None and self.about.switching is Switching.EVERY_SAMPLE
+        sampled = self.about is not None and self.about.switching.sampled
         return f"sampled: {self.name}" if sampled else self.name
 
     @property
