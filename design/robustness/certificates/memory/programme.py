@@ -1,11 +1,13 @@
 """Functions of `form` as convex programs: the largest margin by which every inequality holds.
 
 The inequalities are those of `check`, in floats, over a vector scaled so that the loop's matrices are
-balanced.  What a solver says of them is never the last word.
+balanced.  Every unknown is a number, and a matrix that is linear in the unknowns an array (unknowns, m, m): cvxpy
+is handed the finished arrays, for its own algebra takes longer than the solver.  What a solver says is never the
+last word.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -26,120 +28,179 @@ CLAIMED = 1e-7
 """Margin from which a solver's claim is believed for a while: some ten times what it leaves open."""
 
 
-@dataclass
-class _Program:
-    """Variables and constraints of one search; `margin`: what every inequality holds by."""
+@dataclass(frozen=True)
+class Visited:
+    """States that a function is to be small at: w (count, n), the two sums of what is under way (count,) as
+    `region.level` has them, F [kPa] (count,)."""
 
-    loop: FixedLawLoop
-    decay: float
-    scale: Array
-    margin: Any
-    constraints: list[Any] = field(default_factory=list)
-    goal: Any = None
+    w: Array
+    window: tuple[Array, Array]
+    F: Array
 
-    @classmethod
-    def of(cls, loop: FixedLawLoop, decay: float) -> "_Program":
-        import cvxpy
 
-        return cls(loop, decay, sizes(loop), cvxpy.Variable())
+def common(loop: FixedLawLoop, decay: float, sure: bool = True) -> MemorySearch:
+    """One function for slopes that change at every sample, with a decay [1/s], confirmed, or why not; where it
+    need not be `sure`, as the solver claims it."""
+    slopes = loop.model.slopes.values()
+    ends = sorted({min(slopes), max(slopes)})
+    u = _Unknowns(loop.states, forms=1, numbers=len(ends))
+    form, multipliers = u.form(), [u.number() for _ in ends]
+    falls = [_fall(loop, decay, form, s, m) for s, m in zip(ends, multipliers, strict=True)]
+    least = _least(loop, form)
 
-    def form(self) -> "_Form":
-        """A new function."""
-        import cvxpy
+    def found(x: Array) -> CommonForm:
+        numbers = tuple(_multiplier(loop, x @ m) for m in multipliers)
+        return CommonForm(_unscaled(loop, form, x), tuple(ends), numbers, decay)
 
-        n, late = self.loop.states, self.loop.samples > 0
-        numbers = [cvxpy.Variable(nonneg=True) if there else 0.0 for there in (True, late, late)]
-        return _Form(cvxpy.Variable((n, n), symmetric=True), *numbers)
+    p = _Program(u, [*falls, least], size=_size(loop, form))
+    return _searched(p, found, (lambda f: confirm_common(f, loop)) if sure else None)
 
-    def least(self, form: "_Form") -> Any:
-        """What the function is not below, as a quadratic form of w."""
-        return form.P + self.loop.span * form.S * np.diag([0.0] * 3 + [1.0] * self.loop.moments)
 
-    def fall(self, form: "_Form", slope: float, cross: Any = None, gap: Any = None) -> Any:
-        """The function falls on a slope; the multiplier of the sector that shows it."""
-        import cvxpy
+def line(
+    loop: FixedLawLoop, outer: float, decay: float, visited: Visited | None = None, sure: bool = True
+) -> MemorySearch:
+    """A function for a line of a slope [deg/kPa] and the transit, with a decay [1/s], confirmed, or why not;
+    sure: as in `common`.
 
-        loop, scale = self.loop, self.scale
-        n, dt = loop.states, loop.model.dt
-        g = growth_of(self.decay, dt)
-        r = loop.rows(slope, g, floats=True)
-        known = n if cross is None else n + 1
-        kept = [k for k in range(loop.size) if cross is not None or k != n]
+    The one of widest margin; or, of states that are `visited`, the one that is least there among those that
+    tell as much of the static angle: V >= (h - r)^2.
+    """
+    n, inner = loop.states, min(loop.model.slopes.values())
+    u = _Unknowns(n, forms=2, numbers=n + 4)
+    on, far, cross, gap = u.form(), u.form(), u.vector(n), u.number()
+    multipliers = [u.number() for _ in range(3)]
+    falls = [
+        _fall(loop, decay, on, outer, multipliers[0]),
+        _fall(loop, decay, on, inner, multipliers[1], cross, gap),
+        _fall(loop, decay, far, inner, multipliers[2]),
+    ]
+    apart = [on.popov - far.popov, *([on.S - far.S, on.R - far.R] if loop.samples else [])]
+    least = _least(loop, far)
+    matrices = [*falls, least, _least(loop, on) - least]
 
-        def row(a: Array, unit: float = 1.0) -> Array:
-            return np.asarray(a[..., kept] * scale[kept] / unit, float)
+    def found(x: Array) -> LineForm:
+        scale = sizes(loop)
+        forms = _unscaled(loop, on, x), _unscaled(loop, far, x)
+        # What a solver leaves a hair out of order is put in order; the check sees what is then claimed.
+        lower = (min(getattr(f, name) for f in forms) for name in ("popov", "S", "R"))
+        a, b, c = (_multiplier(loop, x @ m) for m in multipliers)
+        return LineForm(
+            forms[0], WindowForm(forms[1].P, *lower), (x @ cross) / (scale[:n] * scale[n]),
+            max(float(x @ gap), 0.0) / scale[n] ** 2, inner, outer, (a, b, c), decay,
+        )  # fmt: skip
 
-        now, moved = (row(a[:known]) / scale[:known, None] for a in (r.now, (r.after - r.now) / dt))
-        P = form.P
-        if cross is not None:
-            P = cvxpy.bmat([[P, cross], [cross.T, -cvxpy.reshape(gap, (1, 1), order="C")]])
-        total = now.T @ P @ moved
-        total = total + total.T + dt * (moved.T @ P @ moved)
-        z = scale[-1]
-        if loop.samples:
-            sent, arrived = row(r.sent, z), row(r.arrived, z)
-            window = np.zeros((len(kept), len(kept)))
-            window[range(3, n), range(3, n)] = 1.0
-            total = total + (form.S + form.R * loop.span) * np.outer(sent, sent)
-            total = total - form.S * np.outer(arrived, arrived) - form.R * loop.span * window
-        multiplier = cvxpy.Variable(nonneg=True)
-        unit = max(loop.sector, 1e-9) * scale[2]
-        psi, q, dq = row(r.psi, unit), row(r.q, scale[2]), row(r.moved, scale[2])
-        bend = float(loop.law.steepest - loop.law.low) / dt / max(loop.sector, 1e-9)
-        popov = float(g) ** 2 * (_twice(psi, dq) + dt * bend * np.outer(dq, dq))
-        share = _twice(psi, q) if loop.law.grows else np.outer(q, q)
-        popov = popov + (float(g) ** 2 - 1.0) / dt * share
-        total = total + form.popov * popov + multiplier * (_twice(psi, q) - 2.0 * np.outer(psi, psi))
-        self.constraints.append((total + total.T) / 2.0 << -self.margin * np.eye(len(kept)))
-        return multiplier
-
-    def at(self, form: "_Form", visited: "Visited", cross: Any = None, gap: Any = None) -> Any:
-        """The function at visited states, (count,), over the square of the size of e."""
-        import cvxpy
-
-        n, unit = self.loop.states, self.scale[0] ** 2
-        w, F, z = visited.w / self.scale[:n], visited.F / self.scale[n], self.scale[-1]
-        integral = visited.w[:, 2] ** 2 / self.scale[2] ** 2
-        total = cvxpy.sum(cvxpy.multiply(w @ form.P, w), axis=1) + 2.0 * form.popov * integral
-        if self.loop.samples:
-            total = total + (form.S * visited.window[0] + form.R * visited.window[1]) / z**2
-        if cross is not None:
-            total = total + 2.0 * cvxpy.multiply(F, (w @ cross)[:, 0]) - gap * F**2
-        return total / unit
-
-    def solve(self, size: Any) -> str:
-        """The solver that came to the goal, or to the widest margin at a size of the function; raises
-        `convex.Unsolved`."""
-        import cvxpy
-
-        whole = self.constraints if size is None else [*self.constraints, size == float(self.loop.states)]
-        goal = self.margin if self.goal is None else self.goal
-        return convex.solve(cvxpy.Problem(cvxpy.Maximize(goal), whole))
-
-    def unscaled(self, form: "_Form") -> WindowForm:
-        """What the solver left of a function, in the loop's units."""
-        size, z = self.scale[: self.loop.states], self.scale[-1]
-        P = np.asarray(form.P.value, float) / np.outer(size, size)
-        late = (_number(x) / z**2 for x in (form.S, form.R))
-        return WindowForm(0.5 * (P + P.T), _number(form.popov) * self.of_sector(), *late)
-
-    def of_sector(self) -> float:
-        """1 / (psi q) of the scaled vector in the loop's units."""
-        return 1.0 / (max(self.loop.sector, 1e-9) * self.scale[2] ** 2)
-
-    def of_multiplier(self) -> float:
-        """1 / psi^2 likewise."""
-        return self.of_sector() / max(self.loop.sector, 1e-9)
+    confirm = (lambda f: confirm_line(f, loop)) if sure else None
+    size = _size(loop, on)
+    if visited is None:
+        return _searched(_Program(u, matrices, apart, size), found, confirm)
+    tells = np.zeros(n)
+    tells[:2] = 1.0, -sizes(loop)[1] / sizes(loop)[0]
+    at = _at(loop, on, visited, cross, gap), _at(loop, far, visited)
+    p = _Program(u, matrices, apart, size, floor=(least, np.outer(tells, tells)), at=at)
+    return _searched(p, found, confirm)
 
 
 @dataclass(frozen=True)
 class _Form:
-    """A `WindowForm` of cvxpy's variables, over the scaled vector."""
+    """A `WindowForm` over the scaled vector, linear in the unknowns: P (unknowns, n, n), the rest
+    (unknowns,)."""
 
-    P: Any
-    popov: Any
-    S: Any
-    R: Any
+    P: Array
+    popov: Array
+    S: Array
+    R: Array
+
+
+class _Unknowns:
+    """Numbers that are sought, handed out one after the other; `positive`: those not below 0."""
+
+    def __init__(self, n: int, forms: int, numbers: int) -> None:
+        self.n, self.count = n, forms * (n * (n + 1) // 2 + 3) + numbers
+        self.used, self.positive = 0, list[int]()
+
+    def vector(self, count: int) -> Array:
+        """Numbers of any sign, (unknowns, count)."""
+        found = np.zeros((self.count, count))
+        found[range(self.used, self.used + count), range(count)] = 1.0
+        self.used += count
+        return found
+
+    def number(self) -> Array:
+        """A number that is not negative, (unknowns,)."""
+        self.positive.append(self.used)
+        return self.vector(1)[:, 0]
+
+    def form(self) -> _Form:
+        """A function."""
+        P = np.zeros((self.count, self.n, self.n))
+        for i in range(self.n):
+            for j in range(i + 1):
+                P[self.used, i, j] = P[self.used, j, i] = 1.0
+                self.used += 1
+        return _Form(P, self.number(), self.number(), self.number())
+
+
+@dataclass(frozen=True)
+class _Program:
+    """Matrices (unknowns, m, m) that are to be positive by the margin, numbers (unknowns,) that are not to be
+    negative, the function's size.  Without `at` the margin is sought at the size n; else the least sum of the
+    larger of the values `at` states, two arrays (unknowns, states), the one matrix of `floor` being no less than
+    the other, and the margin a small share of the size."""
+
+    unknowns: _Unknowns
+    matrices: list[Array]
+    apart: list[Array] | None = None
+    size: Any = None
+    floor: tuple[Array, Array] | None = None
+    at: tuple[Array, Array] | None = None
+
+    def solve(self) -> tuple[Array, float, str]:
+        """The unknowns, the margin, the solver; raises `convex.Unsolved`."""
+        import cvxpy
+
+        u = self.unknowns
+        x, margin = cvxpy.Variable(u.count), cvxpy.Variable()
+        constraints: list[Any] = [x[u.positive] >= 0.0, x @ self.size >= 0.0]
+        constraints += [x @ a >= 0.0 for a in self.apart or []]
+        constraints += [_matrix(x, m) - margin * np.eye(m.shape[1]) >> 0.0 for m in self.matrices]
+        if self.at is None or self.floor is None:
+            goal = cvxpy.Maximize(margin)
+            constraints.append(x @ self.size == float(u.n))
+        else:
+            goal = cvxpy.Minimize(cvxpy.sum(cvxpy.maximum(x @ self.at[0], x @ self.at[1])))
+            constraints.append(margin == LEAST_MARGIN / u.n * (x @ self.size))
+            constraints.append(_matrix(x, self.floor[0]) - self.floor[1] >> 0.0)
+        solver = convex.solve(cvxpy.Problem(goal, constraints))
+        return np.asarray(x.value, float), float(margin.value), solver
+
+
+def _matrix(x: Any, of: Array) -> Any:
+    """The symmetric matrix sum_k x_k of_k."""
+    import cvxpy
+
+    m = of.shape[1]
+    symmetric = 0.5 * (of + of.transpose(0, 2, 1))
+    return cvxpy.reshape(symmetric.reshape(len(of), -1).T @ x, (m, m), order="C")
+
+
+def _searched(
+    p: _Program, found: Callable[[Array], Any], confirm: Callable[[Any], Confirmation] | None
+) -> MemorySearch:
+    try:
+        x, claimed, solver = p.solve()
+    except convex.Unsolved as said:
+        return MemorySearch(None, None, "", NoSolver(str(said)))
+    if confirm is None:
+        if claimed > CLAIMED:
+            return MemorySearch(found(x), claimed, solver)
+        return MemorySearch(None, None, solver, NoneOfThisKind(solver, claimed))
+    form = found(x)
+    said = confirm(form)
+    if said.holds:
+        return MemorySearch(form, said.margin, solver)
+    if claimed <= 0.0:
+        return MemorySearch(None, said.margin, solver, NoneOfThisKind(solver, claimed))
+    return MemorySearch(None, said.margin, solver, NotConfirmed(solver, said.margin))
 
 
 def sizes(loop: FixedLawLoop) -> Array:
@@ -151,114 +212,91 @@ def sizes(loop: FixedLawLoop) -> Array:
     total = sum(np.abs(m.matrix(s, k)) for s in slopes for k in (m.k_slow, m.k_fast))
     _, (of_x, _) = matrix_balance(total, permute=False, separate=True)
     z = max(m.Ki * float(of_x[0]) + m.Kp / m.Tw * float(of_x[1]), 1e-9)
-    law = max(loop.sector, 1e-9) * float(of_x[2])
     late = [z] * int(loop.samples > 0)
-    return np.array([*of_x, *[z] * loop.moments, of_x[2], law, *late])
+    return np.array([*of_x, *[z] * loop.moments, of_x[2], _steep(loop) * float(of_x[2]), *late])
 
 
-def common(loop: FixedLawLoop, decay: float, sure: bool = True) -> MemorySearch:
-    """One function for slopes that change at every sample, with a decay [1/s], confirmed, or why not; where it
-    need not be `sure`, as the solver claims it, which takes half the time."""
-    p = _Program.of(loop, decay)
-    form = p.form()
-    slopes = sorted(set(loop.model.slopes.values()))
-    slopes = sorted({slopes[0], slopes[-1]})
-    multipliers = [p.fall(form, s) for s in slopes]
-    p.constraints.append(p.least(form) >> p.margin * np.eye(loop.states))
-
-    def found() -> CommonForm:
-        numbers = tuple(_number(m) * p.of_multiplier() for m in multipliers)
-        return CommonForm(p.unscaled(form), tuple(slopes), numbers, decay)
-
-    return _searched(p, _size(p, form), found, (lambda f: confirm_common(f, loop)) if sure else None)
+def _steep(loop: FixedLawLoop) -> float:
+    """Size of psi/q [1/s]."""
+    return max(loop.sector, 1e-9)
 
 
-@dataclass(frozen=True)
-class Visited:
-    """States that a function is to be small at: w (count, n), the two sums of what is under way (count,) as
-    `region.level` has them, F [kPa] (count,)."""
-
-    w: Array
-    window: tuple[Array, Array]
-    F: Array
+def _least(loop: FixedLawLoop, form: _Form) -> Array:
+    """What the function is not below, as a quadratic form of w."""
+    window = np.diag([0.0] * 3 + [1.0] * loop.moments)
+    return form.P + loop.span * form.S[:, None, None] * window
 
 
-def line(
-    loop: FixedLawLoop, outer: float, decay: float, visited: Visited | None = None, sure: bool = True
-) -> MemorySearch:
-    """A function for a line of a slope [deg/kPa] and the transit, with a decay [1/s], confirmed, or why not;
-    sure: as in `common`.
-
-    The one of widest margin; or, of states that are `visited`, the one that is least there among those that
-    tell most of the static angle: V >= (h - r)^2.
-    """
-    import cvxpy
-
-    p = _Program.of(loop, decay)
-    on, far = p.form(), p.form()
-    if visited is not None:
-        p.margin = LEAST_MARGIN / loop.states * _size(p, on)
-    inner, n = min(loop.model.slopes.values()), loop.states
-    cross, gap = cvxpy.Variable((n, 1)), cvxpy.Variable(nonneg=True)
-    multipliers = [p.fall(on, outer), p.fall(on, inner, cross, gap), p.fall(far, inner)]
-    p.constraints += [
-        p.least(far) >> p.margin * np.eye(n),
-        p.least(on) - p.least(far) >> p.margin * np.eye(n),
-        on.popov >= far.popov,
-        *([on.S >= far.S, on.R >= far.R] if loop.samples else []),
-    ]
-
-    def found() -> LineForm:
-        of, F = p.scale[:n], p.scale[n]
-        forms = p.unscaled(on), p.unscaled(far)
-        on_, leaving, far_ = (_number(m) * p.of_multiplier() for m in multipliers)
-        # What a solver leaves a hair out of order is put in order; the check sees what is then claimed.
-        lower = (min(getattr(f, x) for f in forms) for x in ("popov", "S", "R"))
-        return LineForm(
-            forms[0], WindowForm(forms[1].P, *lower), np.asarray(cross.value, float)[:, 0] / (of * F),
-            _number(gap) / F**2, inner, outer, (on_, leaving, far_), decay,
-        )  # fmt: skip
-
-    confirm = (lambda f: confirm_line(f, loop)) if sure else None
-    if visited is None:
-        return _searched(p, _size(p, on), found, confirm)
-    static = np.zeros(n)
-    static[:2] = p.scale[0], -p.scale[1]
-    p.constraints.append(p.least(far) >> np.outer(static, static) / p.scale[0] ** 2)
-    p.goal = -cvxpy.sum(cvxpy.maximum(p.at(on, visited, cross, gap), p.at(far, visited)))
-    return _searched(p, None, found, confirm)
+def _size(loop: FixedLawLoop, form: _Form) -> Array:
+    """The trace of what a function is not below, and of what it has of the window."""
+    trace = np.trace(_least(loop, form), axis1=1, axis2=2)
+    return np.asarray(trace + loop.span * (form.S + loop.span * form.R))
 
 
-def _size(p: _Program, form: _Form) -> Any:
-    """The trace of what a function is not below."""
-    least = p.least(form)
-    return sum(least[k, k] for k in range(p.loop.states)) + p.loop.span * (form.S + p.loop.span * form.R)
+def _fall(
+    loop: FixedLawLoop, decay: float, form: _Form, slope: float, multiplier: Array,
+    cross: Array | None = None, gap: Array | None = None,
+) -> Array:  # fmt: skip
+    """By how much the function falls on a slope, less the sector's share of it, as `check` has it."""
+    n, dt, scale = loop.states, loop.model.dt, sizes(loop)
+    g = growth_of(decay, dt)
+    r = loop.rows(slope, g, floats=True)
+    known, P = n, form.P
+    if cross is not None and gap is not None:
+        known = n + 1
+        P = np.zeros((len(form.P), known, known))
+        P[:, :n, :n], P[:, :n, n], P[:, n, :n], P[:, n, n] = form.P, cross, cross, -gap
+    kept = [k for k in range(loop.size) if k != n or known > n]
+
+    def row(a: Array, unit: float = 1.0) -> Array:
+        return np.asarray(a[..., kept] * scale[kept] / unit, float)
+
+    def times(number: Array, matrix: Array) -> Array:
+        return number[:, None, None] * matrix
+
+    now, moved = (row(a[:known]) / scale[:known, None] for a in (r.now, (r.after - r.now) / dt))
+    drift = now.T @ P @ moved
+    total = drift + drift.transpose(0, 2, 1) + dt * (moved.T @ P @ moved)
+    if loop.samples:
+        sent, arrived = row(r.sent, scale[-1]), row(r.arrived, scale[-1])
+        window = np.diag([0.0] * 3 + [1.0] * loop.moments + [0.0] * (len(kept) - n))
+        total = total + times(form.S + loop.span * form.R, np.outer(sent, sent))
+        total = total - times(form.S, np.outer(arrived, arrived)) - times(loop.span * form.R, window)
+    psi, q, dq = row(r.psi, _steep(loop) * scale[2]), row(r.q, scale[2]), row(r.moved, scale[2])
+    bend = float(loop.law.steepest - loop.law.low) / dt / _steep(loop)
+    popov = float(g) ** 2 * (_twice(psi, dq) + dt * bend * np.outer(dq, dq))
+    popov = popov + (float(g) ** 2 - 1.0) / dt * (_twice(psi, q) if loop.law.grows else np.outer(q, q))
+    total = total + times(form.popov, popov)
+    return np.asarray(-total - times(multiplier, _twice(psi, q) - 2.0 * np.outer(psi, psi)))
 
 
-def _searched(
-    p: _Program, size: Any, found: Callable[[], Any], confirm: Callable[[Any], Confirmation] | None
-) -> MemorySearch:
-    try:
-        solver = p.solve(size)
-    except convex.Unsolved as said:
-        return MemorySearch(None, None, "", NoSolver(str(said)))
-    claimed = float(p.margin.value)
-    if confirm is None and claimed > CLAIMED:
-        return MemorySearch(found(), claimed, solver)
-    if confirm is None:
-        return MemorySearch(None, None, solver, NoneOfThisKind(solver, claimed))
-    form = found()
-    said = confirm(form)
-    if said.holds:
-        return MemorySearch(form, said.margin, solver)
-    if claimed <= 0.0:
-        return MemorySearch(None, said.margin, solver, NoneOfThisKind(solver, claimed))
-    return MemorySearch(None, said.margin, solver, NotConfirmed(solver, said.margin))
+def _at(
+    loop: FixedLawLoop, form: _Form, visited: Visited, cross: Array | None = None, gap: Array | None = None
+) -> Array:
+    """The function at visited states, (unknowns, states), over the square of the size of e."""
+    n, scale = loop.states, sizes(loop)
+    w, F = visited.w / scale[:n] / scale[0], visited.F / scale[n] / scale[0]
+    total = np.einsum("ki,uij,kj->uk", w, form.P, w)
+    total += 2.0 * np.outer(form.popov, w[:, 2] ** 2)
+    for number, held in zip((form.S, form.R), visited.window, strict=True):
+        total += np.outer(number, held / scale[-1] ** 2 / scale[0] ** 2) if loop.samples else 0.0
+    if cross is not None and gap is not None:
+        total += 2.0 * F * (cross @ w.T) - np.outer(gap, F**2)
+    return np.asarray(total)
 
 
-def _number(variable: Any) -> float:
-    """Value of a number that is not negative; 0 where a solver leaves it a hair below."""
-    return variable if isinstance(variable, float) else max(float(variable.value), 0.0)
+def _unscaled(loop: FixedLawLoop, form: _Form, x: Array) -> WindowForm:
+    """A function in the loop's units; numbers that a solver leaves a hair below 0 are 0."""
+    scale = sizes(loop)
+    P = np.tensordot(x, form.P, 1) / np.outer(scale[: loop.states], scale[: loop.states])
+    popov, S, R = (max(float(x @ a), 0.0) for a in (form.popov, form.S, form.R))
+    late = (S / scale[-1] ** 2, R / scale[-1] ** 2) if loop.samples else (0.0, 0.0)
+    return WindowForm(0.5 * (P + P.T), popov / (_steep(loop) * scale[2] ** 2), *late)
+
+
+def _multiplier(loop: FixedLawLoop, value: Any) -> float:
+    """A multiplier of the sector in the loop's units."""
+    return max(float(value), 0.0) / (_steep(loop) * float(sizes(loop)[2])) ** 2
 
 
 def _twice(a: Array, b: Array) -> Array:
