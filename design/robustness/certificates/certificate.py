@@ -73,6 +73,11 @@ class Certificate:
         return f"sampled: {self.name}" if sampled else self.name
 
     @property
+    def remembers(self) -> bool:
+        """Whether it is about loops whose slope nobody switches: their memory chooses it."""
+        return self.about is not None and self.about.switching is Switching.MEMORY
+
+    @property
     def status(self) -> Status:
         """Proved; disproved, by a loop of the class that does not decay; or open: that no function was
         found does not make the claim false."""

@@ -38,8 +38,8 @@ class StaysInRange(Claim):
 
 @dataclass(frozen=True)
 class TasksDieAway(Claim):
-    """Every run of the tasks, steps [deg] and returns, comes to where the loop decays for ever at the rate that
-    is the statement's value, with a dead time [s], sampled and with its range."""
+    """Every run of the tasks, steps [deg] and returns, comes to where the loop decays for ever at the rate
+    that is the statement's value, with a dead time [s], sampled, the command with its range."""
 
     step: float
     dead_time: float
@@ -88,10 +88,10 @@ class Covered(Reason):
 
 @dataclass(frozen=True)
 class Arrive(Reason):
-    """How many of the runs come into the region of a rung for good, at the latest at a time [s] after the last
-    reference began, off by so much [deg] at most from then on; clipped: how many met an end of the range
-    before; slowest [1/s]: decay of the slowest pole, which no rate exceeds; left_out: effects of the plant that
-    the runs lack."""
+    """How many of the runs come into the region of a rung for good, at the latest at a time [s] after the
+    last reference began, off by so much [deg] at most from then on; clipped: how many met an end of the range
+    before; slowest [1/s]: decay of the slowest pole, which no rate exceeds; left_out: effects of the plant
+    that the runs lack."""
 
     rung: str
     runs: int
@@ -171,8 +171,8 @@ def of_step(rungs: Sequence[Certificate], step: float) -> list[Statement]:
 
 
 def of_tasks(rungs: Sequence[Certificate], step: float, left_out: Sequence[str] = ()) -> list[Statement]:
-    """Whether the tasks, with steps [deg], come to where a rung holds; one statement a dead time of a rung that
-    tells of them; left_out: as in `of_ladder`."""
+    """Whether the tasks, with steps [deg], come to where a rung holds; one statement for each rung that tells
+    of them; left_out: as in `of_ladder`."""
     found = []
     for c in rungs:
         if "tasks" not in c.evidence:
@@ -181,7 +181,14 @@ def of_tasks(rungs: Sequence[Certificate], step: float, left_out: Sequence[str] 
         holds = True if t["covered"] else None
         slowest = c.evidence["slowest_pole_1_s"]
         reason = Arrive(
-            c.rung, t["runs"], t["arrive"], t["latest_s"], t["off_deg"], t["clipped"], slowest, tuple(left_out)
+            c.rung,
+            t["runs"],
+            t["arrive"],
+            t["latest_s"],
+            t["off_deg"],
+            t["clipped"],
+            slowest,
+            tuple(left_out),
         )
         claim = TasksDieAway(step, c.dead_time)
         evidence = {"rung": c.rung, "dead_time_s": c.dead_time, "slowest_pole_1_s": slowest, **t}

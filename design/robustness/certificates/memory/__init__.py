@@ -1,2 +1,1 @@
-"""The sampled loop with the regulator's law fixed: slopes that switch at will, and slopes that the loop's memory
-chooses."""
+"""The sampled loop with one law of the regulator: slopes that switch at will, and those of the memory."""

@@ -53,9 +53,9 @@ def confirm_common(found: CommonForm, loop: FixedLawLoop) -> Confirmation:
 def confirm_line(found: LineForm, loop: FixedLawLoop) -> Confirmation:
     """Whether a function falls along every loop that meets one line only, whatever it does there.
 
-    With F = 0 on the line the two functions of `LineForm` are one.  A sample that begins F before the line and
-    ends on it moves a share of its way along the transit: what it adds to V is convex in that share, as `gap`
-    is not negative, so that the two whole ways, each a matrix here, answer for it.
+    With F = 0 on the line the two functions of `LineForm` are one.  A sample that begins F before the line
+    and ends on it moves a share of its way along the transit: what it adds to V is convex in that share, as
+    `gap` is not negative, so that the two whole ways, each a matrix here, answer for it.
     """
     slopes = set(loop.model.slopes.values())
     line, transit = found.line, found.transit
@@ -107,7 +107,7 @@ def _fall(
     form: WindowForm, loop: FixedLawLoop, slope: float, multiplier: float, decay: float,
     cross: Exact | None = None, gap: Fraction | None = None,
 ) -> Exact:  # fmt: skip
-    """D and the sector's share of it, over dt, as a matrix; with cross and gap of the function that knows F."""
+    """D and the sector's share of it, over dt, as a matrix; cross, gap: of the function that knows F."""
     dt, law, n = Fraction(loop.model.dt), loop.law, loop.states
     g = growth_of(decay, loop.model.dt)
     r = loop.rows(slope, g)

@@ -130,9 +130,7 @@ def _remembered(
     evidence["forms"] = {str(s): f.form.record for s, f in by_slope.items()}
     evidence["tasks"] = _tasks(arrivals(forms, loop, wrist.hysteresis, runs), wanted, forms)
     margins = [f.margin for f in by_slope.values() if f.margin is not None]
-    return Certificate(
-        ONE_LINE, about, dead_time, True, decay, min(margins), worst.solver, evidence=evidence
-    )
+    return Certificate(ONE_LINE, about, dead_time, True, decay, min(margins), worst.solver, evidence=evidence)
 
 
 def for_tasks(
@@ -153,8 +151,8 @@ def _of_line(loop: FixedLawLoop, slope: float, slowest: float) -> MemorySearch:
 
 
 def fastest(search: Callable[[float, bool], MemorySearch], slowest: float) -> MemorySearch:
-    """What a search finds with the largest decay [1/s], by bisection up to that of the slowest pole, confirmed;
-    the answer at hardly any decay where it finds nothing.
+    """What a search finds with the largest decay [1/s], by bisection up to that of the slowest pole,
+    confirmed; the answer at hardly any decay where it finds nothing.
 
     search: of a decay, and whether to be sure of what is found.
     """

@@ -8,10 +8,10 @@ With phi the change of pressure in a sample, late commands and the slope m of th
     dt u = Kp (e+ - e) + Ki dt e,                    change of the command [kPa], N samples under way
     phi = low q + dt psi,                            0 <= psi q <= (high - low) / dt q^2,
 
-psi [kPa/s] being what the law adds to its lowest rate: `RegulatorLaw` has its sector and its steepness.  The
-vector is (e, d, q; O; F; psi; u[k - N]): O the moments of what is under way in the `rational.WindowPolynomials`,
-each u[k - i] times exp(-decay dt i); F [kPa] how far the pressure is from the line that it left, F+ = F - phi.
-Without dead time there is neither O nor the last.
+psi [kPa/s] being what the law adds to its lowest rate: `RegulatorLaw` has its sector and its steepness.
+The vector is (e, d, q; O; F; psi; u[k - N]): O the moments of what is under way in the
+`rational.WindowPolynomials`, each u[k - i] times exp(-decay dt i); F [kPa] how far the pressure is from the
+line that it left, F+ = F - phi.  Without dead time there is neither O nor the last.
 """
 
 from dataclasses import dataclass
@@ -147,10 +147,11 @@ class FixedLawLoop:
         after = [g * (e + de), g * (d + dd), g * (q + dq)]
         if self.samples:
             w, N = self.window, self.samples
-            first, beyond, shift = (np.asarray(x, float if floats else object) for x in (w.first, w.beyond, w.shift))
-            O = one[3:n]
+            first, beyond, shift = (
+                np.asarray(x, float if floats else object) for x in (w.first, w.beyond, w.shift)
+            )
             for j in range(self.moments):
-                row = sum(shift[j, i] * O[i] for i in range(self.moments))
+                row = sum(shift[j, i] * one[3 + i] for i in range(self.moments))
                 after.append(row + (first[j] * sent - beyond[j] * arrived) / N)
         after.append(g * (F - phi))
         return Rows(one[: n + 1], np.array(after), sent, arrived, q, psi, dq / dt)

@@ -1,9 +1,9 @@
 """Functions of `form` as convex programs: the largest margin by which every inequality holds.
 
 The inequalities are those of `check`, in floats, over a vector scaled so that the loop's matrices are
-balanced.  Every unknown is a number, and a matrix that is linear in the unknowns an array (unknowns, m, m): cvxpy
-is handed the finished arrays, for its own algebra takes longer than the solver.  What a solver says is never the
-last word.
+balanced.  Every unknown is a number, and a matrix that is linear in the unknowns an array (unknowns, m, m):
+cvxpy is handed the finished arrays, for its own algebra takes longer than the solver.  What a solver says is
+never the last word.
 """
 
 from collections.abc import Callable
@@ -39,8 +39,8 @@ class Visited:
 
 
 def common(loop: FixedLawLoop, decay: float, sure: bool = True) -> MemorySearch:
-    """One function for slopes that change at every sample, with a decay [1/s], confirmed, or why not; where it
-    need not be `sure`, as the solver claims it."""
+    """One function for slopes that change at every sample, with a decay [1/s], confirmed, or why not;
+    where it need not be `sure`, as the solver claims it."""
     slopes = loop.model.slopes.values()
     ends = sorted({min(slopes), max(slopes)})
     u = _Unknowns(loop.states, forms=1, numbers=len(ends))
@@ -144,8 +144,8 @@ class _Unknowns:
 class _Program:
     """Matrices (unknowns, m, m) that are to be positive by the margin, numbers (unknowns,) that are not to be
     negative, the function's size.  Without `at` the margin is sought at the size n; else the least sum of the
-    larger of the values `at` states, two arrays (unknowns, states), the one matrix of `floor` being no less than
-    the other, and the margin a small share of the size."""
+    larger of the values `at` states, two arrays (unknowns, states), the one matrix of `floor` being no less
+    than the other, and the margin a small share of the size."""
 
     unknowns: _Unknowns
     matrices: list[Array]
@@ -157,6 +157,8 @@ class _Program:
     def solve(self) -> tuple[Array, float, str]:
         """The unknowns, the margin, the solver; raises `convex.Unsolved`."""
         import cvxpy
+        from cvxpy.atoms.affine.sum import sum as total
+        from cvxpy.atoms.elementwise.maximum import maximum
 
         u = self.unknowns
         x, margin = cvxpy.Variable(u.count), cvxpy.Variable()
@@ -167,20 +169,20 @@ class _Program:
             goal = cvxpy.Maximize(margin)
             constraints.append(x @ self.size == float(u.n))
         else:
-            goal = cvxpy.Minimize(cvxpy.sum(cvxpy.maximum(x @ self.at[0], x @ self.at[1])))
+            goal = cvxpy.Minimize(total(maximum(x @ self.at[0], x @ self.at[1])))
             constraints.append(margin == LEAST_MARGIN / u.n * (x @ self.size))
             constraints.append(_matrix(x, self.floor[0]) - self.floor[1] >> 0.0)
         solver = convex.solve(cvxpy.Problem(goal, constraints))
-        return np.asarray(x.value, float), float(margin.value), solver
+        return np.asarray(x.value, float), float(np.asarray(margin.value)), solver
 
 
 def _matrix(x: Any, of: Array) -> Any:
     """The symmetric matrix sum_k x_k of_k."""
-    import cvxpy
+    from cvxpy.atoms.affine.reshape import reshape
 
     m = of.shape[1]
     symmetric = 0.5 * (of + of.transpose(0, 2, 1))
-    return cvxpy.reshape(symmetric.reshape(len(of), -1).T @ x, (m, m), order="C")
+    return reshape(symmetric.reshape(len(of), -1).T @ x, (m, m), order="C")
 
 
 def _searched(
@@ -188,8 +190,8 @@ def _searched(
 ) -> MemorySearch:
     try:
         x, claimed, solver = p.solve()
-    except convex.Unsolved as said:
-        return MemorySearch(None, None, "", NoSolver(str(said)))
+    except convex.Unsolved as error:
+        return MemorySearch(None, None, "", NoSolver(str(error)))
     if confirm is None:
         if claimed > CLAIMED:
             return MemorySearch(found(x), claimed, solver)

@@ -1,4 +1,4 @@
-"""Exact arithmetic: polynomials on a window, bounds of a polynomial, and whether a matrix is positive definite.
+"""Exact arithmetic: polynomials on a window, bounds of a polynomial, whether a matrix is positive definite.
 
 A float is a rational number, so that what a solver hands over can be checked without rounding.
 """
@@ -103,8 +103,8 @@ def positive_definite(matrix: Exact) -> bool:
     """Whether a symmetric matrix of fractions is positive definite: every pivot of Gauss's elimination is
     positive, without any rounding.
 
-    >>> positive_definite(exact([[2.0, 1.0], [1.0, 0.5]])), positive_definite(exact([[2.0, 1.0], [1.0, 0.51]]))
-    (False, True)
+    >>> [positive_definite(exact([[2.0, 1.0], [1.0, x]])) for x in (0.5, 0.51)]
+    [False, True]
     """
     rows = [list(row) for row in matrix]
     n = len(rows)

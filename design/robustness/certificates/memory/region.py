@@ -5,10 +5,11 @@ state with V <= c, for ever,
 
     |q| <= sqrt(c g'Q^-1 g) with g'w = q,      |h - r| <= sqrt(c g'Q^-1 g) with g'w = e - d.
 
-The pressure lies between those of the two lines at h; where these, and |q| beyond them, are within the range of
-the command, it is not clipped.  On the transit the pressure moves by the change of h over its slope, 2 |h - r|
-at most; the other line being further away than that, from where the wrist is and from the line that it may leave
-later, is not met.  Then the loop is one of those that the function is about, and decays at its rate.
+The pressure lies between those of the two lines at h; where these, and |q| beyond them, are within the range
+of the command, it is not clipped.  On the transit the pressure moves by the change of h over its slope,
+2 |h - r| at most; the other line being further away than that, from where the wrist is and from the line that
+it may leave later, is not met.  Then the loop is one of those that the function is about, and decays at its
+rate.
 
 Steps arrive there by themselves: `arrivals` looks for the moment in runs, which may be clipped and meet both
 lines before.
@@ -54,9 +55,7 @@ class Arrivals:
         return bool(np.isfinite(self.time).all())
 
 
-def arrivals(
-    forms: Mapping[Side, LineForm], loop: FixedLawLoop, law: HysteresisLaw, runs: Runs
-) -> Arrivals:
+def arrivals(forms: Mapping[Side, LineForm], loop: FixedLawLoop, law: HysteresisLaw, runs: Runs) -> Arrivals:
     """The first moment at which each run is in the region of the function of one of the two lines."""
     at = np.arange(0, len(runs.pressure), LOOKED_AT)
     inside = np.zeros((len(at), len(runs.names)), bool)

@@ -1,5 +1,4 @@
-"""The tasks of the rig, run sample by sample on the plant as it is, with clipping: finitely many runs, each one
-computed whole."""
+"""The tasks of the rig, run sample by sample on the plant as it is, with clipping: finitely many runs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -10,12 +9,15 @@ from numpy.typing import NDArray
 from design.controllers.pi import PI, PIState
 from design.controllers.pi import step as control
 from design.evaluation.tasks import Task
-from plants.hysteresis import STARTS
+from plants.hysteresis import STARTS, Start
 from plants.simulation.closed_loop import holding
 from plants.wrist import State, Wrist
 from plants.wrist import step as move
 
 Array = NDArray[np.float64]
+
+ENDS: tuple[Start, Start] = ("line2", "line1")
+"""Starts between which every other memory lies."""
 
 MEMORIES = 9
 """Memories between the two lines from which each step is run as well, the ends included."""
@@ -25,8 +27,8 @@ MEMORIES = 9
 class Runs:
     """Signals at every sample, (samples, lanes): pressure and command (times the regulator's gain) [kPa],
     static angle, angle and reference [deg], whether the virgin curve was left; low and high [kPa] of the
-    command, rest [kPa] (lanes,) what was sent before; begins (lanes,): the sample from which the last reference
-    holds; names of the lanes."""
+    command, rest [kPa] (lanes,) what was sent before; begins (lanes,): the sample from which the last
+    reference holds; names of the lanes."""
 
     pressure: Array
     static: Array
@@ -48,7 +50,7 @@ class Runs:
 
 
 def run(wrist: Wrist, controller: PI, tasks: Sequence[Task], samples: int, dt: float) -> Runs:
-    """The tasks, and its steps from `MEMORIES` memories between the lines too, with so many samples of dead
+    """The tasks, and their steps from `MEMORIES` memories between the lines too, with so many samples of dead
     time in all; effects of the plant are left out.
 
     Each lane begins at rest, its last command everywhere in the tube.
@@ -83,13 +85,15 @@ def _starts(wrist: Wrist, tasks: Sequence[Task]) -> tuple[State, list[Task], lis
     found = [(wrist.rest(t.start, t.angle), t, t.name) for t in tasks]
     inside = [t for t in tasks if t.start == STARTS[-1] and len(t.references) == 1]
     for task in inside:
-        ends = [float(wrist.rest(start, task.angle).pressure) for start in ("line2", "line1")]
+        low, high = (float(wrist.rest(start, task.angle).pressure) for start in ENDS)
         base = wrist.rest(task.start, task.angle)
-        for pressure in np.linspace(*ends, MEMORIES):
+        for pressure in np.linspace(low, high, MEMORIES):
             memory = wrist.hysteresis.recalled(base.memory.h, float(pressure))
             lane = base._replace(pressure=float(pressure), memory=memory)
             found.append((lane, task, f"{task.name} at {pressure:.4g} {wrist.rig.units.pressure}"))
     states = [s for s, _, _ in found]
-    memory = type(states[0].memory)(*(np.array(x, float) for x in zip(*(s.memory for s in states), strict=True)))
+    memory = type(states[0].memory)(
+        *(np.array(x, float) for x in zip(*(s.memory for s in states), strict=True))
+    )
     pressure, angle = (np.array([float(getattr(s, n)) for s in states]) for n in ("pressure", "angle"))
     return State(pressure, memory, angle), [t for _, t, _ in found], [n for _, _, n in found]
