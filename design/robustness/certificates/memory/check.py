@@ -40,7 +40,7 @@ def confirm_common(found: CommonForm, loop: FixedLawLoop) -> Confirmation:
     those between.
     """
     slopes = loop.model.slopes.values()
-    signs = min(found.multipliers, default=-1.0) >= 0.0 and len(found.multipliers) == len(found.slopes)
+    signs = len(found.multipliers) == len(found.slopes) and _numbers(found.decay, *found.multipliers)
     if not (signs and _signs(found.form, loop) and {min(slopes), max(slopes)} <= set(found.slopes)):
         return Confirmation(False, -1.0)
     parts = [
@@ -60,7 +60,8 @@ def confirm_line(found: LineForm, loop: FixedLawLoop) -> Confirmation:
     slopes = set(loop.model.slopes.values())
     line, transit = found.line, found.transit
     ordered = line.popov >= transit.popov and line.S >= transit.S and line.R >= transit.R
-    signs = min(found.gap, *found.multipliers) >= 0.0 and _signs(line, loop) and _signs(transit, loop)
+    numbers = _numbers(found.decay, found.gap, *found.multipliers) and bool(np.isfinite(found.cross).all())
+    signs = numbers and _signs(line, loop) and _signs(transit, loop)
     fits = found.cross.shape == (loop.states,) and {found.inner, found.outer} <= slopes
     if not (ordered and signs and fits and found.inner == min(slopes)):
         return Confirmation(False, -1.0)
@@ -84,10 +85,14 @@ def _of(parts: list[Exact]) -> Confirmation:
     return Confirmation(margin > 0.0 and all(positive_definite(part) for part in parts), margin)
 
 
+def _numbers(*values: float) -> bool:
+    """Whether they are finite and not negative."""
+    return bool(np.isfinite(values).all()) and min(values) >= 0.0
+
+
 def _signs(form: WindowForm, loop: FixedLawLoop) -> bool:
-    numbers = np.append(form.P, [form.popov, form.S, form.R])
     shape = form.P.shape == (loop.states, loop.states) and np.array_equal(form.P, form.P.T)
-    return bool(shape and np.isfinite(numbers).all() and min(form.popov, form.S, form.R) >= 0.0)
+    return shape and bool(np.isfinite(form.P).all()) and _numbers(form.popov, form.S, form.R)
 
 
 def _below(form: WindowForm, loop: FixedLawLoop) -> Exact:
