@@ -50,8 +50,8 @@ class Runs:
 
 
 def run(wrist: Wrist, controller: PI, tasks: Sequence[Task], samples: int, dt: float) -> Runs:
-    """The tasks, and their steps from `MEMORIES` memories between the lines too, with so many samples of dead
-    time in all; effects of the plant are left out.
+    """The tasks, and their steps from `MEMORIES` memories between the lines too, behind so many samples of
+    dead time in all; dt [s]: sample time; effects of the plant are left out.
 
     Each lane begins at rest, its last command everywhere in the tube.
     """
