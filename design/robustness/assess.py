@@ -126,7 +126,7 @@ def assess(
     stable = all(row["stable"] for row in rows)
     tell("limit cycles", 0.0)
     found, swings = cycles.limit_cycles(wrist, controller), large_swings(wrist, controller)
-    rungs, word = _ladder(wrist, controller, stable, tell)
+    rungs, word = _ladder(box, controller, stable, tell)
     tell("constant parameters", 0.0)
     fixed = _constant(box, controller)
     # A plant with a load step of its own keeps it, in the search as in the samples.
@@ -151,8 +151,9 @@ def assess(
     )  # fmt: skip
 
 
-def _ladder(wrist: Wrist, controller: PI, stable: bool, tell: Tell) -> tuple[list[Certificate], Word | None]:
+def _ladder(box: Box, controller: PI, stable: bool, tell: Tell) -> tuple[list[Certificate], Word | None]:
     """Every rung, in continuous time and sampled, and a word that speaks against some."""
+    wrist = box.wrist
     model = LoopModel.of(wrist, controller)
     tell("certificates", 0.0)
     rungs = ladder.certify(model, wrist, controller, wrist.rig.task.step, DEAD_TIMES)
@@ -161,7 +162,7 @@ def _ladder(wrist: Wrist, controller: PI, stable: bool, tell: Tell) -> tuple[lis
     tell("certificates", 0.5)
     rungs = [*rungs, *sampled_loop.certify_sampled(model, DEAD_TIMES, word)]
     tell("certificates", 0.7)
-    return [*rungs, *certify_memory(model, wrist, controller, DEAD_TIMES)], word
+    return [*rungs, *certify_memory(model, wrist, controller, DEAD_TIMES, box)], word
 
 
 def _virgin(wrist: Wrist, controller: PI) -> list[Statement]:

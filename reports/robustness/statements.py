@@ -162,7 +162,12 @@ def class_words(c: LoopClass) -> str:
         behind = f" behind {c.samples} samples of dead time" if c.samples else ""
         moves = f"slope {shallow:.4g} to {steep:.4g} deg/kPa changed at will at every sample"
         if c.switching is Switching.MEMORY:
-            moves = "slope that of the loop's own memory, of which no more than one line is met"
+            moves = (
+                f"slope {shallow:.4g} to {steep:.4g} deg/kPa as the loop's own memory has it, of which no "
+                "more than one line is met"
+            )
+        if c.lag is not None:
+            moves += f", Tw from {c.lag[0]:.4g} to {c.lag[1]:.4g} s, all of which may drift"
         return (
             f"the sampled loop{behind}, the regulator's law fixed, k from {low:.4g} to {high:.4g} 1/s, "
             f"{moves}, decays while the command is not clipped"

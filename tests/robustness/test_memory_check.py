@@ -15,7 +15,7 @@ from design.robustness.loop_model import LoopModel
 from plants import Wrist
 
 LOOP = LoopModel.of(Wrist.flexion(), PI(2.0, 4.0))
-SLOPE = 0.36
+SLOPE = (0.36,)
 
 
 def flipped(matrix: Any) -> Any:
@@ -47,8 +47,8 @@ def test_a_function_with_memory_that_was_tampered_with_is_refused(samples: int) 
         replace(form, multipliers=(-1.0, *form.multipliers[1:])),
         replace(form, decay=0.5),
         replace(form, decay=float("nan")),
-        replace(form, inner=0.2),
-        replace(form, outer=0.5),
+        replace(form, inner=(0.2,)),
+        replace(form, outer=(0.5,)),
     ]
     if samples:
         broken += [

@@ -92,7 +92,7 @@ def test_a_function_with_memory_falls_on_the_line_off_it_and_in_between(
     gains: tuple[float, float], samples: int
 ) -> None:
     loop = FixedLawLoop.of(LoopModel.of(FLEXION, PI(*gains)), samples)
-    form = line(loop, 0.36, 0.1).form
+    form = line(loop, (0.36,), 0.1).form
     assert form is not None
     g = float(growth_of(0.1, loop.model.dt))
     met = left = 0
@@ -101,7 +101,7 @@ def test_a_function_with_memory_falls_on_the_line_off_it_and_in_between(
         before = level(form, run, g)
         for _ in range(600):
             away = run.F
-            run.step((form.inner, form.outer))
+            run.step((form.inner[0], form.outer[0]))
             met, left = met + (away > 0.0 == run.F), left + (away == 0.0 < run.F)
             after = level(form, run, g)
             assert after <= before / g**2 * (1.0 + 1e-9)

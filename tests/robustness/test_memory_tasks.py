@@ -10,7 +10,7 @@ from design.evaluation.steps import run as simulated
 from design.evaluation.tasks import comparison_tasks
 from design.robustness.certificates.certificate import Certificate
 from design.robustness.certificates.memory.ladder import certify_memory, for_tasks, lines_of
-from design.robustness.certificates.memory.loop import FixedLawLoop
+from design.robustness.certificates.memory.loop import FixedLawLoop, Plants
 from design.robustness.certificates.memory.region import arrivals
 from design.robustness.certificates.memory.runs import Runs, run
 from design.robustness.certificates.reasons import NotOnePlay, UnstableMode
@@ -61,7 +61,7 @@ def test_from_where_a_run_arrives_it_meets_no_other_line_and_decays_as_claimed(
     wrist = WRISTS[motion]
     loop, runs = played(wrist, *gains, samples)
     law, decay = wrist.hysteresis, 0.1
-    forms = for_tasks(loop, law, lines_of(loop.model, law), runs, decay)
+    forms = for_tasks(loop, law, lines_of(loop.plants, law), runs, decay)
     for side, form in forms.items():
         found = arrivals({side: form}, loop, law, runs)
         for lane in np.flatnonzero(np.isfinite(found.time)):
@@ -118,7 +118,7 @@ def test_a_law_of_many_plays_has_no_line() -> None:
     wrist = WRISTS["flexion"]
     law = PrandtlIshlinskii.from_values(PrandtlIshlinskii.guess(0.36, 0.08, 20.0, 100.0, 80.0))
     other = replace(wrist, hysteresis=law)
-    assert lines_of(LoopModel.of(other, PI(1.2, 2.2)), law) == {}
+    assert lines_of(Plants.of(LoopModel.of(other, PI(1.2, 2.2))), law) == {}
     assert isinstance(certified(other, 1.2, 2.2, 0.0).reason, NotOnePlay)
 
 

@@ -30,13 +30,15 @@ class Switching(Enum):
 @dataclass(frozen=True)
 class LoopClass:
     """A class of loops: what may change; rates [1/s] and slopes [deg/kPa] between which it may; monotone: the
-    regulator's law grows with its error, where it is fixed; samples: of dead time, of a sampled loop."""
+    regulator's law grows with its error, where it is fixed; samples: of dead time, of a sampled loop; lag
+    [s]: between which Tw may lie, where it is not the plant's."""
 
     switching: Switching
     rates: tuple[float, float]
     slopes: tuple[float, float]
     monotone: bool = False
     samples: int = 0
+    lag: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ import numpy as np
 
 from design.robustness.certificates.continuous.check import positive
 from design.robustness.certificates.memory.form import CommonForm, LineForm, WindowForm
-from design.robustness.certificates.memory.loop import FixedLawLoop, growth_of
+from design.robustness.certificates.memory.loop import FixedLawLoop, OneSample, growth_of
 from design.robustness.certificates.memory.rational import Exact, exact, positive_definite
 
 
@@ -36,16 +36,16 @@ class Confirmation:
 def confirm_common(found: CommonForm, loop: FixedLawLoop) -> Confirmation:
     """Whether one function falls on all slopes between the loop's least and largest.
 
-    The next state is affine in the slope and the function convex in it, so that the two extremes answer for
-    those between.
+    The next state is affine in the slope, and in each of the other numbers of a sample
+    (`FixedLawLoop.steps`), and the function convex in it, so that the corners answer for all between.
     """
-    slopes = loop.model.slopes.values()
     signs = len(found.multipliers) == len(found.slopes) and _numbers(found.decay, *found.multipliers)
-    if not (signs and _signs(found.form, loop) and {min(slopes), max(slopes)} <= set(found.slopes)):
+    if not (signs and _signs(found.form, loop) and set(loop.plants.extremes) <= set(found.slopes)):
         return Confirmation(False, -1.0)
     parts = [
-        -_fall(found.form, loop, s, m, found.decay)
+        -_fall(found.form, loop, step, m, found.decay)
         for s, m in zip(found.slopes, found.multipliers, strict=True)
+        for step in loop.steps([s])
     ]
     return _of([*parts, _below(found.form, loop)])
 
@@ -57,19 +57,21 @@ def confirm_line(found: LineForm, loop: FixedLawLoop) -> Confirmation:
     and ends on it moves a share of its way along the transit: what it adds to V is convex in that share, as
     `gap` is not negative, so that the two whole ways, each a matrix here, answer for it.
     """
-    slopes = set(loop.model.slopes.values())
+    lines = {tuple(sorted(set(ends))) for ends in loop.plants.slopes.values()}
     line, transit = found.line, found.transit
     ordered = line.popov >= transit.popov and line.S >= transit.S and line.R >= transit.R
     numbers = _numbers(found.decay, found.gap, *found.multipliers) and bool(np.isfinite(found.cross).all())
     signs = numbers and _signs(line, loop) and _signs(transit, loop)
-    fits = found.cross.shape == (loop.states,) and {found.inner, found.outer} <= slopes
-    if not (ordered and signs and fits and found.inner == min(slopes)):
+    fits = found.cross.shape == (loop.states,) and found.outer in lines
+    if not (ordered and signs and fits and found.inner == loop.plants.inner):
         return Confirmation(False, -1.0)
     on, leaving, far = found.multipliers
+    outside, inside = loop.steps(found.outer), loop.steps(found.inner)
+    cross, gap = exact(found.cross), Fraction(found.gap)
     return _of([
-        -_fall(line, loop, found.outer, on, found.decay),
-        -_fall(line, loop, found.inner, leaving, found.decay, exact(found.cross), Fraction(found.gap)),
-        -_fall(transit, loop, found.inner, far, found.decay),
+        *(-_fall(line, loop, step, on, found.decay) for step in outside),
+        *(-_fall(line, loop, step, leaving, found.decay, cross, gap) for step in inside),
+        *(-_fall(transit, loop, step, far, found.decay) for step in inside),
         _below(transit, loop),
         exact(line.P) - exact(transit.P) + _window(loop, Fraction(line.S) - Fraction(transit.S)),
     ])  # fmt: skip
@@ -109,13 +111,13 @@ def _window(loop: FixedLawLoop, weight: Fraction) -> Exact:
 
 
 def _fall(
-    form: WindowForm, loop: FixedLawLoop, slope: float, multiplier: float, decay: float,
+    form: WindowForm, loop: FixedLawLoop, step: OneSample, multiplier: float, decay: float,
     cross: Exact | None = None, gap: Fraction | None = None,
 ) -> Exact:  # fmt: skip
     """D and the sector's share of it, over dt, as a matrix; cross, gap: of the function that knows F."""
     dt, law, n = Fraction(loop.model.dt), loop.law, loop.states
     g = growth_of(decay, loop.model.dt)
-    r = loop.rows(slope, g)
+    r = loop.rows(step, g)
     P = exact(np.zeros((n + 1, n + 1)))
     P[:n, :n] = exact(form.P)
     if cross is not None and gap is not None:
@@ -126,8 +128,8 @@ def _fall(
         total = total + dt * ((S + R * loop.samples * dt) * _square(r.sent) - S * _square(r.arrived))
         for j, size in enumerate(loop.window.size):
             total = total - dt * dt * R * loop.samples / size * _square(r.now[3 + j])
-    step, bend = dt * r.moved, (law.steepest - law.low) / dt
-    total = total + popov * g * g * (_twice(r.psi, step) + bend * _square(step))
+    way, bend = dt * r.moved, (law.steepest - law.low) / dt
+    total = total + popov * g * g * (_twice(r.psi, way) + bend * _square(way))
     sector = (law.high - law.low) / dt
     integral = _twice(r.psi, r.q) if law.grows else sector * _square(r.q)
     total = total + popov * (g * g - 1) * integral

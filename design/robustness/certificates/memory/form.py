@@ -53,7 +53,7 @@ class CommonForm:
 
 @dataclass(frozen=True)
 class LineForm:
-    """A function for one line of slope `outer` and the transit of slope `inner` [deg/kPa] beside it.
+    """A function for one line and the transit beside it; outer, inner: ends of their slopes [deg/kPa].
 
     On the line, and where the transit leaves it: `line`.  F [kPa] away from it: the larger of
     `line` + 2 F cross'w - gap F^2 and of `transit`; cross (n,), gap not negative.  multipliers: of the law's
@@ -64,8 +64,8 @@ class LineForm:
     transit: WindowForm
     cross: Array
     gap: float
-    inner: float
-    outer: float
+    inner: tuple[float, ...]
+    outer: tuple[float, ...]
     multipliers: tuple[float, float, float]
     decay: float
 
@@ -74,8 +74,8 @@ class LineForm:
         """The form for JSON."""
         return {
             "line": self.line.record, "transit": self.transit.record, "cross": self.cross.tolist(),
-            "gap": self.gap, "slopes": [self.inner, self.outer], "multipliers": list(self.multipliers),
-            "decay_of_P": self.decay,
+            "gap": self.gap, "slopes": [list(self.inner), list(self.outer)],
+            "multipliers": list(self.multipliers), "decay_of_P": self.decay,
         }  # fmt: skip
 
 

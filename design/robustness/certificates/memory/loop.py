@@ -14,8 +14,10 @@ The vector is (e, d, q; O; F; psi; u[k - N]): O the moments of what is under way
 line that it left, F+ = F - phi.  Without dead time there is neither O nor the last.
 """
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import product
 from math import exp
 from typing import Any
 
@@ -41,6 +43,43 @@ DIGITS = 2**44
 """Denominator of the growth of a sample, so that its powers stay short."""
 
 
+Bounds = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Plants:
+    """Plants between bounds, which may drift: slopes [deg/kPa] by branch, rates of the regulator slow and
+    fast [1/s], lag Tw [s], gain as a ratio to the model's."""
+
+    slopes: Mapping[str, Bounds]
+    slow: Bounds
+    fast: Bounds
+    lag: Bounds
+    gain: Bounds = (1.0, 1.0)
+
+    @classmethod
+    def of(cls, model: LoopModel) -> "Plants":
+        """The one plant of a model."""
+        return cls(
+            {branch: (s, s) for branch, s in model.slopes.items()}, (model.k_slow, model.k_slow),
+            (model.k_fast, model.k_fast), (model.Tw, model.Tw),
+        )  # fmt: skip
+
+    @property
+    def inner(self) -> tuple[float, ...]:
+        """Ends of the slope of the flattest branch, the transit."""
+        return min(_ends(s) for s in self.slopes.values())
+
+    @property
+    def extremes(self) -> tuple[float, ...]:
+        """Least and largest slope of all."""
+        return _ends((min(s[0] for s in self.slopes.values()), max(s[1] for s in self.slopes.values())))
+
+
+def _ends(bounds: Bounds) -> tuple[float, ...]:
+    return tuple(sorted(set(bounds)))
+
+
 @dataclass(frozen=True)
 class RegulatorLaw:
     """What is known of the share of q that a sample takes away, for every q: it lies between low and high,
@@ -57,24 +96,54 @@ class RegulatorLaw:
         return self.flattest >= self.low
 
 
-def regulator_law(model: LoopModel) -> RegulatorLaw:
-    """Of the law that the simulator steps, `plants.actuator.regulator`: a cubic in w = q^2 / (q^2 + e0^2).
+def regulator_law(plants: Plants, dt: float) -> RegulatorLaw:
+    """Of the laws that the simulator steps, `plants.actuator.regulator`, at a sample time [s]: a cubic in
+    w = q^2 / (q^2 + e0^2), each of whose coefficients lies between bounds.
 
     >>> from plants import Wrist
     >>> from design.controllers.pi import PI
-    >>> law = regulator_law(LoopModel.of(Wrist.flexion(), PI(1.2, 2.2)))
+    >>> law = regulator_law(Plants.of(LoopModel.of(Wrist.flexion(), PI(1.2, 2.2))), 0.001)
     >>> [round(1000 * float(x), 3) for x in (law.low, law.high, law.steepest)], law.grows
     ([0.55, 8.96, 10.008], True)
     """
-    c = regulator.sampled(regulator.Regulator(1.0, model.k_fast, model.k_slow, 1.0), model.dt)
-    slow, rise, z, centre = (Fraction(float(x)) for x in (c.alpha_slow, c.alpha_rise, c.z_rise, c.z_centre))
-    share = np.array([slow, rise - z * centre, z * centre - z * z, z * z], dtype=object)
-    # d(share q)/dq = share + 2 w (1 - w) d share/dw
-    bend = np.array([k * x for k, x in enumerate(share)][1:], dtype=object)
-    slope = np.array([*share, Fraction(0)], dtype=object)
-    slope[1:4] += 2 * bend
-    slope[2:5] -= 2 * bend
-    return RegulatorLaw(*range_on_unit(list(share)), *range_on_unit(list(slope)))
+    corners = [
+        regulator.sampled(regulator.Regulator(1.0, fast, slow, 1.0), dt)
+        for slow in plants.slow
+        for fast in plants.fast
+    ]
+    slow, rise, z, centre = (
+        _hull([Fraction(float(getattr(c, name))) for c in corners])
+        for name in ("alpha_slow", "alpha_rise", "z_rise", "z_centre")
+    )
+    bent, square = _hull([a * b for a in z for b in centre]), _hull([a * b for a in z for b in z])
+    share = [slow, _less(rise, bent), _less(bent, square), square]
+    # Of share times q: sum_k c_k ((1 + 2 k) w^k - 2 k w^(k + 1)), no term of which is negative but c_k.
+    found: list[Fraction] = []
+    for values in ([c[0] for c in share], [c[1] for c in share]):
+        slope = [Fraction(0)] * (len(values) + 1)
+        for k, c in enumerate(values):
+            slope[k] += (1 + 2 * k) * c
+            slope[k + 1] -= 2 * k * c
+        found += [*range_on_unit(values), *range_on_unit(slope)]
+    return RegulatorLaw(found[0], found[5], found[2], found[7])
+
+
+def _hull(values: list[Fraction]) -> tuple[Fraction, Fraction]:
+    return min(values), max(values)
+
+
+def _less(a: tuple[Fraction, Fraction], b: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
+    return a[0] - b[1], a[1] - b[0]
+
+
+@dataclass(frozen=True)
+class OneSample:
+    """What the move of a sample hangs on: slope [deg/kPa], keep and after of `plants.lag`, ratio of gains."""
+
+    slope: float
+    keep: float
+    after: float
+    gain: float
 
 
 @dataclass(frozen=True)
@@ -93,17 +162,20 @@ class Rows:
 
 @dataclass(frozen=True)
 class FixedLawLoop:
-    """A PI and a wrist behind N samples of dead time in all; polynomials of the window."""
+    """A PI and wrists behind N samples of dead time in all; polynomials of the window."""
 
     model: LoopModel
+    plants: Plants
     law: RegulatorLaw
     samples: int
     window: WindowPolynomials
 
     @classmethod
-    def of(cls, model: LoopModel, samples: int) -> "FixedLawLoop":
-        """The loop behind so many samples, the plant's own among them."""
-        return cls(model, regulator_law(model), samples, window_polynomials(samples, min(MOMENTS, samples)))
+    def of(cls, model: LoopModel, samples: int, plants: Plants | None = None) -> "FixedLawLoop":
+        """The loop behind so many samples, the plant's own among them; plants: the model's if not given."""
+        plants = plants or Plants.of(model)
+        window = window_polynomials(samples, min(MOMENTS, samples))
+        return cls(model, plants, regulator_law(plants, model.dt), samples, window)
 
     @property
     def moments(self) -> int:
@@ -130,12 +202,22 @@ class FixedLawLoop:
         """Largest psi/q [1/s]."""
         return float(self.law.high - self.law.low) / self.model.dt
 
-    def rows(self, slope: float, growth: Fraction, floats: bool = False) -> Rows:
-        """One sample on a branch of a slope [deg/kPa], with what grows by `growth` in it taken out."""
+    def steps(self, slopes: Iterable[float]) -> list[OneSample]:
+        """The corners of what the move of a sample hangs on, at some slopes.
+
+        The next state is affine in each of them by itself, and a function that is convex in it therefore
+        largest at a corner.
+        """
+        lags = [lag.sampled(T, self.model.dt) for T in _ends(self.plants.lag)]
+        keeps, afters = sorted({float(c.keep) for c in lags}), sorted({float(c.after) for c in lags})
+        return [OneSample(*c) for c in product(slopes, keeps, afters, _ends(self.plants.gain))]
+
+    def rows(self, step: OneSample, growth: Fraction, floats: bool = False) -> Rows:
+        """One sample, with what grows by `growth` in it taken out."""
         m, n = self.model, self.states
-        c = lag.sampled(m.Tw, m.dt)
-        numbers = [c.keep, c.after, m.dt, slope, m.Kp, m.Ki]
-        keep, last, dt, s, Kp, Ki = (float(x) if floats else Fraction(float(x)) for x in numbers)
+        numbers = [step.keep, step.after, m.dt, step.slope, m.Kp, m.Ki, step.gain]
+        keep, last, dt, s, Kp, Ki, gain = (float(x) if floats else Fraction(float(x)) for x in numbers)
+        Kp, Ki = gain * Kp, gain * Ki
         g, low = (float(x) if floats else x for x in (growth, self.law.low))
         one: Any = np.eye(self.size) if floats else exact(np.eye(self.size))
         e, d, q, F, psi = one[0], one[1], one[2], one[n], one[n + 1]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from design.robustness.certificates.memory.check import Confirmation, confirm_common, confirm_line
 from design.robustness.certificates.memory.form import CommonForm, LineForm, MemorySearch, WindowForm
-from design.robustness.certificates.memory.loop import FixedLawLoop, growth_of
+from design.robustness.certificates.memory.loop import FixedLawLoop, OneSample, growth_of
 from design.robustness.certificates.reasons import NoneOfThisKind, NoSolver, NotConfirmed
 from design.synthesis import convex
 
@@ -41,38 +41,46 @@ class Visited:
 def common(loop: FixedLawLoop, decay: float, sure: bool = True) -> MemorySearch:
     """One function for slopes that change at every sample, with a decay [1/s], confirmed, or why not;
     where it need not be `sure`, as the solver claims it."""
-    slopes = loop.model.slopes.values()
-    ends = sorted({min(slopes), max(slopes)})
+    ends = loop.plants.extremes
     u = _Unknowns(loop.states, forms=1, numbers=len(ends))
     form, multipliers = u.form(), [u.number() for _ in ends]
-    falls = [_fall(loop, decay, form, s, m) for s, m in zip(ends, multipliers, strict=True)]
+    falls = [
+        _fall(loop, decay, form, step, m)
+        for s, m in zip(ends, multipliers, strict=True)
+        for step in loop.steps([s])
+    ]
     least = _least(loop, form)
 
     def found(x: Array) -> CommonForm:
         numbers = tuple(_multiplier(loop, x @ m) for m in multipliers)
-        return CommonForm(_unscaled(loop, form, x), tuple(ends), numbers, decay)
+        return CommonForm(_unscaled(loop, form, x), ends, numbers, decay)
 
     p = _Program(u, [*falls, least], size=_size(loop, form))
     return _searched(p, found, (lambda f: confirm_common(f, loop)) if sure else None)
 
 
 def line(
-    loop: FixedLawLoop, outer: float, decay: float, visited: Visited | None = None, sure: bool = True
+    loop: FixedLawLoop,
+    outer: tuple[float, ...],
+    decay: float,
+    visited: Visited | None = None,
+    sure: bool = True,
 ) -> MemorySearch:
-    """A function for a line of a slope [deg/kPa] and the transit, with a decay [1/s], confirmed, or why not;
+    """A function for a line of slopes [deg/kPa] and the transit, with a decay [1/s], confirmed, or why not;
     sure: as in `common`.
 
     The one of widest margin; or, of states that are `visited`, the one that is least there among those that
     tell as much of the static angle: V >= (h - r)^2.
     """
-    n, inner = loop.states, min(loop.model.slopes.values())
+    n, inner = loop.states, loop.plants.inner
     u = _Unknowns(n, forms=2, numbers=n + 4)
     on, far, cross, gap = u.form(), u.form(), u.vector(n), u.number()
     multipliers = [u.number() for _ in range(3)]
+    outside, inside = loop.steps(outer), loop.steps(inner)
     falls = [
-        _fall(loop, decay, on, outer, multipliers[0]),
-        _fall(loop, decay, on, inner, multipliers[1], cross, gap),
-        _fall(loop, decay, far, inner, multipliers[2]),
+        *(_fall(loop, decay, on, step, multipliers[0]) for step in outside),
+        *(_fall(loop, decay, on, step, multipliers[1], cross, gap) for step in inside),
+        *(_fall(loop, decay, far, step, multipliers[2]) for step in inside),
     ]
     apart = [on.popov - far.popov, *([on.S - far.S, on.R - far.R] if loop.samples else [])]
     least = _least(loop, far)
@@ -236,13 +244,13 @@ def _size(loop: FixedLawLoop, form: _Form) -> Array:
 
 
 def _fall(
-    loop: FixedLawLoop, decay: float, form: _Form, slope: float, multiplier: Array,
+    loop: FixedLawLoop, decay: float, form: _Form, step: OneSample, multiplier: Array,
     cross: Array | None = None, gap: Array | None = None,
 ) -> Array:  # fmt: skip
-    """By how much the function falls on a slope, less the sector's share of it, as `check` has it."""
+    """By how much the function falls in a sample, less the sector's share of it, as `check` has it."""
     n, dt, scale = loop.states, loop.model.dt, sizes(loop)
     g = growth_of(decay, dt)
-    r = loop.rows(slope, g, floats=True)
+    r = loop.rows(step, g, floats=True)
     known, P = n, form.P
     if cross is not None and gap is not None:
         known = n + 1

@@ -113,7 +113,7 @@ def _within(
     static angle is off from then on."""
     w, window = _states(loop, runs, at, form.decay)
     mine, other = _gaps(side, law, runs, at)
-    c = np.maximum(level(form, loop, _sign(side) * w, window, mine / (form.outer - form.inner)), 0.0)
+    c = np.maximum(level(form, loop, _sign(side) * w, window, mine / _beyond(law, side)), 0.0)
     inverse = np.linalg.inv(below(form.transit, loop))
     static = np.zeros(loop.states)
     static[:2] = 1.0, -1.0
@@ -123,8 +123,9 @@ def _within(
     high = np.maximum(law.ascending_pressure(r + off), law.descending_pressure(r + off))
     held = (low - q > runs.low) & (high + q < runs.high)
     widths = np.minimum(*(law.descending(p) - law.ascending(p) for p in (low, high)))
-    reach = 2.0 * off / form.inner if form.inner > 0.0 else np.full_like(off, np.inf)
-    held &= np.minimum(other, widths) > reach * (_beyond(law, _OTHER[side]))
+    flat = float(law.flattest)
+    reach = 2.0 * off / flat if flat > 0.0 else np.full_like(off, np.inf)
+    held &= np.minimum(other, widths) > reach * _beyond(law, _OTHER[side])
     held &= runs.left_virgin[at] & ~runs.clipped[at]
     return held, off
 
