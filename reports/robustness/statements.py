@@ -167,7 +167,7 @@ def class_words(c: LoopClass) -> str:
                 "more than one line is met"
             )
         if c.lag is not None:
-            moves += f", Tw from {c.lag[0]:.4g} to {c.lag[1]:.4g} s, all of which may drift"
+            moves += f", Tw from {c.lag[0]:.4g} to {c.lag[1]:.4g} s, which may drift as slopes may"
         return (
             f"the sampled loop{behind}, the regulator's law fixed, k from {low:.4g} to {high:.4g} 1/s, "
             f"{moves}, decays while the command is not clipped"

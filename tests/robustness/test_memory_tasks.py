@@ -8,6 +8,7 @@ import pytest
 from design.controllers.pi import PI
 from design.evaluation.steps import run as simulated
 from design.evaluation.tasks import comparison_tasks
+from design.robustness.box import box_of
 from design.robustness.certificates.certificate import Certificate
 from design.robustness.certificates.memory.ladder import certify_memory, for_tasks, lines_of
 from design.robustness.certificates.memory.loop import FixedLawLoop, Plants
@@ -20,6 +21,7 @@ from design.status import Status
 from plants import Wrist
 from plants.effects.regulator.dead_time import DeadTime
 from plants.hysteresis.prandtl_ishlinskii import PrandtlIshlinskii
+from plants.parameters.quantities import built_in
 from plants.simulation.disturbance import burdened
 
 WRISTS = {"flexion": Wrist.flexion(), "deviation": Wrist.deviation()}
@@ -128,3 +130,26 @@ def test_the_plants_own_dead_time_and_that_beside_it_add_up() -> None:
     same = certified(wrist, 2.0, 6.0, 0.05)
     assert late.decay == same.decay
     assert late.evidence["tasks"]["latest_s"] == same.evidence["tasks"]["latest_s"]
+
+
+@pytest.mark.parametrize("motion", WRISTS)
+def test_every_plant_of_the_assumed_box_decays_at_half_the_slowest_rate_behind_50_ms(motion: str) -> None:
+    wrist, box = WRISTS[motion], box_of(built_in(motion))
+    pi = PI.of(wrist, 1.6, 4.0)
+    *_, found = certify_memory(LoopModel.of(wrist, pi), wrist, pi, (0.05,), box)
+    assert found.about is not None
+    assert found.about.lag == box.bounds("Tw")
+    assert found.about.slopes == pytest.approx((0.9 * wrist.hysteresis.s, 1.1 * wrist.hysteresis.a1))
+    assert found.about.rates == pytest.approx((0.8 * 0.55, 1.2 * 9.0))
+    assert found.decay is not None
+    assert found.decay > 0.5 * found.evidence["slowest_pole_1_s"]
+
+
+def test_a_box_with_a_plant_that_does_not_decay_has_no_function() -> None:
+    wrist, pi = WRISTS["flexion"], PI.of(WRISTS["flexion"], 1.0, 16.0)
+    slow = LoopModel.of(wrist.with_values(Tw=0.4), pi)
+    assert max(np.linalg.eigvals(slow.matrix(0.36, 0.55)).real) > 0.0
+    box = box_of(built_in("flexion"), given={"Tw": (0.16, 0.4)})
+    _, alone, found = certify_memory(LoopModel.of(wrist, pi), wrist, pi, (0.0,), box)
+    assert alone.holds
+    assert found.status is Status.OPEN

@@ -56,7 +56,7 @@ def certify_memory(
     box: Box | None = None,
 ) -> list[Certificate]:
     """Both rungs at every dead time [s], rounded up to whole samples together with the plant's own; where
-    a box is given the one with memory for all plants in it too, which may drift there.
+    a box is given the one with memory for all plants in it too, whose slopes and lag may drift.
 
     The evidence of the rung with memory tells of the rig's tasks, ``tasks``: from when on each run of them is
     one of the loops that the rung is about, which decays at ``decay``; see `memory.runs`, `memory.region`.

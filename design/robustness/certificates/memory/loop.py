@@ -48,8 +48,8 @@ Bounds = tuple[float, float]
 
 @dataclass(frozen=True)
 class Plants:
-    """Plants between bounds, which may drift: slopes [deg/kPa] by branch, rates of the regulator slow and
-    fast [1/s], lag Tw [s], gain as a ratio to the model's."""
+    """Plants between bounds: slopes [deg/kPa] by branch and lag Tw [s], which may drift; rates slow and fast
+    [1/s] of the regulator's law, and its gain as a ratio to the model's, which may not."""
 
     slopes: Mapping[str, Bounds]
     slow: Bounds
