@@ -36,6 +36,7 @@ from design.robustness.certificates.statements import (
     NotFound,
     StaysInRange,
     TasksDieAway,
+    Unclipped,
     VirginTimes,
 )
 from design.robustness.predictions.limit_cycles import (
@@ -56,6 +57,7 @@ MARGINS = {
 
 CLASSES = {
     Switching.MEMORY: "decays once no more than one line of the loop is met, sampled",
+    Switching.MEMORY_IN_BOX: "decays so for every plant of the box, whose slopes and lag may drift",
     Switching.SLOPE_EVERY_SAMPLE: "decays however the slope switches from one sample to the next",
     Switching.FIXED_LAW: "decays however the slope switches, the regulator's law being fixed",
     Switching.ANY_TIME: "decays however slope and regulator rate switch",
@@ -161,7 +163,7 @@ def class_words(c: LoopClass) -> str:
     if c.switching.sampled:
         behind = f" behind {c.samples} samples of dead time" if c.samples else ""
         moves = f"slope {shallow:.4g} to {steep:.4g} deg/kPa changed at will at every sample"
-        if c.switching is Switching.MEMORY:
+        if c.switching is not Switching.SLOPE_EVERY_SAMPLE:
             moves = (
                 f"slope {shallow:.4g} to {steep:.4g} deg/kPa as the loop's own memory has it, of which no "
                 "more than one line is met"
@@ -213,6 +215,8 @@ def reason_words(reason: Reason) -> str:
             )
         case Arrive():
             return arrive_words(reason)
+        case Unclipped(rung, runs):
+            return f"none of {runs} runs of the task meets it, before or after it comes to where {rung} holds"
         case VirginTimes(bounds):
             return virgin_words(bounds)
         case UnstableCentre(said):

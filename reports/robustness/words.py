@@ -3,8 +3,14 @@
 from collections.abc import Mapping
 
 from design.robustness.assess import Assessment
+from design.robustness.certificates.certificate import Switching
 from design.robustness.certificates.constant.robust_stability import StableWhileConstant
-from design.robustness.certificates.statements import LeavesVirginCurve, StaysInRange, TasksDieAway
+from design.robustness.certificates.statements import (
+    LeavesVirginCurve,
+    StaysInRange,
+    TasksDieAway,
+    Unclipped,
+)
 from design.robustness.samples.statements import LEVEL
 from design.synthesis.requirements import LIMIT_UNITS
 from reports.robustness.statements import because, claim_words, class_words
@@ -117,10 +123,15 @@ def _of_tasks(a: Assessment) -> str:
     late = max(float(s.evidence["latest_s"]) for s in held)
     behind = max(float(s.evidence["dead_time_s"]) for s in held)
     tube = f", with {1000 * behind:g} ms of dead time too" if behind else ", without dead time"
-    return (
+    words = (
         f"; with the loop's own memory, sampled and with the command's range, every run of the task comes "
         f"within {number(late)} s to where it is proved to decay at {number(least, 2)} 1/s for ever{tube}"
     )
+    of_box = [c.decay for c in a.ladder if c.about and c.about.switching is Switching.MEMORY_IN_BOX]
+    if of_box and all(d is not None for d in of_box):
+        slow = min(d for d in of_box if d is not None)
+        words += f" (on any plant of the box, once it meets one line at most, at {number(slow, 2)} 1/s)"
+    return words
 
 
 def worst_phrase(a: Assessment) -> str:
@@ -239,10 +250,9 @@ def region(a: Assessment) -> list[str]:
             found.append(f"{_start(claim_words(s.claim))}: {rate} ({because(s)}).")
         elif isinstance(s.claim, StaysInRange):
             verdict = "proved" if s.holds else "not proved"
-            found.append(
-                f"{_start(claim_words(s.claim))}: {verdict}; steps up to {number(s.value)} deg are covered "
-                f"({because(s)})."
-            )
+            if not isinstance(s.reason, Unclipped):
+                verdict += f"; steps up to {number(s.value)} deg are covered"
+            found.append(f"{_start(claim_words(s.claim))}: {verdict} ({because(s)}).")
     return found
 
 

@@ -15,7 +15,8 @@ from design.status import Status
 class Switching(Enum):
     """What may change at will along a loop of a class, the narrowest class first."""
 
-    MEMORY = "nothing: the slope is that of a memory that meets one line at most"
+    MEMORY = "nothing: the slope is as the memory that meets one line at most"
+    MEMORY_IN_BOX = "slope and lag, which drift within a box; else as the memory that meets one line at most"
     SLOPE_EVERY_SAMPLE = "slope, at every sample"
     FIXED_LAW = "slope, at any time"
     ANY_TIME = "slope and regulator rate, at any time"
@@ -24,7 +25,7 @@ class Switching(Enum):
     @property
     def sampled(self) -> bool:
         """Whether loops of the class move from sample to sample."""
-        return self in (Switching.MEMORY, Switching.SLOPE_EVERY_SAMPLE, Switching.EVERY_SAMPLE)
+        return self not in (Switching.FIXED_LAW, Switching.ANY_TIME)
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,7 @@ class Certificate:
     @property
     def remembers(self) -> bool:
         """Whether it is about loops whose slope nobody switches: their memory chooses it."""
-        return self.about is not None and self.about.switching is Switching.MEMORY
+        return self.about is not None and self.about.switching in (Switching.MEMORY, Switching.MEMORY_IN_BOX)
 
     @property
     def status(self) -> Status:

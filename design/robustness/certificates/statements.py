@@ -87,6 +87,15 @@ class Covered(Reason):
 
 
 @dataclass(frozen=True)
+class Unclipped(Reason):
+    """None of the runs of the task meets an end of the command, before it comes to the region of a rung or
+    after."""
+
+    rung: str
+    runs: int
+
+
+@dataclass(frozen=True)
 class Arrive(Reason):
     """How many of the runs come into the region of a rung for good, at the latest at a time [s] after the
     last reference began, off by so much [deg] at most from then on; clipped: how many met an end of the range
@@ -150,10 +159,15 @@ def _of(c: Certificate, claim: Claim, reason: Reason) -> Statement:
 
 
 def of_step(rungs: Sequence[Certificate], step: float) -> list[Statement]:
-    """Whether the command stays within its range for a step [deg], by the rungs that found a region; one
-    statement a dead time, of the rung that covers the largest step."""
+    """Whether the command stays within its range for the step [deg] of the task, by the rungs that found a
+    region, and by the runs that come to one; one statement a dead time, of the rung that covers the largest
+    step."""
     found = []
     for dead_time in dict.fromkeys(c.dead_time for c in rungs):
+        played = [
+            (c, c.evidence["tasks"]) for c in rungs if c.dead_time == dead_time and "tasks" in c.evidence
+        ]
+        free = [(c.rung, t["runs"]) for c, t in played if t["covered"] and not t["clipped"]]
         known = [
             (c.evidence["region"]["largest_step_deg"], c)
             for c in rungs
@@ -161,11 +175,14 @@ def of_step(rungs: Sequence[Certificate], step: float) -> list[Statement]:
             and c.holds
             and c.evidence.get("region", {}).get("largest_step_deg") is not None
         ]
+        claim = StaysInRange(step, dead_time)
+        if free and not any(abs(step) <= largest for largest, _ in known):
+            found.append(Statement(Status.PROVED, claim, True, abs(step), Unclipped(*free[0]), "deg"))
+            continue
         if not known:
             continue
         largest, best = max(known, key=lambda pair: pair[0])
         holds = True if abs(step) <= largest else None
-        claim = StaysInRange(step, dead_time)
         found.append(Statement(of_proof(holds), claim, holds, float(largest), Covered(best.rung), "deg"))
     return found
 

@@ -154,7 +154,8 @@ def _with_memory(
     name: str, loop: FixedLawLoop, law: HysteresisLaw, dead_time: float, slowest: float
 ) -> Certificate:
     """The rung with memory; slowest [1/s]: decay of the slowest pole of the model's plant."""
-    about, lines = _about(loop, Switching.MEMORY), lines_of(loop.plants, law)
+    switching = Switching.MEMORY_IN_BOX if name == IN_BOX else Switching.MEMORY
+    about, lines = _about(loop, switching), lines_of(loop.plants, law)
     evidence: dict[str, Any] = {"samples": loop.samples, "slowest_pole_1_s": slowest}
 
     def none(reason: NoCertificate | None, solver: str = "") -> Certificate:
