@@ -14,9 +14,10 @@ from design.robustness.certificates.certificate import Certificate
 from design.robustness.certificates.constant import robust_stability as constant
 from design.robustness.certificates.continuous import ladder
 from design.robustness.certificates.continuous.virgin import time_on_virgin_curve
+from design.robustness.certificates.memory.ladder import certify_memory
 from design.robustness.certificates.sampled import sampled_loop
 from design.robustness.certificates.sampled.words import Word
-from design.robustness.certificates.statements import of_ladder, of_step, of_virgin_curve
+from design.robustness.certificates.statements import of_ladder, of_step, of_tasks, of_virgin_curve
 from design.robustness.loop_model import LoopModel
 from design.robustness.predictions import limit_cycles as cycles
 from design.robustness.predictions import margins
@@ -125,7 +126,7 @@ def assess(
     stable = all(row["stable"] for row in rows)
     tell("limit cycles", 0.0)
     found, swings = cycles.limit_cycles(wrist, controller), large_swings(wrist, controller)
-    rungs, word = _ladder(wrist, controller, stable, tell)
+    rungs, word = _ladder(box, controller, stable, tell)
     tell("constant parameters", 0.0)
     fixed = _constant(box, controller)
     # A plant with a load step of its own keeps it, in the search as in the samples.
@@ -141,8 +142,8 @@ def assess(
     return Assessment(
         box, controller, limits, conditions,
         (
-            *of_ladder(rungs, left_out), *of_step(rungs, wrist.rig.task.step),
-            *_virgin(wrist, controller), *proved,
+            *of_ladder(rungs, left_out), *of_tasks(rungs, wrist.rig.task.step, left_out),
+            *of_step(rungs, wrist.rig.task.step), *_virgin(wrist, controller), *proved,
         ),
         (*margins.statements(rows, limits), *cycles.statements(found, swings), *predicted),
         tuple(of_samples(cases)),
@@ -150,15 +151,18 @@ def assess(
     )  # fmt: skip
 
 
-def _ladder(wrist: Wrist, controller: PI, stable: bool, tell: Tell) -> tuple[list[Certificate], Word | None]:
+def _ladder(box: Box, controller: PI, stable: bool, tell: Tell) -> tuple[list[Certificate], Word | None]:
     """Every rung, in continuous time and sampled, and a word that speaks against some."""
+    wrist = box.wrist
     model = LoopModel.of(wrist, controller)
     tell("certificates", 0.0)
     rungs = ladder.certify(model, wrist, controller, wrist.rig.task.step, DEAD_TIMES)
     tell("certificates", 0.4)
     word = sampled_loop.word_of(model) if stable else None
+    tell("certificates", 0.5)
+    rungs = [*rungs, *sampled_loop.certify_sampled(model, DEAD_TIMES, word)]
     tell("certificates", 0.7)
-    return rungs + sampled_loop.certify_sampled(model, DEAD_TIMES, word), word
+    return [*rungs, *certify_memory(model, wrist, controller, DEAD_TIMES, box)], word
 
 
 def _virgin(wrist: Wrist, controller: PI) -> list[Statement]:

@@ -4,6 +4,7 @@
 from dataclasses import dataclass
 
 from design.robustness.assess import Assessment
+from design.robustness.certificates.certificate import Certificate
 from design.robustness.certificates.sampled.words import Word
 from design.robustness.samples.monte_carlo import Violations
 
@@ -58,16 +59,21 @@ def disagreements(a: Assessment) -> list[Disagreement]:
 
 
 def _switching(a: Assessment) -> list[StableYetUnproved]:
-    if not a.stable or any(c.holds for c in a.ladder if c.dead_time == 0.0):
+    if not a.stable or any(c.holds for c in _switched(a) if c.dead_time == 0.0):
         return []
     unsettled = [v for v in a.cases.violations if v.requirement == "settles"]
     settled = unsettled[0].trials if unsettled and not unsettled[0].count else 0
     return [StableYetUnproved(a.word, settled)]
 
 
+def _switched(a: Assessment) -> list[Certificate]:
+    """The rungs about loops whose slope changes at will."""
+    return [c for c in a.ladder if not c.remembers]
+
+
 def _late(a: Assessment) -> list[MarginYetUnproved]:
     margin = min(float(row["delay_margin_s"]) for row in a.margins)
-    proved = {c.dead_time for c in a.ladder if c.holds}
+    proved = {c.dead_time for c in _switched(a) if c.holds}
     late = dict.fromkeys(c.dead_time for c in a.ladder if c.dead_time > 0.0)
     return [MarginYetUnproved(margin, d) for d in late if margin > d and 0.0 in proved and d not in proved]
 

@@ -21,10 +21,12 @@ from design.robustness.certificates.reasons import (
     NoneOfThisKind,
     NoSolver,
     NotConfirmed,
+    NotOnePlay,
     UnstableBranch,
     UnstableMode,
 )
 from design.robustness.certificates.statements import (
+    Arrive,
     ClassDiesAway,
     Confirmed,
     Covered,
@@ -33,6 +35,8 @@ from design.robustness.certificates.statements import (
     NoneFound,
     NotFound,
     StaysInRange,
+    TasksDieAway,
+    Unclipped,
     VirginTimes,
 )
 from design.robustness.predictions.limit_cycles import (
@@ -52,6 +56,9 @@ MARGINS = {
 }  # fmt: skip
 
 CLASSES = {
+    Switching.MEMORY: "decays once no more than one line of the loop is met, sampled",
+    Switching.MEMORY_IN_BOX: "decays so for every plant of the box, whose slopes and lag may drift",
+    Switching.SLOPE_EVERY_SAMPLE: "decays however the slope switches from one sample to the next",
     Switching.FIXED_LAW: "decays however the slope switches, the regulator's law being fixed",
     Switching.ANY_TIME: "decays however slope and regulator rate switch",
     Switching.EVERY_SAMPLE: "decays however slope and regulator rate switch from one sample to the next",
@@ -114,6 +121,11 @@ def claim_words(claim: Claim) -> str:
             return CLASSES[switching] + late(dead_time)
         case StaysInRange(step, dead_time):
             return f"a step of {step:g} deg from a line never meets the end of the command{late(dead_time)}"
+        case TasksDieAway(step, dead_time):
+            return (
+                f"steps of {step:g} deg, either way and from every start, and returns come to decay at this "
+                f"rate, sampled and with the range of the command{late(dead_time)}"
+            )
         case LeavesVirginCurve(step):
             return f"a step of {step:+g} deg from rest leaves the virgin curve by this time"
         case StableWhileConstant(gain, dead_time):
@@ -148,6 +160,20 @@ def class_words(c: LoopClass) -> str:
             "decays while the command is not clipped"
         )
     (low, high), (shallow, steep) = c.rates, c.slopes
+    if c.switching.sampled:
+        behind = f" behind {c.samples} samples of dead time" if c.samples else ""
+        moves = f"slope {shallow:.4g} to {steep:.4g} deg/kPa changed at will at every sample"
+        if c.switching is not Switching.SLOPE_EVERY_SAMPLE:
+            moves = (
+                f"slope {shallow:.4g} to {steep:.4g} deg/kPa as the loop's own memory has it, of which no "
+                "more than one line is met"
+            )
+        if c.lag is not None:
+            moves += f", Tw from {c.lag[0]:.4g} to {c.lag[1]:.4g} s, which may drift as slopes may"
+        return (
+            f"the sampled loop{behind}, the regulator's law fixed, k from {low:.4g} to {high:.4g} 1/s, "
+            f"{moves}, decays while the command is not clipped"
+        )
     among = f"slope {shallow:.4g} to {steep:.4g} deg/kPa changing at any time"
     if c.switching is Switching.ANY_TIME:
         return f"decays for a regulator rate {low:.4g} to {high:.4g} 1/s and a {among}"
@@ -187,6 +213,10 @@ def reason_words(reason: Reason) -> str:
                 f"{rung}: steps up to this start within a set that is never left and in which the command is "
                 "not clipped"
             )
+        case Arrive():
+            return arrive_words(reason)
+        case Unclipped(rung, runs):
+            return f"none of {runs} runs of the task meets it, before or after it comes to where {rung} holds"
         case VirginTimes(bounds):
             return virgin_words(bounds)
         case UnstableCentre(said):
@@ -210,6 +240,18 @@ def reason_words(reason: Reason) -> str:
         case MuBounds(row):
             return mu_words(row)
     raise TypeError(f"no words for {reason!r}")
+
+
+def arrive_words(r: Arrive) -> str:
+    """How the runs of the tasks come to where the loop decays for ever."""
+    words = f"{r.arrive} of {r.runs} runs"
+    if r.latest is not None and r.off is not None:
+        words += (
+            f" come within {r.latest:.3g} s to where one line at most, and no end of the command, is ever "
+            f"met again, the static angle at most {r.off:.2g} deg off ({r.rung})"
+        )
+    words += f"; the slowest pole decays at {r.slowest:.3g} 1/s; {r.clipped} runs are clipped before"
+    return words + (f"; of the wrist without {', '.join(r.left_out)}" if r.left_out else "")
 
 
 def mu_words(r: RobustStability) -> str:
@@ -254,6 +296,8 @@ def no_certificate(reason: NoCertificate | None) -> str:
             return f"the linear loop on {branch} at the {rate} rate has a pole at {pole:.3g} 1/s"
         case UnstableMode():
             return "one branch at one rate is unstable on its own"
+        case NotOnePlay():
+            return "the hysteresis is not one play between two straight lines"
         case NoSolver(said):
             return f"no solver found one: {said}"
         case NoneOfThisKind(solver, margin, ""):

@@ -3,8 +3,14 @@
 from collections.abc import Mapping
 
 from design.robustness.assess import Assessment
+from design.robustness.certificates.certificate import Switching
 from design.robustness.certificates.constant.robust_stability import StableWhileConstant
-from design.robustness.certificates.statements import LeavesVirginCurve, StaysInRange
+from design.robustness.certificates.statements import (
+    LeavesVirginCurve,
+    StaysInRange,
+    TasksDieAway,
+    Unclipped,
+)
 from design.robustness.samples.statements import LEVEL
 from design.synthesis.requirements import LIMIT_UNITS
 from reports.robustness.statements import because, claim_words, class_words
@@ -80,7 +86,7 @@ def _of(limits: Mapping[str, float], name: str, scale: float, unit: str) -> str:
 
 def proved(a: Assessment) -> str:
     """What certificates say."""
-    held = [c for c in a.ladder if c.holds]
+    held = [c for c in a.ladder if c.holds and not c.remembers]
     if held:
         late = [c for c in held if c.dead_time]
         best = max(late or held, key=lambda c: c.decay or 0.0)
@@ -97,6 +103,7 @@ def proved(a: Assessment) -> str:
     else:
         words = "Nothing is proved of a loop that switches between branches at will: no certificate was found"
         words += ", and none exists where the regulator's rate switches too" if a.word is not None else ""
+    words += _of_tasks(a)
     constant = [s for s in a.certificates if isinstance(s.claim, StableWhileConstant)]
     if constant and all(s.holds for s in constant):
         least = min(s.value for s in constant if s.value is not None)
@@ -105,6 +112,26 @@ def proved(a: Assessment) -> str:
             "wide as the one assumed"
         )
     return words + "."
+
+
+def _of_tasks(a: Assessment) -> str:
+    """What is proved of the tasks as they are, in half a sentence."""
+    held = [s for s in a.certificates if isinstance(s.claim, TasksDieAway) and s.holds]
+    if not held:
+        return ""
+    least = min(s.value for s in held if s.value is not None)
+    late = max(float(s.evidence["latest_s"]) for s in held)
+    behind = max(float(s.evidence["dead_time_s"]) for s in held)
+    tube = f", with {1000 * behind:g} ms of dead time too" if behind else ", without dead time"
+    words = (
+        f"; with the loop's own memory, sampled and with the command's range, every run of the task comes "
+        f"within {number(late)} s to where it is proved to decay at {number(least, 2)} 1/s for ever{tube}"
+    )
+    of_box = [c.decay for c in a.ladder if c.about and c.about.switching is Switching.MEMORY_IN_BOX]
+    if of_box and all(d is not None for d in of_box):
+        slow = min(d for d in of_box if d is not None)
+        words += f" (on any plant of the box, once it meets one line at most, at {number(slow, 2)} 1/s)"
+    return words
 
 
 def worst_phrase(a: Assessment) -> str:
@@ -218,12 +245,14 @@ def region(a: Assessment) -> list[str]:
         if isinstance(s.claim, LeavesVirginCurve):
             time = "–" if s.value is None else f"{1000 * s.value:.3g} ms"
             found.append(f"{_start(claim_words(s.claim))}: {time} at most ({because(s)}).")
+        elif isinstance(s.claim, TasksDieAway):
+            rate = "not proved" if s.value is None else f"{number(s.value)} 1/s"
+            found.append(f"{_start(claim_words(s.claim))}: {rate} ({because(s)}).")
         elif isinstance(s.claim, StaysInRange):
             verdict = "proved" if s.holds else "not proved"
-            found.append(
-                f"{_start(claim_words(s.claim))}: {verdict}; steps up to {number(s.value)} deg are covered "
-                f"({because(s)})."
-            )
+            if not isinstance(s.reason, Unclipped):
+                verdict += f"; steps up to {number(s.value)} deg are covered"
+            found.append(f"{_start(claim_words(s.claim))}: {verdict} ({because(s)}).")
     return found
 
 

@@ -15,21 +15,31 @@ from design.status import Status
 class Switching(Enum):
     """What may change at will along a loop of a class, the narrowest class first."""
 
+    MEMORY = "nothing: the slope is as the memory that meets one line at most"
+    MEMORY_IN_BOX = "slope and lag, which drift within a box; else as the memory that meets one line at most"
+    SLOPE_EVERY_SAMPLE = "slope, at every sample"
     FIXED_LAW = "slope, at any time"
     ANY_TIME = "slope and regulator rate, at any time"
     EVERY_SAMPLE = "slope and regulator rate, at every sample"
+
+    @property
+    def sampled(self) -> bool:
+        """Whether loops of the class move from sample to sample."""
+        return self not in (Switching.FIXED_LAW, Switching.ANY_TIME)
 
 
 @dataclass(frozen=True)
 class LoopClass:
     """A class of loops: what may change; rates [1/s] and slopes [deg/kPa] between which it may; monotone: the
-    regulator's law grows with its error, where it is fixed; samples: of dead time, of a sampled loop."""
+    regulator's law grows with its error, where it is fixed; samples: of dead time, of a sampled loop; lag
+    [s]: between which Tw may lie, where it is not the plant's."""
 
     switching: Switching
     rates: tuple[float, float]
     slopes: tuple[float, float]
     monotone: bool = False
     samples: int = 0
+    lag: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -62,8 +72,13 @@ class Certificate:
     @property
     def rung(self) -> str:
         """Name of the rung among those of loops in continuous time and sampled ones."""
-        sampled = self.about is not None and self.about.switching is Switching.EVERY_SAMPLE
+        sampled = self.about is not None and self.about.switching.sampled
         return f"sampled: {self.name}" if sampled else self.name
+
+    @property
+    def remembers(self) -> bool:
+        """Whether it is about loops whose slope nobody switches: their memory chooses it."""
+        return self.about is not None and self.about.switching in (Switching.MEMORY, Switching.MEMORY_IN_BOX)
 
     @property
     def status(self) -> Status:

@@ -18,6 +18,11 @@ class UnstableMode:
 
 
 @dataclass(frozen=True)
+class NotOnePlay:
+    """The hysteresis is not one play between two straight lines."""
+
+
+@dataclass(frozen=True)
 class NoSolver:
     """No solver came to an end; what each said."""
 
@@ -42,5 +47,5 @@ class NotConfirmed:
     margin: float
 
 
-NoCertificate = UnstableBranch | UnstableMode | NoSolver | NoneOfThisKind | NotConfirmed
+NoCertificate = UnstableBranch | UnstableMode | NotOnePlay | NoSolver | NoneOfThisKind | NotConfirmed
 """Why a rung certifies nothing."""

@@ -37,6 +37,15 @@ class StaysInRange(Claim):
 
 
 @dataclass(frozen=True)
+class TasksDieAway(Claim):
+    """Every run of the tasks, steps [deg] and returns, comes to where the loop decays for ever at the rate
+    that is the statement's value, with a dead time [s], sampled, the command with its range."""
+
+    step: float
+    dead_time: float
+
+
+@dataclass(frozen=True)
 class LeavesVirginCurve(Claim):
     """A step [deg] from rest leaves the virgin curve by the time that is the statement's value."""
 
@@ -75,6 +84,32 @@ class Covered(Reason):
     """Steps up to the statement's value start within a set of a rung that is never left, unclipped."""
 
     rung: str
+
+
+@dataclass(frozen=True)
+class Unclipped(Reason):
+    """None of the runs of the task meets an end of the command, before it comes to the region of a rung or
+    after."""
+
+    rung: str
+    runs: int
+
+
+@dataclass(frozen=True)
+class Arrive(Reason):
+    """How many of the runs come into the region of a rung for good, at the latest at a time [s] after the
+    last reference began, off by so much [deg] at most from then on; clipped: how many met an end of the range
+    before; slowest [1/s]: decay of the slowest pole, which no rate exceeds; left_out: effects of the plant
+    that the runs lack."""
+
+    rung: str
+    runs: int
+    arrive: int
+    latest: float | None
+    off: float | None
+    clipped: int
+    slowest: float
+    left_out: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -124,10 +159,15 @@ def _of(c: Certificate, claim: Claim, reason: Reason) -> Statement:
 
 
 def of_step(rungs: Sequence[Certificate], step: float) -> list[Statement]:
-    """Whether the command stays within its range for a step [deg], by the rungs that found a region; one
-    statement a dead time, of the rung that covers the largest step."""
+    """Whether the command stays within its range for the step [deg] of the task, by the rungs that found a
+    region, and by the runs that come to one; one statement a dead time, of the rung that covers the largest
+    step."""
     found = []
     for dead_time in dict.fromkeys(c.dead_time for c in rungs):
+        played = [
+            (c, c.evidence["tasks"]) for c in rungs if c.dead_time == dead_time and "tasks" in c.evidence
+        ]
+        free = [(c.rung, t["runs"]) for c, t in played if t["covered"] and not t["clipped"]]
         known = [
             (c.evidence["region"]["largest_step_deg"], c)
             for c in rungs
@@ -135,12 +175,46 @@ def of_step(rungs: Sequence[Certificate], step: float) -> list[Statement]:
             and c.holds
             and c.evidence.get("region", {}).get("largest_step_deg") is not None
         ]
+        claim = StaysInRange(step, dead_time)
+        if free and not any(abs(step) <= largest for largest, _ in known):
+            found.append(Statement(Status.PROVED, claim, True, abs(step), Unclipped(*free[0]), "deg"))
+            continue
         if not known:
             continue
         largest, best = max(known, key=lambda pair: pair[0])
         holds = True if abs(step) <= largest else None
-        claim = StaysInRange(step, dead_time)
         found.append(Statement(of_proof(holds), claim, holds, float(largest), Covered(best.rung), "deg"))
+    return found
+
+
+def of_tasks(rungs: Sequence[Certificate], step: float, left_out: Sequence[str] = ()) -> list[Statement]:
+    """Whether the tasks, with steps [deg], come to where a rung holds; one statement for each rung that tells
+    of them; left_out: as in `of_ladder`."""
+    found = []
+    for c in rungs:
+        if "tasks" not in c.evidence:
+            continue
+        t = c.evidence["tasks"]
+        holds = True if t["covered"] else None
+        slowest = c.evidence["slowest_pole_1_s"]
+        reason = Arrive(
+            c.rung,
+            t["runs"],
+            t["arrive"],
+            t["latest_s"],
+            t["off_deg"],
+            t["clipped"],
+            slowest,
+            tuple(left_out),
+        )
+        claim = TasksDieAway(step, c.dead_time)
+        evidence = {"rung": c.rung, "dead_time_s": c.dead_time, "slowest_pole_1_s": slowest, **t}
+        found.append(
+            Statement(
+                of_proof(holds), claim, holds, t["decay"] if holds else None, reason, "1/s",
+                evidence=evidence,
+            )
+        )  # fmt: skip
     return found
 
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from design.robustness.certificates.statements import TasksDieAway
 from reports.robustness.page import SECTIONS, robust_page
 from reports.robustness.tables import verdict_table
 from reports.robustness.words import summary
@@ -33,8 +34,11 @@ def test_it_opens_with_three_sentences_that_hold_the_numbers(text, assessed):
     Ms = max(m["Ms"] for m in assessed.margins)
     assert f"Ms is at most {number(Ms)} (limit: 2)" in opening[1]
     assert "more dead time (limit: 60 ms)" in opening[1]
-    best = max(c.decay for c in assessed.ladder if c.holds and c.dead_time)
-    assert f"decays at {number(best, 2)} 1/s or faster" in opening[2]
+    switched = [c for c in assessed.ladder if c.holds and c.dead_time and not c.remembers]
+    assert f"decays at {number(max(c.decay for c in switched), 2)} 1/s or faster" in opening[2]
+    tasks = [s for s in assessed.certificates if isinstance(s.claim, TasksDieAway)]
+    assert all(s.holds for s in tasks)
+    assert f"proved to decay at {number(min(s.value for s in tasks), 2)} 1/s for ever" in opening[2]
     assert "with 50 ms of dead time too" in opening[2]
 
 

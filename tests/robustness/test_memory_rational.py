@@ -1,0 +1,50 @@
+"""Fractions: polynomials of a window, bounds on an interval, definiteness; each against floats."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from design.robustness.certificates.memory.rational import (
+    exact,
+    positive_definite,
+    range_on_unit,
+    window_polynomials,
+)
+
+
+@pytest.mark.parametrize(("samples", "count"), [(1, 1), (7, 3), (50, 3)])
+def test_polynomials_of_a_window_are_orthogonal_and_shift_into_each_other(samples: int, count: int) -> None:
+    p = window_polynomials(samples, count)
+    for j in range(count):
+        for k in range(count):
+            mean = sum(p.table[j, :samples] * p.table[k, :samples]) / samples
+            assert mean == (p.size[j] if j == k else 0)
+        assert abs(float(p.size[j]) - 1.0) < 1e-5
+        for i in range(samples):
+            assert p.table[j, i + 1] == sum(p.shift[j, k] * p.table[k, i] for k in range(count))
+    assert p.first.tolist() == p.table[:, 0].tolist()
+    assert p.beyond.tolist() == p.table[:, samples].tolist()
+
+
+def test_bounds_of_a_polynomial_hold_and_are_near() -> None:
+    random = np.random.default_rng(1)
+    for _ in range(20):
+        c = random.normal(size=5)
+        w = np.linspace(0.0, 1.0, 2001)
+        values = np.polynomial.polynomial.polyval(w, c)
+        low, high = range_on_unit([Fraction(x) for x in c])
+        assert float(low) <= values.min() + 1e-15
+        assert float(high) >= values.max() - 1e-15
+        assert float(high - low) <= 1.2 * np.ptp(values)
+
+
+def test_definiteness_is_decided_where_floats_cannot() -> None:
+    random = np.random.default_rng(2)
+    a = random.normal(size=(6, 4))
+    singular = exact(a).dot(exact(a).T)  # of rank 4, exactly
+    hair = exact(1e-40 * np.eye(6))
+    assert not positive_definite(singular)
+    assert positive_definite(singular + hair)
+    assert not positive_definite(singular - hair)
+    assert not positive_definite(exact([[1.0, 0.5], [0.4, 1.0]]))

@@ -1,0 +1,155 @@
+"""Runs of the tasks come to where the loop decays; where they do not, nothing is said of them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from design.controllers.pi import PI
+from design.evaluation.steps import run as simulated
+from design.evaluation.tasks import comparison_tasks
+from design.robustness.box import box_of
+from design.robustness.certificates.certificate import Certificate
+from design.robustness.certificates.memory.ladder import certify_memory, for_tasks, lines_of
+from design.robustness.certificates.memory.loop import FixedLawLoop, Plants
+from design.robustness.certificates.memory.region import arrivals
+from design.robustness.certificates.memory.runs import Runs, run
+from design.robustness.certificates.reasons import NotOnePlay, UnstableMode
+from design.robustness.certificates.statements import of_tasks
+from design.robustness.loop_model import LoopModel
+from design.status import Status
+from plants import Wrist
+from plants.effects.regulator.dead_time import DeadTime
+from plants.hysteresis.prandtl_ishlinskii import PrandtlIshlinskii
+from plants.parameters.quantities import built_in
+from plants.simulation.disturbance import burdened
+
+WRISTS = {"flexion": Wrist.flexion(), "deviation": Wrist.deviation()}
+
+
+def certified(wrist: Wrist, Kp: float, Ki: float, dead_time: float) -> Certificate:
+    pi = PI.of(wrist, Kp, Ki)
+    return certify_memory(LoopModel.of(wrist, pi), wrist, pi, (dead_time,))[1]
+
+
+def played(wrist: Wrist, Kp: float, Ki: float, samples: int) -> tuple[FixedLawLoop, Runs]:
+    pi = PI.of(wrist, Kp, Ki)
+    model = LoopModel.of(wrist, pi)
+    return FixedLawLoop.of(model, samples), run(wrist, pi, comparison_tasks(wrist.rig), samples, model.dt)
+
+
+@pytest.mark.parametrize("motion", WRISTS)
+@pytest.mark.parametrize("gains", [(1.2, 2.2), (2.0, 6.0)])
+def test_tasks_come_to_half_the_rate_of_the_slowest_pole_behind_50_ms(
+    motion: str, gains: tuple[float, float]
+) -> None:
+    found = certified(WRISTS[motion], *gains, 0.05)
+    tasks = found.evidence["tasks"]
+    assert found.holds
+    assert tasks["covered"]
+    assert tasks["decay"] >= 0.5 * found.evidence["slowest_pole_1_s"] * (1.0 - 1e-12)
+    assert found.decay is not None
+    assert tasks["decay"] <= found.decay <= found.evidence["slowest_pole_1_s"]
+    (statement,) = of_tasks([found], 15.0)
+    assert statement.status is Status.PROVED
+
+
+@pytest.mark.parametrize(
+    ("motion", "gains", "samples"), [("flexion", (2.0, 6.0), 50), ("deviation", (3.13, 10.4), 0)]
+)
+def test_from_where_a_run_arrives_it_meets_no_other_line_and_decays_as_claimed(
+    motion: str, gains: tuple[float, float], samples: int
+) -> None:
+    wrist = WRISTS[motion]
+    loop, runs = played(wrist, *gains, samples)
+    law, decay = wrist.hysteresis, 0.1
+    forms = for_tasks(loop, law, lines_of(loop.plants, law), runs, decay)
+    for side, form in forms.items():
+        found = arrivals({side: form}, loop, law, runs)
+        for lane in np.flatnonzero(np.isfinite(found.time)):
+            begin = runs.begins[lane] + round(found.time[lane] / loop.model.dt)
+            P, h, r = (x[begin:, lane] for x in (runs.pressure, runs.static, runs.reference))
+            other = law.descending(P) - h if side == "ascending" else h - law.ascending(P)
+            assert (other > 1e-6).all()
+            assert not runs.clipped[begin:, lane].any()
+            fades = found.error * np.exp(-decay * loop.model.dt * np.arange(len(h)))
+            assert (np.abs(h - r) <= fades + 1e-9).all()
+
+
+def test_runs_are_those_of_the_simulator() -> None:
+    wrist, pi = WRISTS["flexion"], PI.of(WRISTS["flexion"], 5.0, 40.0)
+    _, runs = played(wrist, 5.0, 40.0, 50)
+    late = burdened(wrist, 0.05, None)
+    for lane, task in enumerate(comparison_tasks(wrist.rig)[:8]):
+        _, _, went = simulated(late, pi, task.references[0], late.rest(task.start, 0.0), record=True)
+        assert went is not None
+        samples = len(went.angle)
+        assert np.allclose(runs.angle[:samples, lane], went.angle[:, 0], atol=1e-9)
+        assert np.allclose(runs.static[:samples, lane], went.static_angle[:, 0], atol=1e-9)
+    assert runs.clipped.any(axis=0).all()
+
+
+def test_runs_that_are_clipped_at_first_arrive_too() -> None:
+    tasks = certified(WRISTS["flexion"], 10.0, 30.0, 0.0).evidence["tasks"]
+    assert tasks["covered"]
+    assert tasks["clipped"] == tasks["runs"]
+
+
+def test_a_loop_that_hunts_is_not_covered_though_every_branch_is_stable() -> None:
+    """A flat transit and a strong integral: the swing lasts, as 40 s of simulation show."""
+    wrist = WRISTS["flexion"].with_values(s=0.001)
+    pi = PI.of(wrist, 0.5, 10.0)
+    _, _, went = simulated(wrist, pi, 15.0, wrist.rest("line1"), duration=40.0, record=True)
+    assert went is not None
+    assert np.ptp(went.angle[-10_000:, 0]) > 0.3
+    found = certified(wrist, 0.5, 10.0, 0.0)
+    assert not found.evidence.get("tasks", {"covered": False})["covered"]
+    for statement in of_tasks([found], 15.0):
+        assert statement.status is Status.OPEN
+
+
+def test_a_limit_cycle_is_disproved() -> None:
+    for found in certify_memory(
+        LoopModel.of(WRISTS["flexion"], PI(1.0, 40.0)), WRISTS["flexion"], PI(1.0, 40.0), (0.0, 0.05)
+    ):
+        assert found.status is Status.DISPROVED
+        assert isinstance(found.reason, UnstableMode)
+
+
+def test_a_law_of_many_plays_has_no_line() -> None:
+    wrist = WRISTS["flexion"]
+    law = PrandtlIshlinskii.from_values(PrandtlIshlinskii.guess(0.36, 0.08, 20.0, 100.0, 80.0))
+    other = replace(wrist, hysteresis=law)
+    assert lines_of(Plants.of(LoopModel.of(other, PI(1.2, 2.2))), law) == {}
+    assert isinstance(certified(other, 1.2, 2.2, 0.0).reason, NotOnePlay)
+
+
+def test_the_plants_own_dead_time_and_that_beside_it_add_up() -> None:
+    wrist = WRISTS["flexion"]
+    late = certified(wrist + DeadTime(0.03), 2.0, 6.0, 0.02)
+    same = certified(wrist, 2.0, 6.0, 0.05)
+    assert late.decay == same.decay
+    assert late.evidence["tasks"]["latest_s"] == same.evidence["tasks"]["latest_s"]
+
+
+@pytest.mark.parametrize("motion", WRISTS)
+def test_every_plant_of_the_assumed_box_decays_at_half_the_slowest_rate_behind_50_ms(motion: str) -> None:
+    wrist, box = WRISTS[motion], box_of(built_in(motion))
+    pi = PI.of(wrist, 1.6, 4.0)
+    *_, found = certify_memory(LoopModel.of(wrist, pi), wrist, pi, (0.05,), box)
+    assert found.about is not None
+    assert found.about.lag == box.bounds("Tw")
+    assert found.about.slopes == pytest.approx((0.9 * wrist.hysteresis.s, 1.1 * wrist.hysteresis.a1))
+    assert found.about.rates == pytest.approx((0.8 * 0.55, 1.2 * 9.0))
+    assert found.decay is not None
+    assert found.decay > 0.5 * found.evidence["slowest_pole_1_s"]
+
+
+def test_a_box_with_a_plant_that_does_not_decay_has_no_function() -> None:
+    wrist, pi = WRISTS["flexion"], PI.of(WRISTS["flexion"], 1.0, 16.0)
+    slow = LoopModel.of(wrist.with_values(Tw=0.4), pi)
+    assert max(np.linalg.eigvals(slow.matrix(0.36, 0.55)).real) > 0.0
+    box = box_of(built_in("flexion"), given={"Tw": (0.16, 0.4)})
+    _, alone, found = certify_memory(LoopModel.of(wrist, pi), wrist, pi, (0.0,), box)
+    assert alone.holds
+    assert found.status is Status.OPEN
