@@ -10,6 +10,7 @@ from design.controllers.feedforward import Feedforward, FeedforwardPI
 from design.controllers.lqi import LQI
 from design.controllers.memory_estimator import MemoryObserver
 from design.controllers.pi import PI
+from design.controllers.plausible import SensorLimits
 from design.controllers.registry import REGISTERED
 from design.export.mpc import of_linear_mpc
 from design.export.part import Part, of_controller, of_observer
@@ -74,13 +75,16 @@ def _feedforward_pi(wrist: Wrist, g: Numbers) -> Controller:
 
 def _controlled(build: Callable[[Wrist, Numbers], Controller]) -> Callable[[str, str, Wrist, Numbers], Part]:
     def make(name: str, title: str, wrist: Wrist, gains: Numbers) -> Part:
-        return of_controller(name, title, build(wrist, gains), wrist.rig.sample_time)
+        return of_controller(
+            name, title, build(wrist, gains), SensorLimits.of(wrist), wrist.rig.sample_time
+        )
 
     return make
 
 
 def _observer(name: str, title: str, wrist: Wrist, gains: Numbers) -> Part:
-    return of_observer(name, title, MemoryObserver.of(wrist, *gains), wrist.rig.sample_time)
+    observer = MemoryObserver.of(wrist, *gains)
+    return of_observer(name, title, observer, SensorLimits.of(wrist), wrist.rig.sample_time)
 
 
 def _mpc(setting: Callable[[Wrist], MPCProblem]) -> Callable[[str, str, Wrist, Numbers], Part]:
@@ -197,5 +201,5 @@ def record(made: Part, kind: str, files: list[str]) -> dict[str, Any]:
         "controller": kind, "name": made.name, "period_s": made.period, "files": files,
         "state": layout(made.members), "measured": layout(made.inputs),
         "output": {**layout([made.output])[0], "lowest": made.low, "highest": made.high},
-        "settings": dict(made.settings), "tolerance": made.tolerance,
+        "settings": dict(made.settings), "sensors": made.sensors.settings, "tolerance": made.tolerance,
     }  # fmt: skip
