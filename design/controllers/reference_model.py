@@ -92,7 +92,7 @@ def proceed(s: ReferenceModel, reference: Number, c: SampledReferenceModel) -> t
     y, off = at_return(m, r, c), m.memory.h - r
     # The way gone until the return grows about with the square of `off`: what h_d asks for now is
     # taken back by what it does to y, at that slope, or h_d would be met and missed in turns.
-    slope = 2.0 * (y - m.angle) / np.where(np.abs(off) < 1e-30, 1.0, off)  # by less, rounding would decide
+    slope = 2.0 * (y - m.angle) / np.where(off == 0.0, 1.0, off)
     wanted = m.memory.h + (r + c.lead * (r - y) - m.memory.h) / (1.0 + np.abs(c.lead) * slope)
     wanted = loop.clamped(wanted, *reach)
     pressure = loop.pressure_for(m.memory, m.pressure, wanted)
