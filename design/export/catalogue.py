@@ -75,9 +75,7 @@ def _feedforward_pi(wrist: Wrist, g: Numbers) -> Controller:
 
 def _controlled(build: Callable[[Wrist, Numbers], Controller]) -> Callable[[str, str, Wrist, Numbers], Part]:
     def make(name: str, title: str, wrist: Wrist, gains: Numbers) -> Part:
-        return of_controller(
-            name, title, build(wrist, gains), SensorLimits.of(wrist), wrist.rig.sample_time
-        )
+        return of_controller(name, title, build(wrist, gains), SensorLimits.of(wrist), wrist.rig.sample_time)
 
     return make
 

@@ -84,7 +84,9 @@ def test_an_MPC_goes_on_and_solves_in_the_next_period(kind, spike):
 
 
 @pytest.mark.parametrize("kind", [linear_mpc, real_time_mpc])
-@pytest.mark.parametrize("at", [(0.0, math.nan), (math.nan, 100.0), (0.0, 400.0), (0.0, -50.0), (1e300, 1e300)])
+@pytest.mark.parametrize(
+    "at", [(0.0, math.nan), (math.nan, 100.0), (0.0, 400.0), (0.0, -50.0), (1e300, 1e300)]
+)
 def test_an_MPC_begins_with_a_number_in_range_whatever_is_seen(kind, at):
     controller = kind(robust(WRIST))
     angle, pressure = at
