@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 from plants.errors import InputError
 
@@ -90,7 +90,7 @@ def check_keys(table: Mapping[str, Any], known: Collection[str], where: str) -> 
         raise InputError(f"{where}: unknown key {unknown!r}; known are {', '.join(known)}")
 
 
-def is_number(value: Any) -> bool:
+def is_number(value: Any) -> TypeGuard[float]:
     """Whether a value of TOML is a finite number; true and false are none."""
     return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
 

@@ -57,12 +57,12 @@ SchedulerOption = Annotated[
 OutOption = Annotated[
     Path | None, typer.Option("--out", help="Folder for pictures and reports.", autocompletion=files)
 ]
-SeedOption = Annotated[int, typer.Option(help="Seed of everything random.", min=0, max=2**32 - 1)]
+SeedOption = Annotated[int, typer.Option(help="Seed of everything random.", min=0, max=2**32)]
 JobsOption = Annotated[int | None, typer.Option(help="Threads; all processors where not given.", min=1)]
 
 
 def parameter_set(axis: Axis, plant: Path | None) -> "ParameterSet":
-    """The set of a file, or the built-in one of an axis; raises InputError where both are given and differ."""
+    """The set of a file, or the built-in one of an axis; InputError where both are given and differ."""
     from plants.errors import InputError
     from plants.parameters.quantities import built_in, load
 

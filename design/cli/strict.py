@@ -70,7 +70,7 @@ def _values(value: Any) -> list[Any]:
 
 
 def _check(option: str, value: Any) -> None:
-    """Raise InputError for a number that is none, or beyond reason, and a text that no file or word can be."""
+    """Raise InputError for a number that is none, or beyond reason, a text that is no name."""
     from plants.errors import InputError
 
     if isinstance(value, float):

@@ -168,7 +168,7 @@ def part(kind: str, axis: str, wrist: Wrist, gains: Numbers | None = None) -> Pa
     if len(given) != len(entry.gains):
         raise InputError(f"--gains: {len(given)} given; {wanted}")
     try:
-        made = entry.make(identifier(f"{axis}_{kind}"), entry.title, wrist, given)
+        made = entry.make(identifier(f"{axis[:40]}_{kind}"), entry.title, wrist, given)
     except InputError:
         raise
     except ValueError as error:
@@ -179,10 +179,10 @@ def part(kind: str, axis: str, wrist: Wrist, gains: Numbers | None = None) -> Pa
 def identifier(text: str) -> str:
     """A name that C takes, of a text.
 
-    >>> identifier("my axis_feedforward-pi")
-    'my_axis_feedforward_pi'
+    >>> identifier("my axis_feedforward-pi"), identifier("wrist (left)_pi")
+    ('my_axis_feedforward_pi', 'wrist_left_pi')
     """
-    name = re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_").lower()
+    name = re.sub(r"[\W_]+", "_", text, flags=re.ASCII).strip("_").lower()
     return name if name and not name[0].isdigit() else f"wrist_{name}"
 
 

@@ -112,7 +112,8 @@ def of_linear_mpc(name: str, title: str, problem: MPCProblem) -> Part:
     }  # fmt: skip
     return Part(
         name, title, problem.period, SEEN, state, COMMAND, problem.low, problem.high, settings, code,
-        begin, step, problem.plausible, tolerance=1e-6, template="mpc.c.jinja", constants=constants, lost=LOST, takes_lost=True,
+        begin, step, problem.plausible, tolerance=1e-6, template="mpc.c.jinja", constants=constants,
+        lost=LOST, takes_lost=True,
         notes=(
             f"The QP (horizon {problem.horizon}, range and rate of the command bounded) is solved by a dual "
             f"active-set method with a bound on its iterations; its matrices are about "

@@ -65,8 +65,8 @@ class TargetReplay:
         self.last: list[LastBelieved] = []
 
     def begin(self, pressure: float, angle: float) -> float:
-        """Start from rest at a pressure [kPa] and an angle [deg]; the output that holds it.  Where they cannot
-        be, the plant is taken to rest as it is built."""
+        """Start from rest at a pressure [kPa] and an angle [deg]; the output that holds it.  Where they
+        cannot be, the plant is taken to rest as it is built."""
         pressure, angle, _ = self.part.sensors.start(pressure, angle)
         self.state, output = self.part.begin(pressure, angle)
         self.output = self.part.within(output)

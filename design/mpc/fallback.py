@@ -161,7 +161,8 @@ def _screened(of: Planning, state: MPCState, seen: Measured) -> tuple[Measured, 
         float(seen.angle) if a else float("nan"),
         float(seen.pressure) if p else float("nan"),
     )
-    return shown, *(LastBelieved(float(x.value), float(x.age)) for x in (angle, pressure))
+    last = [LastBelieved(float(x.value), float(x.age)) for x in (angle, pressure)]
+    return shown, last[0], last[1]
 
 
 def step(of: Planning, state: MPCState, seen: Measured) -> tuple[MPCState, float, Info]:

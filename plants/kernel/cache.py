@@ -90,12 +90,15 @@ def load(source: str) -> Callable[..., None]:
 
 def _kept(name: str, folder: Path | None) -> Any:
     """The cache of one dispatcher, as numba asks for it: a file for each signature and processor."""
-    from numba import __version__, config
+    from numba import __version__
+    from numba.core import config
     from numba.core.caching import NullCache
     from numba.core.compiler import CompileResult
     from numba.core.serialize import dumps
 
-    class Kept(NullCache):  # type: ignore[misc]
+    pickled: Any = dumps
+
+    class Kept(NullCache):
         def load_overload(self, sig: Any, target_context: Any) -> Any:
             target_context.refresh()
             path = place(sig, target_context.codegen())
@@ -105,7 +108,8 @@ def _kept(name: str, folder: Path | None) -> Any:
                 content = path.read_bytes()
                 if hashlib.sha256(content[CHECKSUM:]).digest() != content[:CHECKSUM]:
                     raise ValueError("damaged")
-                return CompileResult._rebuild(target_context, *pickle.loads(content[CHECKSUM:]))
+                rebuilt: Any = CompileResult._rebuild  # which numba does not annotate
+                return rebuilt(target_context, *pickle.loads(content[CHECKSUM:]))
             except FileNotFoundError:
                 return None
             except Exception:
@@ -116,7 +120,7 @@ def _kept(name: str, folder: Path | None) -> Any:
             path = place(sig, cres.codegen)
             if path is None or cres.library.has_dynamic_globals:
                 return
-            content = dumps(cres._reduce())
+            content = pickled(cres._reduce())
             try:
                 write_atomically(path, hashlib.sha256(content).digest() + content)
             except InputError as error:
@@ -126,7 +130,8 @@ def _kept(name: str, folder: Path | None) -> Any:
         if folder is None:
             _say_once("there is no folder for compiled kernels; they are compiled anew in every run")
             return None
-        key = (str(sig), codegen.magic_tuple(), __version__, sys.version_info[:3], config.BOUNDSCHECK)
+        checked = getattr(config, "BOUNDSCHECK", None)
+        key = (str(sig), codegen.magic_tuple(), __version__, sys.version_info[:3], checked)
         return folder / f"{name}-{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.kernel"
 
     return Kept()

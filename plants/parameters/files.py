@@ -143,8 +143,8 @@ def _provenance(where: str, entry: Any) -> Provenance:
         error = entry.get("std_error", 0.0)
         if not is_number(error) or error < 0.0:
             raise InputError(
-                f"{where}: std_error {error!r} is not a finite number, or is negative; leave it out where there "
-                "is none"
+                f"{where}: std_error {error!r} is not a finite number, or is negative; leave it out "
+                "where there is none"
             )
     match entry:
         case {"kind": "stated", "source": str(source), "section": str(section)}:

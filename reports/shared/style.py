@@ -158,7 +158,7 @@ def svg(figure: "Figure", name: str, description: str = "") -> str:
 
 
 def _no_formulas(figure: "Figure") -> None:
-    """Draw dollar signs in titles and names as they are, but for those that an axis puts around its powers."""
+    """Draw dollar signs in titles and names as they are; axes put some around their powers."""
     from matplotlib.text import Text
 
     for text in figure.findobj(Text):

@@ -20,7 +20,8 @@ INITS = [
 ]
 """Pressures [kPa] and angles [deg] that a start may be told."""
 
-HOSTILE = (math.nan, math.inf, -math.inf, 1e9, -1e9, 1e300, -1e300, 1.7e308, -1.7e308, 1e4, 399.0, -199.0)
+NONE = (math.nan, math.inf, -math.inf)
+HOSTILE = (*NONE, 1e9, -1e9, 1e300, -1e300, 1.7e308, -1.7e308, 1e4, 399.0, -199.0)
 
 MAIN = """
 #include "{n}.h"
@@ -53,7 +54,7 @@ int main(void)
 
 
 def answers(kind, told):
-    """Code and output of the C for each row: ('i', pressure, angle, 0) or ('s', reference, angle, pressure)."""
+    """Code and output of the C for each row: 'i', pressure, angle, 0 or 's', reference, angle, pressure."""
     made, folder = exported(kind)
     read = " ".join(f"m.{f.member} = x[{i}];" for i, f in made.read)
     path = program(kind, "hostile", MAIN.format(n=made.name, out=made.output.member, read=read))
@@ -69,9 +70,7 @@ def hostile(steps, seed):
     for k, (pressure, angle) in enumerate(INITS):
         yield ("i", pressure, angle, 0.0)
         for step in range(steps // len(INITS)):
-            sample = [
-                float(draw.uniform(-25.0, 25.0)), float(draw.uniform(-30.0, 30.0)), float(draw.uniform(0.0, 200.0))
-            ]  # fmt: skip
+            sample = draw.uniform((-25.0, -30.0, 0.0), (25.0, 30.0, 200.0)).tolist()
             for i in range(3):
                 if draw.random() < (1.0 if step == 0 and k % 2 else 0.3):
                     # Of readings also the least there is; a reference of it is where the virgin loop jumps.

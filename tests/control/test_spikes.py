@@ -20,8 +20,14 @@ from plants.wrist import SAMPLE_TIME
 WRIST = Wrist.flexion()
 FEEDBACK = LQI(600.0, -640.0, -70.0, 8.0, slope=0.22, Tw=WRIST.Tw, bandwidth=45.0, gain=WRIST.regulator.gain)
 STEP = 15.0
-SPIKES = {"1e9 kPa": (None, 1e9), "1e300 kPa": (None, 1e300), "1e9 deg": (1e9, None), "no number": (math.nan, None),
-          "no pressure": (None, math.nan), "300 kPa": (None, 300.0)}  # fmt: skip
+SPIKES = {
+    "1e9 kPa": (None, 1e9),
+    "1e300 kPa": (None, 1e300),
+    "1e9 deg": (1e9, None),
+    "no number": (math.nan, None),
+    "no pressure": (None, math.nan),
+    "300 kPa": (None, 300.0),
+}
 
 
 def angles(controller, spike, at=5.0, duration=8.0):
