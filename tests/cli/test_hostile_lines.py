@@ -81,7 +81,9 @@ def test_it_is_refused_in_one_line(wrist, tmp_path, monkeypatch, line):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("line", [GAINS, ("--recording", RECORDING), ("--plant", FLEXION, "--axis", "flexion")])
+@pytest.mark.parametrize(
+    "line", [GAINS, ("--recording", RECORDING), ("--plant", FLEXION, "--axis", "flexion")]
+)
 def test_what_does_something_is_taken(wrist, line):
     assert wrist("simulate", *line).code == 0
 
