@@ -67,7 +67,7 @@ def write_atomically(path: str | Path, content: str | bytes) -> None:
 
 @contextmanager
 def telling(path: str | Path) -> Iterator[None]:
-    """Tell what the system says of a place in one line (InputError)."""
+    """Within it, what the system says of a place raises InputError, in one line."""
     try:
         yield
     except BrokenPipeError:

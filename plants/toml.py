@@ -103,25 +103,25 @@ class Reader:
     example: str
 
     def table(self, table: Mapping[str, Any], name: str, known: tuple[str, ...]) -> Mapping[str, Any]:
-        """A table whose keys are all known."""
+        """A table whose keys are all known; raises InputError for another."""
         check_keys(table, known, f"{self.where}: {name}")
         return table
 
     def get(self, table: Mapping[str, Any], key: str, kind: type) -> Any:
-        """A value of a kind."""
+        """A value of a kind; raises InputError for another."""
         if not isinstance(table.get(key), kind):
             raise InputError(f"{self.where}: {key} is missing or no {kind.__name__}; see {self.example}")
         return table[key]
 
     def text(self, table: Mapping[str, Any], key: str) -> str:
-        """A text that is not empty."""
+        """A text that is not empty; raises InputError for another."""
         found: str = self.get(table, key, str)
         if not found.strip():
             raise InputError(f"{self.where}: {key} is empty; see {self.example}")
         return found
 
     def number(self, value: Any, key: str) -> float:
-        """A finite number of a magnitude that a rig can have."""
+        """A finite number of a magnitude that a rig can have; raises InputError for another."""
         if not is_number(value):
             raise InputError(f"{self.where}: {key} = {value!r} is not a finite number")
         if value != 0.0 and not SMALLEST <= abs(value) <= LARGEST:
@@ -129,21 +129,21 @@ class Reader:
         return float(value)
 
     def positive(self, table: Mapping[str, Any], key: str) -> float:
-        """A number above 0."""
+        """A number above 0; raises InputError for another."""
         found = self.number(table.get(key), key)
         if found <= 0.0:
             raise InputError(f"{self.where}: {key} = {found:g} must be positive")
         return found
 
     def share(self, table: Mapping[str, Any], key: str) -> float:
-        """A number from 0 to below 1."""
+        """A number from 0 to below 1; raises InputError for another."""
         found = self.number(table.get(key), key)
         if not 0.0 <= found < 1.0:
             raise InputError(f"{self.where}: {key} = {found:g} must be a share from 0 to below 1")
         return found
 
     def pair(self, table: Mapping[str, Any], key: str, equal: bool = False) -> tuple[float, float]:
-        """Two numbers, the lower first."""
+        """Two numbers, the lower first; raises InputError for another."""
         value = self.get(table, key, list)
         if len(value) != 2:
             raise InputError(f"{self.where}: {key} must be two numbers, lower and upper")
