@@ -63,7 +63,6 @@ IGNORED = [
     ("tune", "--load", "1"),
     ("tune", "--rounds", "3"),
     ("tune", "--nominal", "--delay-margin", "0.1"),
-    ("robust", *GAINS, "--points", "10"),
     ("simulate", "--volts", "2", "--volts", "3"),
     ("tune", "--seed", "1", "--seed", "2"),
     ("fit", str(ROOT / "plants/measured/examples/flexion"), "--save", "same", "--json", "same"),

@@ -79,7 +79,7 @@ def not_meant(draw: st.DrawFn) -> Line:
             ("tune", "--rounds", "3"), ("tune", "--dead-time", "0.01"), ("tune", "--load", "1"),
             ("simulate", "--figure", "5", "--duration", "3"),
             ("tune", "--nominal", "--delay-margin", "0.1"), ("simulate", "--scenario", "x", "--volts", "1"),
-            ("robust", "--gains", "2,6", "--points", "9"), ("simulate", "--recording", "x", "--volts", "1"),
+            ("simulate", "--recording", "x", "--volts", "1"),
         )))  # fmt: skip
     elif kind == "same":
         place = draw(st.sampled_from(("out/a", "./out/a", "out/../out/a")))

@@ -23,7 +23,7 @@ from design.cli.common import (
 from design.cli.completion import files
 from design.cli.completion import intervals as parameters
 from design.cli.places import check_places
-from design.cli.strict import LARGEST, refuse
+from design.cli.strict import LARGEST
 from design.cli.terminal.screen import Sheet, console, progress
 from design.status import BY_PROOF, Status
 
@@ -106,8 +106,6 @@ def command(
     from reports.robustness.record import assessment_record
 
     check_places({"--worst": worst, "--json": json}, out)
-    if out is None:
-        refuse(("--points",), "belongs to the page, --out")
     chosen = parameter_set(axis, plant)
     spread = (
         Spread.of(chosen.rig) if corners is None else Spread(*numbers(corners, "--corners", "0.2,0.1,0.2"))
