@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 ENV := .venv/.installed
 
-.PHONY: compare test suite bench lint notebooks api env clean
+.PHONY: compare test suite bounds fuzz mutants bench lint notebooks api env clean
 
 compare: $(ENV)
 	$(BIN)/wrist compare --example --samples 0 --mpc-plants 0 --out build/compare
@@ -13,6 +13,19 @@ test: $(ENV)
 
 suite: $(ENV)
 	$(BIN)/python -m pytest -n 2 -m suite
+
+# Compiled kernels with every index checked: what is written past an end is silent without.
+bounds: $(ENV)
+	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n 2 tests/kernel tests/laws tests/oracles tests/control/test_mpc_*.py tests/control/test_spikes.py
+
+TRIES ?= 5000
+SEED ?= 0
+fuzz: $(ENV)
+	$(BIN)/python -m tests.fuzz --tries $(TRIES) --seed $(SEED)
+
+COUNT ?= 20
+mutants: $(ENV)
+	$(BIN)/python -m tests.mutants --count $(COUNT) --seed $(SEED)
 
 bench: $(ENV) .venv/.bench
 	$(BIN)/python -m benchmarks

@@ -26,6 +26,7 @@ _HOMES = {  # the module of each name, and what it is called there where that is
     "Question": "design.studies.study",
     "Region": "design.synthesis.tuning",
     "Scenario": "design.evaluation.scenarios",
+    "Screened": "design.controllers.screened",
     "Spread": "design.evaluation.scenarios",
     "Study": "design.studies.study",
     "Trajectory": "design.evaluation.steps",

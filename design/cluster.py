@@ -4,6 +4,8 @@ What a piece gives depends on the piece alone, and results are put together in t
 pieces: the same for any number of threads or workers, whichever finishes first.
 """
 
+import re
+import socket
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from typing import Any, TypeVar
@@ -108,6 +110,17 @@ def _distributed() -> Any:
 def _client(distributed: Any, address: str) -> Any:
     """A client of the scheduler at an address that has a worker."""
     help_ = "start one with `dask scheduler` and `dask worker ADDRESS`, and give its tcp://host:port"
+    found = re.fullmatch(r"(?:(\w+)://)?([\w.-]+|\[[0-9a-fA-F:]+\]):(\d{1,5})", address)
+    if (
+        found is None
+        or not 0 < int(found[3]) < 65536
+        or (found[1] or "tcp") not in ("tcp", "tls", "ws", "wss")
+    ):
+        raise InputError(f"scheduler {address}: cannot be reached (no address); {help_}")
+    try:  # a client of a scheduler that is not there takes its time, and says so in tracebacks
+        socket.create_connection((found[2].strip("[]"), int(found[3])), timeout=REACHED_WITHIN).close()
+    except OSError as why:
+        raise InputError(f"scheduler {address}: cannot be reached ({type(why).__name__}); {help_}") from None
     try:
         client = distributed.Client(address, timeout=REACHED_WITHIN, set_as_default=False)
     except (OSError, TimeoutError, ValueError, RuntimeError) as why:

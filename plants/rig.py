@@ -8,14 +8,18 @@ format.
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from plants.errors import InputError
+from plants.toml import Reader, read_toml
 
 FOLDER = Path(__file__).parent / "parameters"
 BUILT_IN = FOLDER / "wrist.toml"
+EXAMPLE = "plants/parameters/wrist.toml"
+
+MOST_SAMPLES = 3_600_000
+"""Samples in a run of the task: an hour at 1 ms."""
 
 
 @dataclass(frozen=True)
@@ -113,15 +117,7 @@ def built_in_rig() -> Rig:
 
 def load_rig(path: str | Path) -> Rig:
     """The rig of a TOML file; raises InputError as `parse_rig`, and for a file that cannot be read."""
-    import tomllib
-
-    try:
-        content = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); give the .toml file of a rig") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not valid TOML ({error}); see plants/parameters/wrist.toml") from None
-    return parse_rig(content, str(path))
+    return parse_rig(read_toml(path, "rig", EXAMPLE), str(path))
 
 
 def parse_rig(table: Mapping[str, Any], where: str) -> Rig:
@@ -130,18 +126,23 @@ def parse_rig(table: Mapping[str, Any], where: str) -> Rig:
     Raises InputError, in one line with the key, for one that is missing, unknown, of a wrong type or makes
     no sense.
     """
-    of = _Reader(where)
+    of = Reader(where, EXAMPLE)
     top = of.table(table, "rig", ("name", "title", "motions", *_TABLES))
     parts = {n: of.table(of.get(top, n, dict), n, keys) for n, keys in _TABLES.items()}
     motions = of.get(top, "motions", list)
     if not motions or not all(isinstance(m, str) and m for m in motions):
         raise InputError(f"{where}: motions must name one motion at least")
+    if len(set(motions)) < len(motions):
+        raise InputError(f"{where}: motions names one twice")
     units = Units(*(of.text(parts["units"], n) for n in _TABLES["units"]))
     task, sure = parts["task"], parts["uncertainty"]
+    samples = of.positive(task, "duration_s") / of.positive(parts["time"], "loop_s")
+    if not 10 <= samples <= MOST_SAMPLES:
+        raise InputError(f"{where}: duration_s is {samples:g} times loop_s; give 10 to {MOST_SAMPLES}")
     limits = {n: of.positive(parts["limits"], n) for n in parts["limits"]}
     return Rig(
         of.text(top, "name"),
-        str(top.get("title", top["name"])),
+        of.text(top, "title") if "title" in top else of.text(top, "name"),
         tuple(motions),
         units,
         of.pair(parts["command"], "range"),
@@ -172,55 +173,3 @@ _TABLES: dict[str, tuple[str, ...]] = {
     "limits": ("overshoot_percent", "Ms", "delay_margin_s", "total_variation_V", "steady_error_percent"),
     "uncertainty": ("width", "slope", "lag", "rates", "dead_time_s"),
 }
-
-
-@dataclass(frozen=True)
-class _Reader:
-    """Values of tables, with errors of one line that begin with where they stand."""
-
-    where: str
-
-    def table(self, table: Mapping[str, Any], name: str, known: tuple[str, ...]) -> Mapping[str, Any]:
-        unknown = [k for k in table if k not in known]
-        if unknown:
-            raise InputError(
-                f"{self.where}: {name}: unknown key {unknown[0]!r}; known are {', '.join(known)}"
-            )
-        return table
-
-    def get(self, table: Mapping[str, Any], key: str, kind: type) -> Any:
-        if not isinstance(table.get(key), kind):
-            raise InputError(
-                f"{self.where}: {key} is missing or no {kind.__name__}; see plants/parameters/wrist.toml"
-            )
-        return table[key]
-
-    def text(self, table: Mapping[str, Any], key: str) -> str:
-        found: str = self.get(table, key, str)
-        return found
-
-    def number(self, value: Any, key: str) -> float:
-        if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
-            raise InputError(f"{self.where}: {key} = {value!r} is not a finite number")
-        return float(value)
-
-    def positive(self, table: Mapping[str, Any], key: str) -> float:
-        found = self.number(table.get(key), key)
-        if found <= 0.0:
-            raise InputError(f"{self.where}: {key} = {found:g} must be positive")
-        return found
-
-    def share(self, table: Mapping[str, Any], key: str) -> float:
-        found = self.number(table.get(key), key)
-        if not 0.0 <= found < 1.0:
-            raise InputError(f"{self.where}: {key} = {found:g} must be a share from 0 to below 1")
-        return found
-
-    def pair(self, table: Mapping[str, Any], key: str, equal: bool = False) -> tuple[float, float]:
-        value = self.get(table, key, list)
-        if len(value) != 2:
-            raise InputError(f"{self.where}: {key} must be two numbers, lower and upper")
-        low, high = self.number(value[0], key), self.number(value[1], key)
-        if not (low < high or (equal and low == high)):
-            raise InputError(f"{self.where}: {key} = {low:g}, {high:g}: the lower comes first")
-        return low, high

@@ -5,6 +5,7 @@ from typing import Annotated
 import typer
 
 from design.cli.commands import compare, export, fit, robust, show, simulate, trace, tune
+from design.cli.strict import StrictCommand
 
 MODULES = (show, simulate, fit, trace, tune, robust, compare, export)
 
@@ -45,4 +46,4 @@ def _common(
 
 
 for module in MODULES:
-    app.command(name=module.NAME, help=module.HELP, epilog=module.EXAMPLE)(module.command)
+    app.command(name=module.NAME, help=module.HELP, epilog=module.EXAMPLE, cls=StrictCommand)(module.command)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from design.cli.completion import files
+from design.cli.strict import LARGEST, given
 from design.cli.terminal.screen import is_stdout
 
 if TYPE_CHECKING:
@@ -55,15 +56,21 @@ SchedulerOption = Annotated[
 OutOption = Annotated[
     Path | None, typer.Option("--out", help="Folder for pictures and reports.", autocompletion=files)
 ]
-SeedOption = Annotated[int, typer.Option(help="Seed of everything random.")]
+SeedOption = Annotated[int, typer.Option(help="Seed of everything random.", min=0, max=2**32)]
 JobsOption = Annotated[int | None, typer.Option(help="Threads; all processors where not given.", min=1)]
 
 
 def parameter_set(axis: Axis, plant: Path | None) -> "ParameterSet":
-    """The set of a file, or the built-in one of an axis."""
+    """The set of a file, or the built-in one of an axis; InputError where both are given and differ."""
+    from plants.errors import InputError
     from plants.parameters.quantities import built_in, load
 
-    return shown(load(plant) if plant else built_in(axis.value))
+    if plant is None:
+        return shown(built_in(axis.value))
+    found = load(plant)
+    if found.axis != axis.value and given("--axis"):
+        raise InputError(f"--axis: {plant} is of {found.axis!r}, not of {axis.value!r}; leave --axis out")
+    return shown(found)
 
 
 def shown(found: "ParameterSet") -> "ParameterSet":
@@ -118,6 +125,8 @@ def numbers(text: str, option: str, example: str) -> tuple[float, ...]:
         raise InputError(
             f"{option}: {text!r} is not {count} numbers with commas between, none negative, like {example}"
         )
+    if max(found) > LARGEST:
+        raise InputError(f"{option}: {max(found):g} is beyond {LARGEST:g}; give numbers that can be meant")
     return found
 
 

@@ -7,6 +7,8 @@ import warnings
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
+from design.cli.terminal.plain import plain
+
 if TYPE_CHECKING:
     from design.cli.terminal.stopping import Stop
 
@@ -34,7 +36,7 @@ def answered(arguments: list[str] | None, stop: "Stop | None" = None) -> int:
             code = STOPPED
         else:
             if verbose:
-                traceback.print_exception(error)
+                print(plain("".join(traceback.format_exception(error))), end="", file=sys.stderr)
             line, code = told(error, given)
             print(line, file=sys.stderr)
             if draft := getattr(error, "draft", None):
@@ -107,7 +109,8 @@ def _path(arguments: list[str]) -> str:
 
 
 def _plain(text: str) -> str:
-    return " ".join(text.split())
+    """A text in one line, which the terminal shows and does not obey."""
+    return plain(" ".join(text.split()))
 
 
 def _say_warning(message: Any, category: Any, *_: Any, **__: Any) -> None:

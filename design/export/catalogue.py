@@ -10,6 +10,7 @@ from design.controllers.feedforward import Feedforward, FeedforwardPI
 from design.controllers.lqi import LQI
 from design.controllers.memory_estimator import MemoryObserver
 from design.controllers.pi import PI
+from design.controllers.plausible import SensorLimits
 from design.controllers.registry import REGISTERED
 from design.export.mpc import of_linear_mpc
 from design.export.part import Part, of_controller, of_observer
@@ -74,13 +75,14 @@ def _feedforward_pi(wrist: Wrist, g: Numbers) -> Controller:
 
 def _controlled(build: Callable[[Wrist, Numbers], Controller]) -> Callable[[str, str, Wrist, Numbers], Part]:
     def make(name: str, title: str, wrist: Wrist, gains: Numbers) -> Part:
-        return of_controller(name, title, build(wrist, gains), wrist.rig.sample_time)
+        return of_controller(name, title, build(wrist, gains), SensorLimits.of(wrist), wrist.rig.sample_time)
 
     return make
 
 
 def _observer(name: str, title: str, wrist: Wrist, gains: Numbers) -> Part:
-    return of_observer(name, title, MemoryObserver.of(wrist, *gains), wrist.rig.sample_time)
+    observer = MemoryObserver.of(wrist, *gains)
+    return of_observer(name, title, observer, SensorLimits.of(wrist), wrist.rig.sample_time)
 
 
 def _mpc(setting: Callable[[Wrist], MPCProblem]) -> Callable[[str, str, Wrist, Numbers], Part]:
@@ -166,7 +168,7 @@ def part(kind: str, axis: str, wrist: Wrist, gains: Numbers | None = None) -> Pa
     if len(given) != len(entry.gains):
         raise InputError(f"--gains: {len(given)} given; {wanted}")
     try:
-        made = entry.make(identifier(f"{axis}_{kind}"), entry.title, wrist, given)
+        made = entry.make(identifier(f"{axis[:40]}_{kind}"), entry.title, wrist, given)
     except InputError:
         raise
     except ValueError as error:
@@ -177,10 +179,10 @@ def part(kind: str, axis: str, wrist: Wrist, gains: Numbers | None = None) -> Pa
 def identifier(text: str) -> str:
     """A name that C takes, of a text.
 
-    >>> identifier("my axis_feedforward-pi")
-    'my_axis_feedforward_pi'
+    >>> identifier("my axis_feedforward-pi"), identifier("wrist (left)_pi")
+    ('my_axis_feedforward_pi', 'wrist_left_pi')
     """
-    name = re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_").lower()
+    name = re.sub(r"[\W_]+", "_", text, flags=re.ASCII).strip("_").lower()
     return name if name and not name[0].isdigit() else f"wrist_{name}"
 
 
@@ -197,5 +199,5 @@ def record(made: Part, kind: str, files: list[str]) -> dict[str, Any]:
         "controller": kind, "name": made.name, "period_s": made.period, "files": files,
         "state": layout(made.members), "measured": layout(made.inputs),
         "output": {**layout([made.output])[0], "lowest": made.low, "highest": made.high},
-        "settings": dict(made.settings), "tolerance": made.tolerance,
+        "settings": dict(made.settings), "sensors": made.sensors.settings, "tolerance": made.tolerance,
     }  # fmt: skip

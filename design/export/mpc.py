@@ -70,13 +70,13 @@ def of_linear_mpc(name: str, title: str, problem: MPCProblem) -> Part:
 
     def start(at: Any) -> Any:
         believed = observer.begin(at[1], at[0], problem.wrist)
-        return MPCMemory(believed, 0.0, 0.0), at[0] / problem.wrist.regulator.gain
+        return MPCMemory(believed, 0.0, 0.0), within(at[0] / problem.wrist.regulator.gain, problem)
 
     def believe(b: Believed, command: Any, seen: LossyMeasurement, k: SampledWrist) -> Believed:
         return believed_after(b, command[0], seen, k, g)
 
     def target(m: MPCMemory, at: Any, k: SampledWrist) -> Any:
-        return parameters(m, at[0], at[1], k, problem)
+        return parameters(m, at[0], at[1], k, planner)
 
     def wanted(b: Believed, u: Any, k: SampledWrist) -> Any:
         return pressure_wanted(b, u[0], k, planner)
@@ -112,7 +112,8 @@ def of_linear_mpc(name: str, title: str, problem: MPCProblem) -> Part:
     }  # fmt: skip
     return Part(
         name, title, problem.period, SEEN, state, COMMAND, problem.low, problem.high, settings, code,
-        begin, step, tolerance=1e-6, template="mpc.c.jinja", constants=constants, lost=LOST, takes_lost=True,
+        begin, step, problem.plausible, tolerance=1e-6, template="mpc.c.jinja", constants=constants,
+        lost=LOST, takes_lost=True,
         notes=(
             f"The QP (horizon {problem.horizon}, range and rate of the command bounded) is solved by a dual "
             f"active-set method with a bound on its iterations; its matrices are about "
@@ -122,6 +123,11 @@ def of_linear_mpc(name: str, title: str, problem: MPCProblem) -> Part:
             f"of fallbacks that Python has below that is the caller's.",
         ),
     )  # fmt: skip
+
+
+def within(command: Number, problem: MPCProblem) -> Number:
+    """A command [V] in the range."""
+    return np.minimum(np.maximum(command, problem.low), problem.high)
 
 
 def after_period(pressure: Number, command: Number, c: SampledWrist, substeps: int) -> list[Number]:
@@ -158,13 +164,14 @@ def believed_after(
     return Believed(State(state.pressure, state.memory, angle), lack, shift)
 
 
-def parameters(m: MPCMemory, command: Number, reference: Number, c: SampledWrist, problem: MPCProblem) -> Any:
+def parameters(m: MPCMemory, command: Number, reference: Number, c: SampledWrist, of: linear.Planner) -> Any:
     """theta, and the bounds [deg] on u: what `design.mpc.linear.plan` hands to its solver."""
-    b = m.believed
+    b, problem = m.believed, of.problem
     h = b.plant.memory.h
     commands = problem.low, problem.high, command
     least, most, was = linear.bounds(b.plant, b.lack, commands, reference - b.shift > h, c)
-    return (h, b.plant.angle, b.shift - reference, np.where(m.planned > 0.5, m.u, was)), least, most
+    least, most, was = linear.feasible(least, most, np.where(m.planned > 0.5, m.u, was), of.rate)
+    return (h, b.plant.angle, b.shift - reference, was), least, most
 
 
 def pressure_wanted(b: Believed, u: Number, c: SampledWrist, of: linear.Planner) -> Number:
@@ -193,7 +200,7 @@ def _python(problem: MPCProblem, of: linear.Planner, g: observer.Gains) -> tuple
     def begin(pressure: float, angle: float) -> tuple[Any, float]:
         believed = observer.begin(angle, pressure, problem.wrist)
         floats = tree.like(believed, [float(x) for x in tree.leaves(believed)])
-        command = pressure / problem.wrist.regulator.gain
+        command = float(within(pressure / problem.wrist.regulator.gain, problem))
         return (floats, None, command), command
 
     def step(state: Any, seen: Seen) -> tuple[Any, float]:

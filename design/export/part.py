@@ -14,6 +14,7 @@ import numpy as np
 from design.controllers.controller import Controller, Measured, settings_of
 from design.controllers.memory_estimator import MemoryObserver, init
 from design.controllers.memory_estimator import step as observe
+from design.controllers.plausible import Channel, SensorLimits
 from design.export.fields import ANGLE, COMMAND, PRESSURE, REFERENCE, Quantity, described, lines_of
 from plants.actuator.delay import SampledDelay
 from plants.kernel import pytrees
@@ -73,6 +74,32 @@ class DelayRing(NamedTuple):
         return self.fields[1].member
 
 
+class Watched(NamedTuple):
+    """A sensor on the target: its place in `SEEN`, what it shows, and what of that is believed."""
+
+    place: int
+    shows: Quantity
+    channel: Channel
+
+    @property
+    def fields(self) -> tuple[Quantity, Quantity]:
+        """Members that keep the last reading that was believed, and how long ago that was."""
+        return (
+            Quantity(f"{self.shows.name}_believed", self.shows.unit, "last reading that was believed"),
+            Quantity(f"{self.shows.name}_age", "", "samples since then"),
+        )
+
+    @property
+    def last(self) -> str:
+        """The member of the reading."""
+        return self.fields[0].member
+
+    @property
+    def age(self) -> str:
+        """The member that counts."""
+        return self.fields[1].member
+
+
 @dataclass(frozen=True)
 class Part:
     """A law as C shows it.
@@ -82,10 +109,11 @@ class Part:
     clipped to, None where it is not; settings by name; code: C that CasADi made, with the functions
     NAME_init_law and NAME_step_law; begin and step: the law in Python, ``begin(pressure, angle) -> (state,
     output)`` and ``step(state, seen) -> (state, output)``, a state whose delay lines the caller fills;
+    sensors: what the sensors can show; a sample beyond it is not believed;
     delays: where in the state's leaves each delay line begins, and of how many whole samples it is; notes
     for people; tolerance: how far C may be from Python, in the unit of the output; template: of NAME.c, and
-    constants: what it needs; lost: what happens where a measurement is not finite, in words; takes_lost:
-    whether `step` is given such a measurement, rather than held.
+    constants: what it needs; lost: what happens where a measurement is not believed, in words; takes_lost:
+    whether `step` is given such a measurement, as no number, rather than held.
     """
 
     name: str
@@ -100,6 +128,7 @@ class Part:
     code: str
     begin: Callable[[float, float], tuple[Any, float]]
     step: Callable[[Any, Seen], tuple[Any, float]]
+    sensors: SensorLimits
     delays: tuple[tuple[int, int], ...] = ()
     notes: tuple[str, ...] = ()
     tolerance: float = 1e-9
@@ -121,6 +150,18 @@ class Part:
         return [(SEEN.index(f), f) for f in self.inputs]
 
     @property
+    def watched(self) -> list["Watched"]:
+        """The sensors among the inputs, whose readings are believed or not."""
+        own = {ANGLE: self.sensors.angle, PRESSURE: self.sensors.pressure}
+        return [Watched(i, f, own[f].sampled(self.period)) for i, f in self.read if f in own]
+
+    def within(self, output: float) -> float:
+        """An output clipped to its range; what is no number becomes its lower end."""
+        if self.low is None or self.high is None:
+            return output
+        return self.high if output > self.high else output if output >= self.low else self.low
+
+    @property
     def lines(self) -> list["DelayRing"]:
         """The delay lines."""
         return [DelayRing(row, samples + 1, self.state[row]) for row, samples in self.delays]
@@ -129,7 +170,13 @@ class Part:
     def members(self) -> list[Quantity]:
         """Members of the struct of the state: what is kept, the rings of the delay lines, the last output."""
         last = self.output._replace(name=f"last_{self.output.name}", meaning="output of the last good sample")
-        return [*(f for _, f in self.kept), *(f for line in self.lines for f in line.fields), last]
+        rings = (f for line in self.lines for f in line.fields)
+        return [*(f for _, f in self.kept), *rings, *(f for w in self.watched for f in w.fields), last]
+
+    @property
+    def watched_for(self) -> list[str]:
+        """What is believed of each sensor, a line each; of the reference the range of the angle."""
+        return [f"  {name} = {value!r}" for name, value in self.sensors.settings.items()]
 
     @property
     def set_to(self) -> list[str]:
@@ -137,29 +184,35 @@ class Part:
         return [f"  {name} = {value!r}" for name, value in self.settings.items()]
 
 
-def of_controller(name: str, title: str, controller: Controller, period: float = SAMPLE_TIME) -> Part:
+def of_controller(
+    name: str, title: str, controller: Controller, sensors: SensorLimits, period: float = SAMPLE_TIME
+) -> Part:
     """Any controller that `design.controllers.controller` describes and whose law is made of NumPy ufuncs.
 
-    period: of its step [s].
+    sensors: what they can show; period: of its step [s].
     Its sensors' names are those of `Seen`; of these it asks for what its law depends on.
     """
     c = controller.sampled(period)
+    low, high = (float(getattr(controller, n)) for n in ("low", "high"))
 
     def begin(pressure: Number, angle: Number) -> tuple[Any, Number]:
-        # As `design.evaluation.steps.holding`, the regulator being as the controller believes.
-        state = controller.holding(pressure, Measured(0.0, angle, pressure))
-        return state, controller.command(state)
+        # As `design.evaluation.steps.holding`, the regulator being as the controller believes; of a pressure
+        # that no command holds, the nearest that one does.
+        held = np.minimum(np.maximum(pressure, low * controller.gain), high * controller.gain)
+        state = controller.holding(held, Measured(0.0, angle, pressure))
+        return state, np.minimum(np.maximum(controller.command(state), low), high)
 
     def law(state: Any, seen: Seen, coefficients: Any) -> tuple[Any, Number]:
         measured = Measured(seen.reference - seen.angle, seen.angle, seen.pressure)
         return coefficients.act(state, measured)  # type: ignore[no-any-return]
 
-    low, high = (float(getattr(controller, n)) for n in ("low", "high"))
     settings = settings_of(controller)
-    return _part(name, title, period, begin, law, c, COMMAND, low, high, settings)
+    return _part(name, title, period, begin, law, c, COMMAND, low, high, settings, sensors)
 
 
-def of_observer(name: str, title: str, observer: MemoryObserver, period: float = SAMPLE_TIME) -> Part:
+def of_observer(
+    name: str, title: str, observer: MemoryObserver, sensors: SensorLimits, period: float = SAMPLE_TIME
+) -> Part:
     """The observer of the loop's memory, whose output is the static angle [deg]."""
     c = observer.sampled(period)
 
@@ -173,7 +226,7 @@ def of_observer(name: str, title: str, observer: MemoryObserver, period: float =
 
     output = Quantity("static_angle", "deg", "static angle as observed")
     settings = settings_of(observer)
-    return _part(name, title, period, begin, law, c, output, None, None, settings)
+    return _part(name, title, period, begin, law, c, output, None, None, settings, sensors)
 
 
 def _part(
@@ -187,6 +240,7 @@ def _part(
     low: float | None,
     high: float | None,
     settings: Mapping[str, float],
+    sensors: SensorLimits,
 ) -> Part:
     c = pytrees.like(c, [float(x) for x in pytrees.leaves(c)])
 
@@ -210,7 +264,7 @@ def _part(
     return Part(
         name, title, period, tuple(f for f, wanted in zip(SEEN, read, strict=True) if wanted),
         described(example), output, low, high, settings,
-        c_source(f"{name}_law", init_law, step_law), python_begin, python_step, delays,
+        c_source(f"{name}_law", init_law, step_law), python_begin, python_step, sensors, delays,
     )  # fmt: skip
 
 

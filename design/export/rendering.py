@@ -5,18 +5,19 @@ from importlib.metadata import version
 from textwrap import fill, wrap
 from typing import Any
 
-from design.export.part import Part
+from design.controllers.plausible import UNSEEN
+from design.export.part import Part, Watched
 
 
 def render(template: str, part: Part, **values: Any) -> str:
     """A file of a part; values: what its template needs beside.  The same for the same law whenever and
     wherever it is exported."""
     name = part.name
-    return str(
-        _environment()
-        .get_template(template)
-        .render(part=part, n=name, N=name.upper(), out=part.output.member, version=VERSION, **values)
-    )
+    common = {
+        "part": part, "n": name, "N": name.upper(), "out": part.output.member, "version": VERSION,
+        "a": part.sensors.angle, "p": part.sensors.pressure, "UNSEEN": UNSEEN,
+    }  # fmt: skip
+    return str(_environment().get_template(template).render(**common, **values))
 
 
 VERSION = version("wrist-workbench")
@@ -35,8 +36,15 @@ def _environment() -> Any:
         undefined=jinja2.StrictUndefined,
     )
     made.filters |= {"repr": repr, "fill": lambda text: fill(text, 110)}
-    made.globals |= {"comment": comment}
+    made.globals |= {"comment": comment, "believed": believed}
     return made
+
+
+def believed(watched: Watched, value: str) -> str:
+    """The call in C that says whether a sensor's value is believed."""
+    c, indent = watched.channel, " " * 18
+    limits = ", ".join(repr(x) for x in (c.low, c.high, c.jump, c.rate))
+    return f"believed({value}, &state->{watched.last}, &state->{watched.age},\n{indent}{limits})"
 
 
 def comment(*paragraphs: str) -> str:

@@ -5,12 +5,13 @@ what the target will see: references of every kind, some out of reach, and measu
 """
 
 from collections.abc import Iterator
-from math import isfinite
+from math import isfinite, nan
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from design.controllers.plausible import LastBelieved, believed
 from design.export.part import SEEN, Part, Seen
 from design.mpc.observer import begin
 from design.mpc.prediction import coefficients, roll, start_of
@@ -27,6 +28,9 @@ OUT_OF_REACH = 70.0
 
 LOST = 12
 """Samples in which one of the inputs is lost."""
+
+SPIKES = (1e9, -1e9, 1e300, -1.7e308, 1e4, -1e3)
+"""Readings that no plant can have made; as many samples again hold one that jumped within the range."""
 
 
 class Vector(NamedTuple):
@@ -58,10 +62,15 @@ class TargetReplay:
     def __init__(self, part: Part) -> None:
         self.part, self.state, self.output = part, None, 0.0
         self.lines: list[list[float]] = []
+        self.last: list[LastBelieved] = []
 
     def begin(self, pressure: float, angle: float) -> float:
-        """Start from rest at a pressure [kPa] and an angle [deg]; the output that holds it."""
-        self.state, self.output = self.part.begin(pressure, angle)
+        """Start from rest at a pressure [kPa] and an angle [deg]; the output that holds it.  Where they
+        cannot be, the plant is taken to rest as it is built."""
+        pressure, angle, _ = self.part.sensors.start(pressure, angle)
+        self.state, output = self.part.begin(pressure, angle)
+        self.output = self.part.within(output)
+        self.last = [LastBelieved((0.0, angle, pressure)[w.place]) for w in self.part.watched]
         leaves = tree.leaves(self.state)
         self.lines = [[leaves[row + 2]] * (samples + 1) for row, samples in self.part.delays]
         return self.output
@@ -70,18 +79,30 @@ class TargetReplay:
         """The output of one sample."""
         # What the law does not read may be lost, and is nothing to it.
         seen = Seen(*(x if f in self.part.inputs else 0.0 for f, x in zip(SEEN, seen, strict=True)))
+        seen = self.believed(seen)
         if not self.part.takes_lost and not all(isfinite(x) for x in seen):
             return self.output
         leaves = tree.leaves(self.state)
         for (row, samples), line in zip(self.part.delays, self.lines, strict=True):
             # The line's end is the newest: `samples` steps ago, and one before that.
             leaves[row], leaves[row + 1] = line[-samples] if samples else line[-1], line[-samples - 1]
-        self.state, self.output = self.part.step(tree.like(self.state, leaves), seen)
+        self.state, output = self.part.step(tree.like(self.state, leaves), seen)
+        self.output = self.part.within(output)
         after = tree.leaves(self.state)
         for (row, samples), line in zip(self.part.delays, self.lines, strict=True):
             line.append(float(after[row + 2]))
             del line[: -(samples + 1)]
         return self.output
+
+    def believed(self, seen: Seen) -> Seen:
+        """What is seen, a value that cannot be believed being no number."""
+        values = list(seen)
+        for i, w in enumerate(self.part.watched):
+            self.last[i], good = believed(self.last[i], values[w.place], w.channel)
+            values[w.place] = values[w.place] if good else nan
+        if not self.part.sensors.angle.holds(seen.reference):
+            values[0] = nan
+        return Seen(*values)
 
 
 def vector(part: Part, wrist: Wrist, steps: int = STEPS, seed: int = 0) -> Vector:
@@ -94,6 +115,7 @@ def vector(part: Part, wrist: Wrist, steps: int = STEPS, seed: int = 0) -> Vecto
     asked = references(steps, part.period, draw)
     lost = draw.choice(steps, LOST, replace=False)
     which = dict(zip(lost.tolist(), draw.integers(0, 3, LOST).tolist(), strict=True))
+    spikes = spoiled(part, steps, np.random.default_rng((seed, 1)))
     held, c, state = (
         MPCProblem(wrist, period=part.period),
         coefficients(wrist),
@@ -108,11 +130,25 @@ def vector(part: Part, wrist: Wrist, steps: int = STEPS, seed: int = 0) -> Vecto
         seen = [float(asked[k]), float(angle), float(state[0]) + NOISE_KPA * hiss]
         if k in which:
             seen[which[k]] = np.nan
+        if k in spikes:
+            place, value, added = spikes[k]
+            seen[place] = value + added * seen[place]
         output = law.step(Seen(*seen))
         rows[k] = *seen, output
         command = output if part.output.unit == "V" else _open_loop(wrist, float(asked[k]))
         state = roll(held, c, state, 0.0, np.array([command]))[0]
     return Vector(*at, rows)
+
+
+def spoiled(part: Part, steps: int, draw: np.random.Generator) -> dict[int, tuple[int, float, float]]:
+    """Samples with a reading that cannot be: which input, and value + share of the true one in its place."""
+    far = {1: part.sensors.angle, 2: part.sensors.pressure}
+    when = draw.choice(np.arange(1, steps), 2 * len(SPIKES), replace=False).tolist()
+    found = {k: (int(draw.integers(0, 3)), value, 0.0) for k, value in zip(when, SPIKES, strict=False)}
+    for k in when[len(SPIKES) :]:
+        place = int(draw.integers(1, 3))
+        found[k] = (place, 0.6 * (far[place].high - far[place].low) / 2.0, 1.0)
+    return found
 
 
 def _open_loop(wrist: Wrist, reference: float) -> float:

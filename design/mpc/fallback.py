@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from design.controllers import pi
 from design.controllers.controller import Measured
 from design.controllers.pi import PI, PIState
+from design.controllers.plausible import LastBelieved, believed
 from design.mpc import observer, qp
 from design.mpc.problem import Believed, MPCProblem
 from plants.errors import InputError
@@ -75,7 +76,8 @@ class Info(NamedTuple):
 class MPCState(NamedTuple):
     """What an MPC remembers: what it believes of the wrist; the command [V] and reference [deg] of the
     period before; the plan from now on, in the controller's own terms; the guess of the active set; what
-    was prepared; failures in a row; state of the PI where that is in charge, else None."""
+    was prepared; failures in a row; state of the PI where that is in charge, else None; the last readings
+    of angle and pressure that could be believed."""
 
     believed: Believed
     command: float
@@ -85,6 +87,8 @@ class MPCState(NamedTuple):
     prepared: Any
     failures: int
     pi: PIState | None
+    seen_angle: LastBelieved = LastBelieved(0.0)
+    seen_pressure: LastBelieved = LastBelieved(0.0)
 
 
 class Attempt(NamedTuple):
@@ -137,32 +141,49 @@ class Planning(Protocol):
 
 
 def begin(of: Planning, seen: Measured) -> MPCState:
-    """The state in which an MPC holds a wrist that is seen to rest."""
-    found, N = observer.begin(seen.angle, seen.pressure, of.problem.wrist), of.problem.horizon
-    believed = tree.like(found, [float(x) for x in tree.leaves(found)])
-    command = float(seen.pressure) / of.problem.wrist.regulator.gain
-    idle = np.zeros(2 * N, dtype=np.int32)
-    return MPCState(believed, command, float("nan"), None, idle, None, 0, None)
+    """The state in which an MPC holds a wrist that is seen to rest, as far as the range of its command
+    allows; where what is seen cannot be (`design.controllers.plausible`), the wrist as it is built."""
+    pressure, angle, _ = of.problem.plausible.start(float(seen.pressure), float(seen.angle))
+    found, N = observer.begin(angle, pressure, of.problem.wrist), of.problem.horizon
+    belief = tree.like(found, [float(x) for x in tree.leaves(found)])
+    command = min(max(pressure / of.problem.wrist.regulator.gain, of.problem.low), of.problem.high)
+    idle, last = np.zeros(2 * N, dtype=np.int32), (LastBelieved(angle), LastBelieved(pressure))
+    return MPCState(belief, command, float("nan"), None, idle, None, 0, None, *last)
+
+
+def _screened(of: Planning, state: MPCState, seen: Measured) -> tuple[Measured, LastBelieved, LastBelieved]:
+    """What is seen, a reading that cannot be believed being no number, and what is remembered of it."""
+    limits, period = of.problem.plausible, of.problem.period
+    angle, a = believed(state.seen_angle, float(seen.angle), limits.angle.sampled(period))
+    pressure, p = believed(state.seen_pressure, float(seen.pressure), limits.pressure.sampled(period))
+    shown = Measured(
+        float(seen.error) if a else float("nan"),
+        float(seen.angle) if a else float("nan"),
+        float(seen.pressure) if p else float("nan"),
+    )
+    last = [LastBelieved(float(x.value), float(x.age)) for x in (angle, pressure)]
+    return shown, last[0], last[1]
 
 
 def step(of: Planning, state: MPCState, seen: Measured) -> tuple[MPCState, float, Info]:
     """One period: state after, command [V] to be held, and how it went."""
     ladder, clock = of.fallback, of.fallback.clock
     started = clock()
-    believed = observer.update(state.believed, state.command, seen, of.gains, of.coefficients)
+    seen, *last = _screened(of, state, seen)
+    belief = observer.update(state.believed, state.command, seen, of.gains, of.coefficients)
     asked = float(seen.error) + float(seen.angle)
     reference = asked if isfinite(asked) else state.reference
-    tried = _attempt(of, state, believed, reference, seen)
+    tried = _attempt(of, state, belief, reference, seen)
     late = ladder.budget is not None and clock() - started > ladder.budget * 1e9
     if tried.found and not late:
         command, after = tried.command, (tried.plan, tried.active, 0, None)
         rung, reason = SOLVED, ""
     else:
         reason = tried.reason or "late"
-        command, rung, after = _descend(of, state, believed, seen)
+        command, rung, after = _descend(of, state, belief, seen)
     command = _bounded(of.problem, command, state.command)
     plan, active, failures, integral = after
-    new = MPCState(believed, command, reference, plan, active, None, failures, integral)
+    new = MPCState(belief, command, reference, plan, active, None, failures, integral, *last)
     given = clock()
     new = new._replace(prepared=of.prepare(new)) if rung == SOLVED else new
     ended = clock()
@@ -173,7 +194,7 @@ def step(of: Planning, state: MPCState, seen: Measured) -> tuple[MPCState, float
 def _attempt(of: Planning, state: MPCState, believed: Believed, reference: float, seen: Measured) -> Attempt:
     failed = Attempt(state.command, None, state.active, False, "", 0, 0)
     if not (isfinite(float(seen.angle)) and isfinite(float(seen.pressure))):
-        return failed._replace(reason="a sensor's value is not finite")
+        return failed._replace(reason="a sensor's value is no number, or none that a plant can show")
     if not isfinite(reference):
         return failed._replace(reason="no reference")
     try:

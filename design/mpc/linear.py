@@ -125,6 +125,17 @@ def bounds(
     )
 
 
+def feasible(least: Any, most: Any, was: Any, rate: Any) -> tuple[Any, Any, Any]:
+    """Bounds on u [deg], and u of the period before, from which one move by `rate` at most leads within them:
+    so that there is a plan whatever was measured.
+
+    >>> [float(x) for x in feasible(-5.0, 5.0, 30.0, 10.0)]
+    [-5.0, 5.0, 15.0]
+    """
+    most = np.maximum(least, most)
+    return least, most, np.minimum(np.maximum(was, least - rate), most + rate)
+
+
 def _inverse(state: State, angle: Any, c: Any) -> Any:
     return pressure_for(state, angle[0], c)
 
@@ -213,7 +224,7 @@ def plan(
     least, most, was = map(
         float, bounds(believed.plant, believed.lack, (p.low, p.high, command), rises, p.wrist)
     )
-    was = was if before is None else before
+    least, most, was = map(float, feasible(least, most, was if before is None else before, of.rate))
     x = np.array([memory.h, believed.plant.angle])
     missing = of.free @ x + (believed.shift - reference)
     f = (of.weights @ missing) @ of.forced

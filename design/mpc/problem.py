@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.controller import remembers
+from design.controllers.plausible import SensorLimits
 from plants.errors import InputError
 from plants.hysteresis import HysteresisLaw
 from plants.kernel import pytrees
@@ -84,7 +85,8 @@ class MPCProblem:
 
     wrist: the declared wrist that is believed in, without effects; period [s], a multiple of the
     sample time; horizon in periods; low, high [V]; rate [V per period]; observer: how fast the
-    disturbances are believed.  Raises InputError with one line for what makes no sense.
+    disturbances are believed; sensors: what they can show, those of the wrist's rig where not given.
+    Raises InputError with one line for what makes no sense.
 
     >>> problem = MPCProblem(Wrist.flexion())
     >>> problem.substeps, problem.horizon
@@ -102,6 +104,7 @@ class MPCProblem:
     low: float = COMMAND_RANGE[0]
     high: float = COMMAND_RANGE[1]
     rate: float = 2.0
+    sensors: SensorLimits | None = None
 
     def __post_init__(self) -> None:
         dt = self.wrist.rig.sample_time
@@ -126,6 +129,11 @@ class MPCProblem:
     def loop(self) -> HysteresisLaw:
         """The hysteresis that is believed in."""
         return self.wrist.hysteresis
+
+    @cached_property
+    def plausible(self) -> SensorLimits:
+        """What the sensors can show; what is beyond takes no part."""
+        return SensorLimits.of(self.wrist) if self.sensors is None else self.sensors
 
     @cached_property
     def shape(self) -> HysteresisLaw:

@@ -1,13 +1,12 @@
 """Gains as a TOML file: what the tuner keeps and ``--gains FILE.toml`` takes."""
 
-import tomllib
 from collections.abc import Collection, Mapping
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from plants.errors import InputError
 from plants.files import write_atomically
+from plants.toml import check_keys, is_number, read_toml
 
 UNITS = {"Kp": "kPa/deg", "Ki": "kPa/(deg s)"}
 """The gains of a file, and the unit that it must give each in."""
@@ -64,24 +63,21 @@ def read(path: str | Path) -> tuple[float, float]:
     unit, and for a value that is not a finite number, or negative.
     """
     path = Path(path)
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); {ADVICE}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not valid TOML ({error}); {ADVICE}") from None
+    table = read_toml(path, "file of gains", f"`wrist robust --help`, or {ADVICE}")
     entries = table.get("gains")
     if not isinstance(entries, dict) or not entries.keys() >= UNITS.keys():
         raise InputError(f"{path}: holds no [gains.Kp] and [gains.Ki]; {ADVICE}")
+    check_keys(table, ("gains", "tuned_on"), str(path))
+    check_keys(entries, UNITS, f"{path}: gains")
     Kp, Ki = (_value(f"{path}: gains.{name}", unit, entries[name]) for name, unit in UNITS.items())
     return Kp, Ki
 
 
 def _value(where: str, unit: str, entry: Any) -> float:
     given: Mapping[str, Any] = entry if isinstance(entry, dict) else {}
+    check_keys(given, ("value", "unit"), where)
     value: Any = given.get("value")
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not number or not isfinite(value) or value < 0.0:
+    if not is_number(value) or value < 0.0:
         raise InputError(f"{where}: value {value!r} is not a finite number, or is negative")
     if given.get("unit") != unit:
         raise InputError(f"{where}: unit {given.get('unit')!r} is wrong; give it in {unit}")

@@ -1,5 +1,6 @@
 """Laws as CasADi graphs: what is made of one call of a step function with symbols."""
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -37,14 +38,30 @@ def c_source(name: str, *functions: Any) -> str:
     """C99 of functions, ``int f(const double **arg, double **res, int *iw, double *w, int mem)`` each.
 
     `name` begins the names of what they share.  The code allocates nothing and has no state; laws of
-    scalars use neither `iw` nor `w`.
+    scalars use neither `iw` nor `w`.  What CasADi adds for loaders of libraries is left out, so that
+    nothing is unused under ``-Wall -Wextra``.
     """
     import casadi
 
     generator = casadi.CodeGenerator(f"{name}.c", {"with_export": False, "casadi_int": "int"})
     for function in functions:
         generator.add(function)
-    return str(generator.dump())
+    blocks = str(generator.dump()).split("\n\n")
+    kept = [b for b in blocks if not _FOR_LOADERS.search(b)]
+    text = _FUNCTION.sub(_all_used, "\n\n".join(kept))
+    return "\n".join(line for line in text.split("\n") if not _SPARSITY.match(line)).rstrip("\n") + "\n"
+
+
+_FOR_LOADERS = re.compile(
+    r"\w+_(casadi_version|checkout|release|incref|decref|n_in|n_out|default_in|name_in|name_out|sparsity_in"
+    r"|sparsity_out|work|work_bytes)\("
+)
+_FUNCTION = re.compile(r"^((?:static )?int \w+\(const casadi_real\*\* arg, .*int mem\) ?\{)$", re.MULTILINE)
+_SPARSITY = re.compile(r"(static const casadi_int casadi_s\d+\[)|(#define casadi_s\d+ )")
+
+
+def _all_used(begin: re.Match[str]) -> str:
+    return f"{begin[1]}\n  (void)iw; (void)w; (void)mem;"
 
 
 def derivatives(step: Callable[..., Any], *arguments: Any) -> Any:

@@ -17,7 +17,7 @@ import numpy as np
 from numba import njit
 from plants.kernel.selection import select
 
-@njit(nogil=True, cache=True, error_model="numpy", fastmath={{"contract", "nsz", "arcp"}})
+@njit(nogil=True, error_model="numpy", fastmath={{"contract", "nsz", "arcp"}})
 '''
 
 _LANES = """\

@@ -1,23 +1,21 @@
 """A campaign: a folder of recordings of one rig, and ``campaign.toml`` which says what they are for."""
 
 import hashlib
-import tomllib
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import isfinite
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
 from plants.errors import InputError, InputWarning
-from plants.measured.cells import one_line, shorten
 from plants.measured.columns import Source, parse_columns
 from plants.measured.draft import draft
 from plants.measured.recording import Recording, Stage, from_table, required
 from plants.measured.tables import Table, read_table
 from plants.rig import Rig, built_in_rig
+from plants.toml import check_keys, is_number, parse_toml
 
 FILE = "campaign.toml"
 KEYS = ("axis", "stage", "start", "sample_time_s", "fit", "validate", "columns")
@@ -136,13 +134,8 @@ def parse_declaration(content: bytes, path: Path) -> Declaration:
 
     Raises InputError, naming the key, for one that is unknown, missing or wrong.
     """
-    try:
-        table = tomllib.loads(content.decode("utf-8-sig"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not valid TOML ({one_line(error)}); correct it") from None
-    unknown = [k for k in table if k not in KEYS]
-    if unknown:
-        raise InputError(f"{path}: unknown key {unknown[0]!r}; known are {shorten(KEYS)}")
+    table = parse_toml(content, path, "correct it")
+    check_keys(table, KEYS, str(path))
     axis, sample_time = table.get("axis"), _sample_time(table.get("sample_time_s"), path)
     if not isinstance(axis, str) or not axis:
         raise InputError(f'{path}: axis is missing; give axis = "flexion", "deviation" or a name of your own')
@@ -180,7 +173,7 @@ def _read_declaration(folder: Path) -> bytes:
 
 
 def _sample_time(value: Any, path: Path) -> float:
-    if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value) and value > 0.0:
+    if is_number(value) and value > 0.0:
         return float(value)
     problem = "is missing" if value is None else f"{value!r} is not a positive number"
     raise InputError(f"{path}: sample_time_s {problem}; give the log's sample time in seconds")

@@ -140,5 +140,6 @@ def is_coloured(stretches: Sequence[Array]) -> bool:
     count = sum(len(f) for f in far)
     if count < 100:
         return False
-    ratio = _trimmed(np.concatenate(far)) / _trimmed(np.concatenate(near))
-    return bool(ratio > 1.0 + LEAST_COLOUR + SURE * (SCATTER / count) ** 0.5)
+    one, several = _trimmed(np.concatenate(near)), _trimmed(np.concatenate(far))
+    # Where the channel stands still, or its quantum hides the noise, both are 0, which is no colour.
+    return bool(one > 0.0 and several / one > 1.0 + LEAST_COLOUR + SURE * (SCATTER / count) ** 0.5)

@@ -1,8 +1,7 @@
 """Parameter sets as TOML files: reading, with every mistake told in one line, and writing."""
 
-import tomllib
 from collections.abc import Mapping
-from math import inf, isfinite
+from math import inf, isinf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,9 +20,21 @@ from plants.parameters.quantities import (
 )
 from plants.parameters.spec import Kind
 from plants.rig import Rig, built_in_rig, parse_rig
+from plants.toml import Reader, check_keys, is_number, read_toml
 
 if TYPE_CHECKING:
     from plants.effects.effect import Effect
+
+EXAMPLE = "plants/parameters/flexion.toml"
+
+KEYS = ("axis", "title", "hysteresis", "rig", "parameters", "effects")
+"""What a parameter set says."""
+
+OF_SCENARIOS = ("scenario", "controller", "metrics")
+"""What a scenario file, which is a parameter set too, says beside."""
+
+PROVENANCE = {"stated": ("source", "section"), "assumed": ("why",), "fitted": ("data", "std_error")}
+"""What is said of each kind of evidence."""
 
 
 def read(path: str | Path) -> ParameterSet:
@@ -35,22 +46,15 @@ def read(path: str | Path) -> ParameterSet:
     make the loop run backwards.
     """
     path = Path(path)
-    try:
-        text = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such parameter set; give a .toml file that exists") from None
-    except IsADirectoryError:
-        raise InputError(f"{path}: is a folder; give the .toml file of a parameter set") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); give the .toml file of a set") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not valid TOML ({error}); see plants/parameters/flexion.toml") from None
+    text = read_toml(path, "parameter set", EXAMPLE)
+    check_keys(text, (*KEYS, *OF_SCENARIOS), str(path))
     table = text.get("parameters")
     if not isinstance(table, dict) or not isinstance(text.get("axis"), str):
-        raise InputError(
-            f'{path}: needs axis = "..." and [parameters.NAME] tables, as plants/parameters/flexion.toml'
-        )
-    rig = parse_rig(text["rig"], f"{path}: rig") if isinstance(text.get("rig"), dict) else built_in_rig()
+        raise InputError(f'{path}: needs axis = "..." and [parameters.NAME] tables, as {EXAMPLE}')
+    of = Reader(str(path), EXAMPLE)
+    axis = of.text(text, "axis")
+    title = of.text(text, "title") if "title" in text else axis
+    rig = parse_rig(of.get(text, "rig", dict), f"{path}: rig") if "rig" in text else built_in_rig()
     declared, of_paper = declared_kinds(_law(path, text), table), rig == built_in_rig()
     found = _parameters(
         f"{path}: ", table, {n: in_units(kind, rig) for n, kind in declared.items()}, of_paper
@@ -63,7 +67,7 @@ def read(path: str | Path) -> ParameterSet:
         )
         found |= {f"{form.NAME}.{name}": p for name, p in read_in.items()}
         effects.append(form)
-    result = ParameterSet(text["axis"], str(text.get("title", text["axis"])), found, tuple(effects), rig)
+    result = ParameterSet(axis, title, found, tuple(effects), rig)
     _check_loop(path, result.values, rig)
     return result
 
@@ -71,7 +75,7 @@ def read(path: str | Path) -> ParameterSet:
 def _law(path: Path, text: Mapping[str, Any]) -> type[HysteresisLaw]:
     """The hysteresis law that a file names, the paper's where it names none."""
     name = text.get("hysteresis", FourSegment.NAME)
-    if name not in LAWS:
+    if not isinstance(name, str) or name not in LAWS:
         raise InputError(f"{path}: unknown hysteresis law {name!r}; known are {', '.join(LAWS)}")
     return LAWS[name]
 
@@ -93,8 +97,9 @@ def _effects(path: Path, table: Any) -> list[tuple["type[Effect]", Mapping[str, 
             raise InputError(
                 f'{path}: effect {name!r}: needs form = "..." and [effects.{name}.parameters.NAME] tables'
             )
+        check_keys(entry, ("form", "parameters"), f"{path}: effect {name!r}")
         form = entry.get("form")
-        if form not in forms:
+        if not isinstance(form, str) or form not in forms:
             known = ", ".join(map(repr, forms))
             raise InputError(f"{path}: effect {name!r}: unknown form {form!r}; known are {known}")
         found.append((forms[form], own))
@@ -118,17 +123,18 @@ def _parameter(where: str, kind: Kind, entry: Any, of_paper: bool) -> Parameter:
     stand in its file."""
     if not isinstance(entry, dict):
         raise InputError(f"{where}: needs value, unit and provenance")
+    check_keys(entry, ("value", "unit", "bounds", "provenance"), where)
     value = entry.get("value")
-    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+    if not is_number(value):
         raise InputError(f"{where}: value {value!r} is not a finite number")
     if entry.get("unit") != kind.unit:
         raise InputError(f"{where}: unit {entry.get('unit')!r} is wrong; give the value in {kind.unit}")
     bounds = entry.get("bounds", [kind.low, kind.high])
-    if not (
-        isinstance(bounds, list) and len(bounds) == 2 and all(isinstance(b, int | float) for b in bounds)
-    ):
+    if not (isinstance(bounds, list) and len(bounds) == 2 and all(_is_bound(b) for b in bounds)):
         raise InputError(f"{where}: bounds must be two numbers, lower and upper")
     low, high = float(bounds[0]), float(bounds[1])
+    if low > high:
+        raise InputError(f"{where}: bounds {low:g} to {high:g}: the lower comes first")
     least, most = (kind.low, kind.high) if of_paper else (0.0 if kind.low >= 0.0 else -inf, inf)
     if not max(low, least) <= value <= min(high, most):
         low, high = max(low, least), min(high, most)
@@ -136,7 +142,20 @@ def _parameter(where: str, kind: Kind, entry: Any, of_paper: bool) -> Parameter:
     return Parameter(float(value), kind.unit, low, high, _provenance(where, entry.get("provenance")))
 
 
+def _is_bound(value: Any) -> bool:
+    """Whether a value is a number, infinite where there is no bound."""
+    return is_number(value) or (isinstance(value, float) and isinf(value))
+
+
 def _provenance(where: str, entry: Any) -> Provenance:
+    if isinstance(entry, dict) and isinstance(entry.get("kind"), str) and entry["kind"] in PROVENANCE:
+        check_keys(entry, ("kind", *PROVENANCE[entry["kind"]]), f"{where}: provenance")
+        error = entry.get("std_error", 0.0)
+        if not is_number(error) or error < 0.0:
+            raise InputError(
+                f"{where}: std_error {error!r} is not a finite number, or is negative; leave it out "
+                "where there is none"
+            )
     match entry:
         case {"kind": "stated", "source": str(source), "section": str(section)}:
             return Stated(source, section)

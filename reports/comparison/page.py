@@ -81,7 +81,7 @@ def slug(motion: str) -> str:
     >>> slug("left wrist/flexion")
     'left-wrist-flexion'
     """
-    return re.sub(r"[^A-Za-z0-9_]+", "-", motion).strip("-") or "motion"
+    return re.sub(r"[^A-Za-z0-9_]+", "-", motion)[:60].strip("-") or "motion"
 
 
 def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:

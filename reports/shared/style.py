@@ -139,6 +139,7 @@ def svg(figure: "Figure", name: str, description: str = "") -> str:
         raise ValueError(f"{name!r} cannot go before an id; letters, digits, - and _ only")
     buffer = io.StringIO()
     relabel(figure)
+    _no_formulas(figure)
     with matplotlib.rc_context({**STYLE, "svg.hashsalt": name}):
         figure.savefig(buffer, format="svg", metadata={"Date": None})
     text = buffer.getvalue()
@@ -154,6 +155,15 @@ def svg(figure: "Figure", name: str, description: str = "") -> str:
     )
     opening = re.sub(r'\s(?:width|height)="[^"]*"', "", text[: text.index(">") + 1], count=2)
     return head + opening.removeprefix("<svg").lstrip() + text[text.index(">") + 1 :].strip()
+
+
+def _no_formulas(figure: "Figure") -> None:
+    """Draw dollar signs in titles and names as they are; axes put some around their powers."""
+    from matplotlib.text import Text
+
+    for text in figure.findobj(Text):
+        if "$" in text.get_text() and r"\mathdefault" not in text.get_text():
+            text.set_parse_math(False)
 
 
 def _light(text: str) -> str:
@@ -196,6 +206,7 @@ def save(figure: "Figure", path: str | Path, dpi: int = 200) -> Path:
         raise ValueError(f"{path}: figures are written as .png or .svg")
     buffer = io.BytesIO()
     relabel(figure)
+    _no_formulas(figure)
     with matplotlib.rc_context({**STYLE, "svg.hashsalt": path.stem}):
         metadata = {"Software": None} if ending == "png" else {"Date": None}
         figure.savefig(buffer, format=ending, dpi=dpi, metadata=metadata)

@@ -16,7 +16,7 @@ from plants import Wrist
 
 CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 OWN = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2", "-ffp-contract=off")
-MADE = ("-std=c99", "-Wall", "-Werror", "-O2", "-ffp-contract=off")
+MADE = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-O2", "-ffp-contract=off")
 WRIST = Wrist.flexion()
 
 GAINS = {
@@ -58,7 +58,7 @@ def compiled(source: str, flags: tuple[str, ...], folder: Path) -> str:
 
 @cache
 def objects(kind: str) -> list[str]:
-    """Objects of a controller: its own source under strict warnings, CasADi's under ``-Wall``."""
+    """Objects of a controller: its own source under strict warnings, CasADi's without ``-pedantic``."""
     made, folder = exported(kind)
     return [compiled(f"{made.name}.c", OWN, folder), compiled(f"{made.name}_law.c", MADE, folder)]
 

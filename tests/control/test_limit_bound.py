@@ -133,3 +133,18 @@ def test_the_linear_cascade_in_closed_form():
     area = np.sum(0.5 * (left(t[1:]) + left(t[:-1])) * np.diff(t))
     # The judge's sum counts each sample from its beginning: half a sample of 15 deg more than the area.
     assert found.iae == pytest.approx(area + 0.5 * 0.001 * 15.0, rel=1e-4)
+
+
+@pytest.mark.parametrize("motion", WRISTS)
+@pytest.mark.parametrize("reference", [15.0, -15.0])
+def test_from_the_virgin_curve_the_best_of_all_dips_reaches_its_envelope(motion, reference):
+    """Back for any time, a sample of anything between, then ahead: never beyond, and within 0.0125 deg."""
+    wrist, sign = WRISTS[motion], np.sign(reference)
+    state, ahead, back = wrist.rest(), 2.0 + 2.0 * sign, 2.0 - 2.0 * sign
+    turns, between = (g.ravel() for g in np.meshgrid(np.arange(120), np.linspace(0.0, 4.0, 21)))
+    k = np.arange(400)[:, None]
+    commands = np.where(k < turns, back, np.where(k == turns, between, ahead))
+    angles, _ = lanes(wrist.values, of_state(state), commands)
+    left = sign * bound(wrist, reference, state).envelope[:400] - (sign * angles).max(axis=1)[:400]
+    assert left.min() >= -1e-9
+    assert left.max() < 0.0125

@@ -61,3 +61,7 @@ def test_an_infeasible_problem_is_said_to_be_and_does_no_lasting_harm():
     assert not bad.found
     assert "infeasible" in bad.reason
     assert np.abs(solve(H, f, low, high, idle).x - good.x).max() < 1e-9
+
+
+def test_the_guess_for_the_next_period_is_that_of_this_one_a_step_on():
+    assert qp.shifted(np.arange(10, dtype=np.int32), 5).tolist() == [1, 2, 3, 4, 4, 6, 7, 8, 9, 9]

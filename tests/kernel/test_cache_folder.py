@@ -63,7 +63,8 @@ def test_the_private_folder_is_gone_after_the_process(tmp_path):
     environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path)}
     code = (
         "from plants.kernel import cache; f = cache.cache_folder(); assert f.is_dir(); print(f);"
-        "assert cache.load('def run():\\n    return 3\\n')() == 3; assert list(f.glob('k*.py'))"
+        "from plants.kernel.templates import module; source = module('x', 'def run():\\n    return 3\\n');"
+        "assert cache.load(source)() == 3; assert list(f.glob('k*.kernel'))"
     )
     found = subprocess.run(
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True

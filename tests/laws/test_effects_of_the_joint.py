@@ -132,3 +132,14 @@ def test_springs_and_pads_come_to_rest_where_their_push_is_that_of_the_joint(sid
     assert y == pytest.approx(side * (10.0 + 0.2 * 6.0), abs=1e-6)
     over = abs(z) - 10.0
     assert 1.5 * over**2 == pytest.approx(16.0 - abs(z), abs=1e-6)
+
+
+@pytest.mark.parametrize("inertia", [0.0, 0.05, 0.079, 0.081, 0.1, 0.3])
+def test_a_bound_is_claimed_until_a_joint_that_rings_turns_back(inertia):
+    """For half a period of its poles, those of m s^2 + Tw s + 1 (numpy); for ever where they are real."""
+    roots = np.roots([inertia**2, WRIST.Tw, 1.0])
+    ends = Inertia(inertia).bound_ends(WRIST)
+    if np.isreal(roots).all():
+        assert ends is None
+    else:
+        assert ends == pytest.approx(np.pi / abs(roots[0].imag))

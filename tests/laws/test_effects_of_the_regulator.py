@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
 from plants.effects import (
@@ -9,6 +10,7 @@ from plants.effects import (
     CappedTarget,
     DeadTime,
     Latch,
+    LimitedFlow,
     OrificeExhaust,
     PlayDeadBand,
     PressureDependentRates,
@@ -132,3 +134,23 @@ def test_a_sag_saturates_at_its_deepest():
         s, _ = c.supply(s, 100.0, 101.0)
         s, _ = c.supply(s, 101.0, 100.0)
     assert 29.5 < float(s.sag) < 30.0
+
+
+@pytest.mark.parametrize(("flow", "laminar"), [(3.0, 30.0), (1.5, 500.0), (3.0, 0.5)])
+def test_a_tube_fills_no_faster_than_its_flow(flow, laminar):
+    """Full command from rest: far below what the regulator would do, the flow alone decides (scipy)."""
+    supply, most = 190.0, 4.0
+
+    def rate(time, pressure):
+        drop = supply - pressure
+        regulated = WRIST.regulator.k_slow * (most * GAIN - pressure)  # at least
+        assert (flow * drop / np.sqrt(1.0 + drop / laminar) < 8.0 * regulated).all()
+        return flow * drop / np.sqrt(1.0 + drop / laminar)
+
+    count = 150
+    time = np.arange(count) * DT
+    expected = solve_ivp(rate, (0.0, count * DT), [REST], t_eval=time, rtol=1e-9, atol=1e-9).y[0]
+    limited = WRIST + LimitedFlow(supply, 0.0, 8.0, flow, laminar)
+    ours = limited.simulate([most] * count).pressure
+    assert expected[-1] - REST > 1.0
+    np.testing.assert_allclose(ours[:count], expected[: len(ours)], atol=0.01 * (expected[-1] - REST))

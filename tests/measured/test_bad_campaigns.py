@@ -42,7 +42,7 @@ def test_a_file_in_place_of_a_folder(campaign):
         (
             'axis = "flexion"',
             'axis = "flexion"\nsampletime = 1',
-            "unknown key 'sampletime'; known are 'axis', ",
+            "unknown key 'sampletime'; known are axis, ",
         ),
         ("sample_time_s = 0.01", "", "sample_time_s is missing; "),
         ("sample_time_s = 0.01", 'sample_time_s = "0.01"', "sample_time_s '0.01' is not a positive number; "),

@@ -106,3 +106,9 @@ def test_colour_is_told_with_certainty_only():
 def test_a_slow_trend_is_taken_off():
     x = np.linspace(0.0, 1.0, 50)
     assert bent(3.0 - x + 2.0 * x**2) == pytest.approx(np.zeros(50), abs=1e-12)
+
+
+def test_a_channel_that_stands_still_has_no_coloured_noise():
+    """Its differences are 0, as are those of a noise that is smaller than the quantum."""
+    assert not is_coloured([np.ones(500), np.zeros(300)])
+    assert noise_of([np.ones(500)]) == 0.0

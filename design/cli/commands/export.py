@@ -17,6 +17,7 @@ from design.cli.common import (
 )
 from design.cli.completion import controllers, files
 from design.cli.places import check_places
+from design.cli.strict import LARGEST
 from design.cli.terminal.screen import console, progress
 
 NAME = "export"
@@ -82,6 +83,6 @@ def numbers(text: str) -> tuple[float, ...]:
         found = tuple(float(part) for part in text.split(","))
     except ValueError:
         found = ()
-    if not found or not all(math.isfinite(x) for x in found):
+    if not found or not all(math.isfinite(x) and abs(x) <= LARGEST for x in found):
         raise InputError(f"--gains: {text!r} is not finite numbers with commas between, like 3.1,10.4")
     return found

@@ -57,10 +57,11 @@ def command(
         dump(fitted.fitted, save)
         said.print(f"fitted set in {save}", soft_wrap=True)
     if out is not None:
+        from plants.files import file_name
         from reports.shared.fit import draw_fit
         from reports.shared.style import save as save_figure
 
-        path = out / f"fit-{data.name}.png"
+        path = out / f"fit-{file_name(data.name)}.png"
         save_figure(draw_fit(fitted), path)
         said.print(f"picture in {path}", soft_wrap=True)
     write_json(json, fit_record(fitted) | start_record(found))

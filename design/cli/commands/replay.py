@@ -65,6 +65,7 @@ def played(saved: "Saved") -> dict[str, Any]:
 
 
 def _picture(folder: Path, saved: "Saved", result: dict[str, Any]) -> Path:
+    from plants.files import file_name
     from reports.shared.signals import draw
     from reports.shared.style import BLACK, save, styled
 
@@ -80,6 +81,6 @@ def _picture(folder: Path, saved: "Saved", result: dict[str, Any]) -> Path:
             label="reference",
         )  # fmt: skip
         panel.legend(loc="best")
-    path = folder / f"scenario-{saved.plant.axis}.png"
+    path = folder / f"scenario-{file_name(saved.plant.axis)}.png"
     save(figure, path)
     return path

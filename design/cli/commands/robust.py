@@ -1,5 +1,6 @@
 """``wrist robust``: how far gains can be trusted, in certificates, predictions and samples."""
 
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -22,6 +23,7 @@ from design.cli.common import (
 from design.cli.completion import files
 from design.cli.completion import intervals as parameters
 from design.cli.places import check_places
+from design.cli.strict import LARGEST
 from design.cli.terminal.screen import Sheet, console, progress
 from design.status import BY_PROOF, Status
 
@@ -143,6 +145,8 @@ def intervals(texts: list[str]) -> dict[str, tuple[float, float]]:
         low, _, high = bounds.partition(":")
         try:
             pair = (float(low), float(high))
+            if not all(isfinite(x) and abs(x) <= LARGEST for x in pair):
+                raise ValueError
         except ValueError:
             raise InputError(f"--box: {text!r} is not name=low:high, like a1=0.34:0.38") from None
         if name in found:

@@ -21,6 +21,7 @@ from design.cli.common import (
 )
 from design.cli.completion import figures, files, starts
 from design.cli.places import check_places
+from design.cli.strict import refuse
 from design.cli.terminal.screen import console, progress
 
 if TYPE_CHECKING:
@@ -32,6 +33,12 @@ NAME, HELP = (
     "Simulate the wrist: a voltage, a recorded command, a PI step, or a figure of the paper.",
 )
 EXAMPLE = "Example: wrist simulate --axis flexion --gains 1.2,2.2 --step 15 --json -"
+
+OPTIONS = {
+    "--axis", "--plant", "--volts", "--recording", "--gains", "--step", "--start", "--duration", "--figure",
+    "--scenario",
+}  # fmt: skip
+"""What says what is simulated; each way of simulating takes some of it."""
 
 
 def command(
@@ -70,17 +77,19 @@ def command(
 
     check_places({"--json": json}, out)
     if scenario is not None:
-        given = {"--plant": plant, "--recording": recording, "--gains": gains, "--figure": figure}
-        taken = [option for option, value in given.items() if value is not None]
-        if taken:
-            raise InputError(
-                f"{taken[0]}: a scenario file is complete in itself; leave out {', '.join(taken)}"
-            )
+        refuse(OPTIONS - {"--scenario"}, "a scenario file is complete in itself")
         replay(scenario, json, out)
         return
     if figure is not None:
+        refuse(OPTIONS - {"--figure", "--plant"}, "a figure of the paper shows what the paper did")
         _figure(figure, axis, plant, json, out)
         return
+    if gains is not None:
+        refuse(("--recording", "--volts"), "with --gains the controller gives the command")
+    elif recording is not None:
+        refuse(("--volts", "--start", "--duration"), "the recording says it")
+    if gains is None:
+        refuse(("--step",), "a step needs a controller, --gains")
     if start not in STARTS:
         raise InputError(f"--start: unknown memory {start!r}; one of {', '.join(STARTS)}")
     chosen = parameter_set(axis, plant)
@@ -157,11 +166,17 @@ def _closed(
     import math
 
     from design.controllers.pi import PI
+    from design.controllers.plausible import SensorLimits
     from design.evaluation.steps import run
     from plants.errors import InputError
 
     if not math.isfinite(step) or step == 0.0:
         raise InputError(f"--step: {step} is no step; give an angle in deg that is not 0")
+    sensor = SensorLimits.of(wrist).angle
+    if not sensor.holds(step):
+        raise InputError(
+            f"--step: {step:g} deg is no angle of this rig; give {sensor.low:.0f} to {sensor.high:.0f}"
+        )
     controller = PI.of(wrist, *gains)
     judged, _, t = run(wrist, controller, step, wrist.rest(start), duration=duration, record=True)
     assert t is not None
@@ -214,9 +229,10 @@ def _figure(number: int, axis: Axis, plant: Path | None, json: Path | None, out:
 
 
 def _picture(folder: Path, chosen: "ParameterSet", result: dict[str, Any]) -> Path:
+    from plants.files import file_name
     from reports.shared.signals import draw
     from reports.shared.style import save
 
-    path = folder / f"simulate-{chosen.axis}.png"
+    path = folder / f"simulate-{file_name(chosen.axis)}.png"
     save(draw(result, chosen.title, chosen.rig.command_range), path)
     return path

@@ -22,6 +22,7 @@ from design.cli.common import (
 )
 from design.cli.completion import costs
 from design.cli.places import check_places
+from design.cli.strict import refuse
 from design.cli.terminal.screen import console, progress
 
 COST_TEXT = {
@@ -98,6 +99,10 @@ def command(
     from reports.shared.tuning import tuning_record
 
     check_places({"--json": json}, out)
+    if not robust:
+        refuse(("--rounds", "--dead-time", "--load"), "belongs to --robust")
+    if nominal:
+        refuse(("--delay-margin",), "--nominal asks for no delay margin")
     if cost not in COSTS:
         raise InputError(f"--cost: unknown cost {cost!r}; one of {', '.join(COSTS)}")
     chosen = parameter_set(axis, plant)
@@ -137,10 +142,11 @@ def command(
     for line in lines(answered):
         said.print(line)
     if out is not None:
+        from plants.files import file_name
         from reports.shared.gain_map import gain_map
         from reports.shared.style import save
 
-        path = out / f"tune-{chosen.axis}.png"
+        path = out / f"tune-{file_name(chosen.axis)}.png"
         save(gain_map(found), path)
         said.print(f"map of the gains in {path}", soft_wrap=True)
     write_json(json, tuning_record(answered, chosen.axis) | record)

@@ -34,13 +34,16 @@ def console(json_path: Path | None) -> "Console":
     """Where people read: stdout, or stderr where JSON goes to stdout.  Says text as it is, without markup."""
     from rich.console import Console
 
+    from design.cli.terminal.plain import PlainHook
     from reports.shared.units import StreamInUnits
 
     stream = sys.stderr if is_stdout(json_path) else sys.stdout
     width = _width(stream)
     height = None if width is None else 25  # of no meaning, but rich takes both or none on a dumb terminal
     shown: Any = StreamInUnits(stream)
-    return Console(file=shown, width=width, height=height, highlight=False, markup=False, emoji=False)
+    made = Console(file=shown, width=width, height=height, highlight=False, markup=False, emoji=False)
+    made.push_render_hook(PlainHook())  # type: ignore[arg-type]
+    return made
 
 
 def _width(stream: TextIO) -> int | None:
@@ -142,6 +145,8 @@ def progress(what: str) -> Iterator["Tell"]:
     from rich.table import Column
     from rich.text import Text
 
+    from design.cli.terminal.plain import plain
+
     shown = Console(stderr=True)
     bar_width = 20 if shown.width >= 80 else 10
     room = max(10, shown.width - bar_width - 20)  # of the words, beside the bar and the time
@@ -158,14 +163,14 @@ def progress(what: str) -> Iterator["Tell"]:
         TimeLeft("", table_column=Column(no_wrap=True)),
     )
     with Progress(*columns, console=shown, transient=True, redirect_stdout=False) as bar:
-        number = bar.add_task(what, total=None, told=0.0)
+        number = bar.add_task(plain(what), total=None, told=0.0)
         task = bar.tasks[0]
 
         def tell(stage: str, share: float) -> None:
             if share < task.completed or share <= 0.0:
                 bar.reset(number, total=None)
             total = 1.0 if share > 0.0 else None  # without a total the bar pulses
-            words, told = f"{what}: {stage}", task.elapsed or 0.0
+            words, told = plain(f"{what}: {stage}"), task.elapsed or 0.0
             words = words if len(words) <= room else f"{words[: room - 1]}…"
             bar.update(number, description=words, completed=share, total=total, told=told)
 

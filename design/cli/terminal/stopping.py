@@ -35,6 +35,9 @@ class Stop:
         show_cursor = "\r\x1b[2K\x1b[?25h" if os.isatty(2) and os.environ.get("TERM") != "dumb" else ""
         try:
             os.write(2, f"{show_cursor}wrist: stopped\n".encode())
+            kernels = sys.modules.get("plants.kernel.cache")  # where it is not, there is nothing to remove
+            if kernels is not None:
+                kernels.remove_private()
         finally:
             os._exit(STOPPED)
 

@@ -6,10 +6,8 @@ digits as give them back to the last bit.
 """
 
 import tempfile
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +19,7 @@ from plants.errors import InputError
 from plants.files import write_atomically
 from plants.parameters import files as parameter_files
 from plants.parameters.quantities import ParameterSet
+from plants.toml import check_keys, is_number, read_toml
 from plants.wrist import STARTS, Wrist
 
 SETTINGS = {
@@ -32,6 +31,9 @@ SETTINGS = {
     "high": "V",
 }
 """What a file says of the controller, by the names of `design.controllers.pi.PI`, with units."""
+
+KEYS = ("start", "angle", "references", "holds", "dead_time", "load", "plant", "violated")
+"""What a file says of the run."""
 
 FASTEST, LONGEST = 1e6, 3600.0
 """Greatest gain and longest run [s] that a file may ask for."""
@@ -89,9 +91,13 @@ def load(path: str | Path) -> Saved:
     or of a wrong kind, and for numbers that make no run.
     """
     plant = parameter_files.read(path)
-    text: dict[str, Any] = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
+    text = read_toml(path, "scenario file", "`wrist robust --worst`")
     asked, settings, seen = (_table(path, text, n) for n in ("scenario", "controller", "metrics"))
     names = {f.name for f in fields(Metrics)}
+    for table, name, known in (
+        (asked, "scenario", KEYS), (settings, "controller", tuple(SETTINGS)), (seen, "metrics", sorted(names))
+    ):  # fmt: skip
+        check_keys(table, known, f"{path}: {name}")
     metrics = {n: _number(path, f"metrics.{n}", seen.get(n), finite=False) for n in sorted(names)}
     controller = {n: _number(path, f"controller.{n}", settings.get(n)) for n in SETTINGS}
     if not all(0.0 <= controller[n] <= FASTEST for n in ("Kp", "Ki")):
@@ -135,7 +141,7 @@ def _table(path: str | Path, text: Mapping[str, Any], name: str) -> Mapping[str,
 
 
 def _number(path: str | Path, where: str, value: Any, finite: bool = True) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or (finite and not isfinite(value)):
+    if not is_number(value) and (finite or not isinstance(value, float)):
         raise InputError(f"{path}: {where} {'is missing' if value is None else f'= {value!r} is no number'}")
     return float(value)
 

@@ -1,0 +1,1 @@
+"""Faults put in on purpose, to see whether tests see them: `python -m tests.mutants`."""
