@@ -17,8 +17,8 @@ from plants.simulation.periodic import Periodic
 
 Array = NDArray[np.float64]
 Objective = Literal["excess", "cost"]
-SIMULATED = ("overshoot_percent", "steady_error_percent", "total_variation_V")
-"""Limits that a run shows; Ms and the delay margin belong to branches."""
+SIMULATED = ("overshoot_percent", "steady_error_percent", "total_variation_V", "settling_time_s")
+"""Limits that a run shows; Ms, Mt and the delay margin belong to branches."""
 
 ASIDE = 1e6
 """Height, in the minimisation, of a sequence that is set aside."""
