@@ -154,11 +154,22 @@ class Requirement:
         beyond = excesses(values, replace(self.limits, **held))
         return np.asarray(np.max(list(beyond.values()), axis=0), float)
 
+    @cached_property
+    def telling(self) -> tuple[BranchResponse, ...]:
+        """Those of the branches that decide for some gains, over a wide map: a search needs no others."""
+        Kp, Ki = (g.ravel() for g in np.meshgrid(np.geomspace(0.5, 20.0, 12), np.geomspace(0.5, 60.0, 12)))
+        found = self.margins(PI.of(self.wrist, Kp, Ki))
+        stable = np.isfinite(found.Ms)
+        if not stable.any():
+            return self.branches
+        decide = np.concatenate([x[stable] for x in (found.Ms_at, found.Mt_at, found.delay_at)])
+        return tuple(self.branches[i] for i in np.unique(decide))
+
     def problem(self, guard: dict[str, float] | None = None, jobs: int | None = None) -> Problem:
         """The tuning problem to begin with: the nominal plant's steps and the margins; cases are added."""
         scenarios = [s for s in tuning_scenarios(self.wrist) if s.plant == "nominal"]
         plain = Problem.of(self.wrist, scenarios, self.limits, self.cost, self.duration, jobs)
-        return replace(plain, branches=self.branches, guard=guard or {}, screened=True)
+        return replace(plain, branches=self.telling, guard=guard or {}, screened=True)
 
 
 def requirement(

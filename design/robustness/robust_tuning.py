@@ -45,8 +45,9 @@ GUARD: Mapping[str, float] = {
 it jumps, noise of the sensor moves it, and no set of cases holds the very worst; for the margins what the grid of
 frequencies leaves."""
 
-SLACK = 0.5
-"""A case that uses up less than this share of the guard is not chased any further."""
+SLACK = 0.85
+"""A case that leaves this share of the guard unused is not chased any further; the less is let go, the less gains
+hang on the seed of the search."""
 
 DEARER = 0.02
 """A case of the task is added where it costs more than the worst of the set by this share."""
@@ -138,24 +139,25 @@ def tune_robustly(
     jobs: int | None = None,
     progress: Tell | None = None,
     two_dof: bool = False,
-    cases: tuple[Sequence, ...] = (),
+    begin: Tuning | None = None,
 ) -> RobustTuning:
     """Gains of least worst cost that hold a requirement, as far as pool, search and fresh samples can tell.
 
-    two_dof: with a reference weight and a filter of the angle; cases: to begin with, such as those of the PI;
-    starts: local searches of the last set, which show whether other valleys are as low; seed: of searches and
+    two_dof: with a reference weight and a filter of the angle; begin: a tuning, such as of the PI, whose gains
+    and cases to begin with; starts: local searches of the last set, which show whether other valleys are as low; seed: of searches and
     samples.  Ends where no worse case is found, after `rounds`, or where no gains in the region hold the
     grown set: then the last tuning is the nearest.
     """
     tell, region = progress or (lambda stage, share: None), region or Region()
-    problem = replace(requirement.problem(dict(GUARD), jobs), adverse=tuple(cases))
+    problem = requirement.problem(dict(GUARD), jobs)
+    problem = problem if begin is None else replace(problem, adverse=begin.problem.adverse)
     if out_of_reach(problem) is not None:
         at = evaluate(replace(problem, screened=False), region.grid[0][:1], region.grid[1][:1])
         nothing = Tuning(problem, region, at, at, ())
         return RobustTuning(requirement, (Round(nothing, 0.0, "pool", 0, ()),), "out of reach", None)
     pool = _pool(requirement)
     done: list[Round] = []
-    at: Evaluation | None = None
+    at = None if begin is None else begin.at
     fresh: Check | None = None
     ended: Ended = "rounds used up"
     for number in range(max(rounds, 1)):
@@ -167,6 +169,8 @@ def tune_robustly(
             ended = "no gains hold the grown set"
             done.append(Round(found, 0.0, "pool", 0, ()))
             break
+        if number == 1:  # what is mild under the boldest gains is milder under any later
+            pool = pool[:, _harshest(requirement, done[0].tuning, pool, jobs)]
         worse, fresh = _worse(requirement, found, pool, seed + number, jobs, lambda s, n=number, h=share: tell(
             f"round {n + 1}: {s}", h))  # fmt: skip
         done.append(replace(worse, tuning=found))
@@ -194,6 +198,14 @@ def _pool(requirement: Requirement) -> Array:
         x[n + 2 * space.steps : space.size - (len(space.kinds) > 1), corner]
     )
     return np.asarray(x[:, space.reachable(x)])
+
+
+def _harshest(requirement: Requirement, found: Tuning, pool: Array, jobs: int | None) -> NDArray[np.intp]:
+    """The quarter of a pool that comes nearest to the limits under some gains, and its dearest cases."""
+    values = requirement.run(pool, found.controller, jobs=jobs)
+    cost = np.where(requirement.space.of_task(pool), values[COSTS[requirement.cost]], 0.0)
+    near, dear = np.argsort(-requirement.excess(values)), np.argsort(-cost)
+    return np.unique(np.concatenate([near[: POOL // 4], dear[: POOL // 32]]))
 
 
 def _worse(
