@@ -16,7 +16,7 @@ from design.evaluation.sequence import Sequence
 from design.robustness.requirement import Requirement
 from design.robustness.samples.draws import CASES, CHUNK, generator
 from design.robustness.samples.hunt import Hunted, hunt
-from design.robustness.samples.monte_carlo import interval
+from design.robustness.samples.monte_carlo import Violations, counted, interval
 from design.robustness.samples.worst import excesses
 from design.synthesis.requirements import COSTS
 
@@ -45,6 +45,12 @@ class Check:
     def broken(self) -> int:
         """Samples that break a limit."""
         return int(np.count_nonzero(~(self.excess <= 0.0)))
+
+    @property
+    def violations(self) -> Violations:
+        """The same as samples of one requirement are told."""
+        words = "a limit broken in a step, a return, a sequence or under a load"
+        return counted("requirement", words, None, "", ~(self.excess <= 0.0))
 
     @property
     def upper_bound(self) -> float:
@@ -116,7 +122,7 @@ def worst_of(
         return np.where(space.reachable(x), high, -np.inf)
 
     given = np.empty((space.size, 0)) if begin is None else begin
-    return hunt(height, given, budget, seed, len(space.box.intervals))
+    return hunt(height, given, budget, seed, len(space.box.intervals), space.kind)
 
 
 def worst_found(

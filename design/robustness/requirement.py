@@ -112,7 +112,9 @@ class Requirement:
     def linear_excess(self, controller: PI) -> dict[str, float]:
         """By what share of each limit of the linear loop a PI lies beyond it; not above 0 where it holds."""
         found, named = self.margins(controller), self.limits.named
-        beyond = {n: float(getattr(found, n)) - named[n] for n in ("Ms", "Mt") if n in named}
+        beyond: dict[str, float] = {
+            n: float(getattr(found, n)) - named[n] for n in ("Ms", "Mt") if n in named
+        }
         if "delay_margin_s" in named:
             beyond["delay_margin_s"] = named["delay_margin_s"] - float(found.delay_margin_s)
         return {n: v / (named[n] or 1.0) for n, v in beyond.items()}

@@ -163,16 +163,19 @@ def tune_robustly(
     for number in range(max(rounds, 1)):
         share = 1.0 - 0.8**number
         tell(f"round {number + 1}: gains", share)
-        at = _solved(problem, region, at, two_dof)
-        found = Tuning(problem, region, at, at, ())
-        if not at.feasible[0]:
+        at = here = _solved(problem, region, at, two_dof)
+        found = Tuning(problem, region, here, here, ())
+        if not here.feasible[0]:
             ended = "no gains hold the grown set"
             done.append(Round(found, 0.0, "pool", 0, ()))
             break
         if number == 1:  # what is mild under the boldest gains is milder under any later
             pool = pool[:, _harshest(requirement, done[0].tuning, pool, jobs)]
-        worse, fresh = _worse(requirement, found, pool, seed + number, jobs, lambda s, n=number, h=share: tell(
-            f"round {n + 1}: {s}", h))  # fmt: skip
+
+        def said(stage: str, at: int = number, share: float = share) -> None:
+            tell(f"round {at + 1}: {stage}", share)
+
+        worse, fresh = _worse(requirement, found, pool, seed + number, jobs, said)
         done.append(replace(worse, tuning=found))
         if not worse.added:
             ended = "no worse case found"
@@ -209,7 +212,12 @@ def _harshest(requirement: Requirement, found: Tuning, pool: Array, jobs: int | 
 
 
 def _worse(
-    requirement: Requirement, found: Tuning, pool: Array, seed: int, jobs: int | None, tell: Callable[[str], None]
+    requirement: Requirement,
+    found: Tuning,
+    pool: Array,
+    seed: int,
+    jobs: int | None,
+    tell: Callable[[str], None],
 ) -> tuple[Round, Check | None]:
     """What breaks a limit of gains, its guard half counted, or costs more than the set: of the pool, else of a
     search, else of fresh samples; the round, and the samples where they were asked."""
@@ -225,7 +233,10 @@ def _worse(
     if added:
         return Round(found, worst, "pool", pool.shape[1], added), None
     tell("search for the worst case")
-    begin = pool[:, at_pool.worst(16)]
+    of = requirement.space.kind(pool)
+    begin = np.hstack([
+        pool[:, of == k][:, Hunted(pool[:, of == k], at_pool.heights[of == k]).worst(4)] for k in np.unique(of)
+    ])  # fmt: skip
     hunted = worst_of(requirement, controller, SEARCH, seed, begin, jobs, guard=half)
     added = _sequences(requirement, hunted, 0.0)
     worst = max(worst, float(requirement.excess(
@@ -359,6 +370,10 @@ def _with_evidence(found: Tuning, law: Law, starts: int) -> Tuning:
         end = zoomed(found.problem, found.region, law, near, max(found.region.resolution), 5)
         gains = (float(end.Kp[0]), float(end.Ki[0]))
         searches.append(LocalSearch(begin, gains, float(end.cost[0]), bool(end.feasible[0]), 0))
-    at = _best(join([found.at, *(evaluate_law(found.problem, law, *(np.array([g]) for g in s.end)) for s in searches)]))
+    at = _best(
+        join(
+            [found.at, *(evaluate_law(found.problem, law, *(np.array([g]) for g in s.end)) for s in searches)]
+        )
+    )
     return replace(found, map=whole, searches=tuple(searches)) if at.cost[0] >= found.at.cost[0] else replace(
         found, at=at, map=whole, searches=tuple(searches))  # fmt: skip

@@ -267,8 +267,12 @@ def join(parts: list[Evaluation]) -> Evaluation:
 
     row = {n: np.concatenate([getattr(p, n) for p in parts]) for n in ("Kp", "Ki", "cost", "cost_at")}
     more = {
-        n: None if any(getattr(p, n) is None for p in parts) else np.concatenate([getattr(p, n) for p in parts])
+        n: None
+        if any(getattr(p, n) is None for p in parts)
+        else np.concatenate([getattr(p, n) for p in parts])
         for n in ("b", "Tf")
     }
-    tables = {n: table(n) for n in ("values", "values_at", "excess")}
-    return Evaluation(**row, **tables, **more)
+    return Evaluation(
+        **row, values=table("values"), values_at=table("values_at"), excess=table("excess"), b=more["b"],
+        Tf=more["Tf"],
+    )  # fmt: skip

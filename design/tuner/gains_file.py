@@ -12,6 +12,9 @@ from plants.files import write_atomically
 UNITS = {"Kp": "kPa/deg", "Ki": "kPa/(deg s)"}
 """The gains of a file, and the unit that it must give each in."""
 
+MORE = {"b": "1", "Tf": "s"}
+"""What the gains of a PI with two degrees of freedom have beside."""
+
 ADVICE = "give a file that the tuner kept, or Kp,Ki"
 
 
@@ -23,7 +26,8 @@ def write(
 ) -> Path:
     """Write gains, complete or not at all, and return where: the path, ending in .toml, made absolute.
 
-    gains: Kp [kPa/deg] and Ki [kPa/(deg s)].  tuned_on: what TOML holds, by name, that says of which
+    gains: Kp [kPa/deg] and Ki [kPa/(deg s)], and where they are not those of a plain PI the reference weight
+    b [1] and the time constant Tf [s] of the filter of the angle.  tuned_on: what TOML holds, by name, that says of which
     plant the gains are; for people, no command reads it.  mine: files that may be replaced.  Raises
     InputError for a path without a name, for another file that is there already, and for a place that
     cannot be written to.
@@ -43,6 +47,8 @@ def write(
     tables = tomlkit.table(is_super_table=True)
     for name, unit in UNITS.items():
         tables[name] = {"value": float(gains[name]), "unit": unit}
+    if gains.get("b", 1.0) != 1.0 or gains.get("Tf", 0.0) != 0.0:
+        tables |= {n: {"value": float(gains[n]), "unit": unit} for n, unit in MORE.items()}
     document["gains"] = tables
     if tuned_on:
         document["tuned_on"] = dict(tuned_on)
@@ -55,6 +61,19 @@ def _place(text: str) -> Path:
     if not text.removesuffix(".toml").strip("./\\ ") or "\0" in text:
         raise InputError(f"{text!r} is no name of a file; give one such as gains.toml")
     return Path(text if text.endswith(".toml") else f"{text}.toml").expanduser().absolute()
+
+
+def read_more(path: str | Path) -> tuple[float, float]:
+    """Reference weight b [1] and filter Tf [s] of a TOML file; 1 and 0, those of a plain PI, where it has none.
+
+    Raises InputError as `read`.
+    """
+    read(path)
+    entries = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))["gains"]
+    if not entries.keys() >= MORE.keys():
+        return 1.0, 0.0
+    b, Tf = (_value(f"{path}: gains.{name}", unit, entries[name]) for name, unit in MORE.items())
+    return b, Tf
 
 
 def read(path: str | Path) -> tuple[float, float]:

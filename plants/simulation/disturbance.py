@@ -16,9 +16,7 @@ BEFORE = -1.0
 """Moment [s] of a constant load: before the run, and before the wrist came to rest."""
 
 
-def burdened(
-    wrist: Wrist, dead_time: Number | None, load: Number | None, moment: Number = BEFORE
-) -> Wrist:
+def burdened(wrist: Wrist, dead_time: Number | None, load: Number | None, moment: Number = BEFORE) -> Wrist:
     """The wrist with more dead time [s] and a load [deg] that is there from a moment [s] on, before the run
     where not given; None leaves an effect out.
 

@@ -34,7 +34,9 @@ def lines(found: RobustTuning) -> list[str]:
 def requirement_words(asked: Requirement) -> str:
     """What gains have to hold, in a line."""
     c, rig = asked.conditions, asked.box.plant.rig
-    late = f"dead time of 0 to {1000 * asked.space.dead_time:g} ms" if asked.space.dead_time else "no dead time"
+    late = (
+        f"dead time of 0 to {1000 * asked.space.dead_time:g} ms" if asked.space.dead_time else "no dead time"
+    )
     if any(e.NAME == "dead-time" for e in asked.wrist.effects):
         late = "the dead time that was found"
     unit = rig.units.angle

@@ -51,7 +51,9 @@ def command(
     ] = "iae",
     two_dof: Annotated[
         bool,
-        typer.Option("--two-dof", help="With a reference weight b and a filter Tf of the angle beside the gains."),
+        typer.Option(
+            "--two-dof", help="With a reference weight b and a filter Tf of the angle beside the gains."
+        ),
     ] = False,
     nominal: Annotated[
         bool,
@@ -70,7 +72,9 @@ def command(
         bool, typer.Option("--no-dead-time", help="No dead time beside the plant's own.")
     ] = False,
     no_load: Annotated[bool, typer.Option("--no-load", help="No load.")] = False,
-    no_noise: Annotated[bool, typer.Option("--no-noise", help="A sensor without noise, of any resolution.")] = False,
+    no_noise: Annotated[
+        bool, typer.Option("--no-noise", help="A sensor without noise, of any resolution.")
+    ] = False,
     no_box: Annotated[bool, typer.Option("--no-box", help="The plant's parameters as they are.")] = False,
     overshoot: Annotated[
         float | None,
@@ -136,7 +140,9 @@ def command(
     record: dict[str, Any] = {}
     if nominal or plain:
         if two_dof:
-            raise InputError("--two-dof: is tuned under the whole requirement; leave out --nominal and --plain")
+            raise InputError(
+                "--two-dof: is tuned under the whole requirement; leave out --nominal and --plain"
+            )
         problem = default_problem(Wrist.of(chosen), limits, cost, nominal, jobs, spread)
         with progress("tune") as tell:
             found = tune(problem, region, starts, seed, tell, scheduler)

@@ -47,39 +47,62 @@ def hunt(
     budget: int,
     seed: int,
     corners: int = 0,
+    kind: Callable[[Array], NDArray[np.intp]] | None = None,
 ) -> Hunted:
     """Places of greatest height that were found in about `budget` tries, from those of `begin`, (size, n), on.
 
     height: of places (size, lanes), minus infinity for those that do not count; corners: the first so many
-    coordinates are those of a box, of which half of the fresh places are corners.
+    coordinates are those of a box, of which half of the fresh places are corners; kind: of places (size, lanes),
+    which are searched apart in the first half, so that one kind that is bad at once does not hide another that
+    is worse in the end.
     """
     rng = np.random.default_rng(seed)
     size = begin.shape[0]
-    fresh = rng.random((size, max(ISLANDS * LANES - begin.shape[1], ISLANDS)))
+    fresh = rng.random((size, max(2 * ISLANDS * LANES - begin.shape[1], ISLANDS)))
     fresh[:corners, ::2] = np.round(fresh[:corners, ::2])
     places = [np.hstack([begin, fresh])]
     heights = [height(places[0])]
-    used = heights[0].size
-    islands = Hunted(places[0], heights[0])
-    chosen = islands.worst(ISLANDS)
-    best, at = places[0][:, chosen], heights[0][chosen]
+    used, again = heights[0].size, False
+    best, at = _islands(Hunted(places[0], heights[0]), kind)
     while used < budget:
-        n = best.shape[1]
-        origin = np.repeat(best, LANES, axis=1)
-        step = rng.choice(STEPS, (1, n * LANES)) * rng.standard_normal((size, n * LANES))
-        step[rng.random(step.shape) < AGAIN] = 0.0
-        # Now and then to an end of a coordinate, where worst cases often are.
-        drawn = np.clip(origin + step, 0.0, 1.0)
-        ends = rng.random(drawn.shape) < 0.5 / size
-        drawn = np.where(ends, np.round(rng.random(drawn.shape)), drawn)
+        if not again and used > budget // 2:
+            again = True
+            best, at = _islands(Hunted(np.hstack(places), np.concatenate(heights)), None)
+        drawn = _steps(rng, np.repeat(best, LANES, axis=1))
         found = height(drawn)
         used += found.size
         places.append(drawn)
         heights.append(found)
-        rows = found.reshape(n, LANES)
+        rows = found.reshape(best.shape[1], LANES)
         winner = rows.argmax(axis=1)
-        better = rows[np.arange(n), winner] > at
-        where = np.arange(n) * LANES + winner
+        where = np.arange(best.shape[1]) * LANES + winner
+        better = found[where] > at
         best = np.where(better, drawn[:, where], best)
         at = np.where(better, found[where], at)
     return Hunted(np.hstack(places), np.concatenate(heights))
+
+
+def _islands(known: Hunted, kind: Callable[[Array], NDArray[np.intp]] | None) -> tuple[Array, Array]:
+    """Where islands begin, (size, n), and how bad these places are."""
+    if kind is None:
+        chosen = known.worst(ISLANDS)
+    else:
+        of = kind(known.places)
+        kinds = np.unique(of)
+        share, parts = -(-ISLANDS // kinds.size), []
+        for k in kinds:
+            (here,) = np.nonzero(of == k)
+            parts.append(here[Hunted(known.places[:, here], known.heights[here]).worst(share)])
+        chosen = np.concatenate(parts)
+    return known.places[:, chosen], known.heights[chosen]
+
+
+def _steps(rng: np.random.Generator, origin: Array) -> Array:
+    """Places a step away from others: of every size, in about half of the coordinates, now and then to the end
+    of one, where worst cases often are."""
+    size, lanes = origin.shape
+    step = rng.choice(STEPS, (1, lanes)) * rng.standard_normal((size, lanes))
+    step[rng.random(step.shape) < AGAIN] = 0.0
+    drawn = np.clip(origin + step, 0.0, 1.0)
+    ends = rng.random(drawn.shape) < 0.5 / size
+    return np.asarray(np.where(ends, np.round(rng.random(drawn.shape)), drawn))

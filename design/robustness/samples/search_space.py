@@ -61,7 +61,7 @@ class Space:
         """Which of the kinds each place is, (lanes,)."""
         if len(self.kinds) == 1:
             return np.zeros(x.shape[1], np.intp)
-        return np.minimum(x[-1] * len(self.kinds), len(self.kinds) - 1).astype(np.intp)
+        return np.asarray(np.minimum(x[-1] * len(self.kinds), len(self.kinds) - 1), np.intp)
 
     def of_task(self, x: Array) -> NDArray[np.bool_]:
         """Which places are steps of the task's size that begin calmly, from 0 or back to it, (lanes,)."""
@@ -85,7 +85,7 @@ class Space:
         bounds = [HOLD] * (n - 2) + [CALM] * (n > 1)
         holds = [a * (b / a) ** share for share, (a, b) in zip(shares, bounds, strict=True)]
         more = list(x[first + 2 * n - 1 :])
-        asked = {
+        asked: dict[str, Any] = {
             "starts": [STARTS[min(int(4.0 * share), 3)] for share in x[first - 1]],
             "angle": np.zeros(lanes),
             "references": np.array(angles),
