@@ -63,8 +63,8 @@ class Sequence:
 
     @property
     def of_task(self) -> bool:
-        """Whether the step that is judged is the task's: of its size, between 0 and that, begun calmly and not a
-        mere load."""
+        """Whether the step that is judged is the task's: of its size, between 0 and that, begun calmly and
+        not a mere load."""
         before = (self.angle, *self.references)[-2]
         ends = {abs(before), abs(self.references[-1])}
         calm = len(self.references) == 1 or self.holds[-2] >= CALM[0]

@@ -60,9 +60,9 @@ class Check:
 
 @dataclass(frozen=True)
 class WorstFound:
-    """What a search found: the worst case, what limits are held against in it, its largest excess as a share of
-    the limit and of which; runs; how many of them broke a limit; the largest cost of a step of the task that a
-    second search found, and where."""
+    """What a search found: the worst case, what limits are held against in it, its largest excess as a
+    share of the limit and of which; runs; how many of them broke a limit; the largest cost of a step of the
+    task that a second search found, and where."""
 
     sequence: Sequence
     values: dict[str, float]
@@ -78,8 +78,8 @@ def check(
     requirement: Requirement, controller: Any, samples: int, seed: int, jobs: int | None = None,
     progress: Tell | None = None,
 ) -> Check:  # fmt: skip
-    """Run fresh samples of a requirement, drawn uniformly over its cases: sample i depends on the seed and on i
-    alone."""
+    """Run fresh samples of a requirement, drawn uniformly over its cases: sample i depends on the seed and
+    on i alone."""
     tell = progress or (lambda stage, share: None)
     space, places, values = requirement.space, list[Array](), list[dict[str, Array]]()
     beyond = 0
@@ -129,8 +129,8 @@ def worst_found(
     requirement: Requirement, controller: Any, budget: int, seed: int, jobs: int | None = None,
     progress: Tell | None = None,
 ) -> WorstFound:  # fmt: skip
-    """Search for the worst case of a controller: for the largest excess in most of the budget, for the largest
-    cost of a step of the task in the rest."""
+    """Search for the worst case of a controller: for the largest excess in most of the budget, for the
+    largest cost of a step of the task in the rest."""
     tell = progress or (lambda stage, share: None)
     tell("worst case", 0.0)
     hunted = worst_of(requirement, controller, budget - budget // 10, seed, jobs=jobs)

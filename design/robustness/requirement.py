@@ -26,6 +26,7 @@ from design.robustness.samples.draws import generator
 from design.robustness.samples.search_space import KINDS, Kind, Space
 from design.robustness.samples.worst import excesses
 from design.synthesis.requirements import Limits, Problem
+from plants.effects.effect import dead_time_of
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.wrist.load_step import LoadStep
 from plants.kernel import pytrees
@@ -198,6 +199,17 @@ def requirement(
         box, limits or Limits.of(rig), conditions or Conditions.of(rig), cost=cost,
         duration=rig.task.duration,
     )  # fmt: skip
+
+
+def requirement_record(asked: Requirement) -> dict[str, Any]:
+    """A requirement for JSON; longest_dead_time_s with the plant's own."""
+    late = asked.space.dead_time
+    return {
+        "limits": asked.limits.named, "box": {i.name: [i.low, i.high] for i in asked.box.intervals},
+        "dead_time_s": [0.0, late], "longest_dead_time_s": late + float(dead_time_of(asked.wrist.effects)),
+        "load": asked.space.load, "noise": asked.conditions.noise, "resolution": asked.conditions.quantum,
+        "kinds": list(asked.space.kinds), "cost": asked.cost,
+    }  # fmt: skip
 
 
 def _with(shares: Array, i: int, share: float) -> Array:

@@ -1,12 +1,14 @@
 """Tuning under the whole requirement: tune, look for worse cases, add them, tune again, until none is found.
 
 The loop that systune runs over uncertain parameters (Apkarian, Dao and Noll, Parametric robust structured
-control design, 2014, arXiv:1405.4202), here with memory, references, dead time and loads beside the parameters.
-Cases come from a pool that is the same for every seed, then from a search for the worst (`samples.hunt`), then
-from fresh samples.  It ends where neither finds a case that breaks a limit, which is no proof that there is none.
+control design, 2014, arXiv:1405.4202), here with memory, references, dead time and loads beside the
+parameters. Cases come from a pool that is the same for every seed, then from a search for the worst
+(`samples.hunt`), then from fresh samples.  It ends where neither finds a case that breaks a limit, which is
+no proof that there is none.
 
 The overshoot jumps where a branch is reached or just not: gains that lie on their limit break it by another
-integrator, another seed, or noise.  So gains are tuned below the limits by a `GUARD`, and judged by the limits.
+integrator, another seed, or noise.  So gains are tuned below the limits by a `GUARD`, and judged by the
+limits.
 """
 
 from collections.abc import Callable, Mapping
@@ -41,13 +43,13 @@ GUARD: Mapping[str, float] = {
     "overshoot_percent": 0.10, "steady_error_percent": 0.10, "total_variation_V": 0.10, "Ms": 0.003,
     "Mt": 0.003,
 }  # fmt: skip
-"""Shares of the limits that gains are tuned below them by.  For the overshoot half a percentage point of five:
-it jumps, noise of the sensor moves it, and no set of cases holds the very worst; for the margins what the grid of
-frequencies leaves."""
+"""Shares of the limits that gains are tuned below them by.  For the overshoot half a percentage point of
+five: it jumps, noise of the sensor moves it, and no set of cases holds the very worst; for the margins what
+the grid of frequencies leaves."""
 
 SLACK = 0.85
-"""A case that leaves this share of the guard unused is not chased any further; the less is let go, the less gains
-hang on the seed of the search."""
+"""A case that leaves this share of the guard unused is not chased any further; the less is let go, the less
+gains hang on the seed of the search."""
 
 DEARER = 0.02
 """A case of the task is added where it costs more than the worst of the set by this share."""
@@ -75,8 +77,8 @@ Ended = Literal["no worse case found", "rounds used up", "no gains hold the grow
 
 @dataclass(frozen=True)
 class Round:
-    """One round: the tuning on the set so far, the largest excess over the limits, guard not counted, that was
-    found of its gains, by whom, in how many runs, and the cases that were added to the set."""
+    """One round: the tuning on the set so far, the largest excess over the limits, guard not counted, that
+    was found of its gains, by whom, in how many runs, and the cases that were added to the set."""
 
     tuning: Tuning
     excess: float
@@ -143,10 +145,11 @@ def tune_robustly(
 ) -> RobustTuning:
     """Gains of least worst cost that hold a requirement, as far as pool, search and fresh samples can tell.
 
-    two_dof: with a reference weight and a filter of the angle; begin: a tuning, such as of the PI, whose gains
-    and cases to begin with; starts: local searches of the last set, which show whether other valleys are as low; seed: of searches and
-    samples.  Ends where no worse case is found, after `rounds`, or where no gains in the region hold the
-    grown set: then the last tuning is the nearest.
+    two_dof: with a reference weight and a filter of the angle; begin: a tuning, such as of the PI, whose
+    gains and cases to begin with; starts: local searches of the last set, which show whether other valleys
+    are as low, beside a map of the region; neither where 0; seed: of searches and samples.  Ends where no
+    worse case is found, after `rounds`, or where no gains in the region hold the grown set: then the last
+    tuning is the nearest.
     """
     tell, region = progress or (lambda stage, share: None), region or Region()
     problem = requirement.problem(dict(GUARD), jobs)
@@ -157,13 +160,13 @@ def tune_robustly(
         return RobustTuning(requirement, (Round(nothing, 0.0, "pool", 0, ()),), "out of reach", None)
     pool = _pool(requirement)
     done: list[Round] = []
-    at = None if begin is None else begin.at
+    known: Evaluation | None = None if begin is None else begin.at
     fresh: Check | None = None
     ended: Ended = "rounds used up"
     for number in range(max(rounds, 1)):
         share = 1.0 - 0.8**number
         tell(f"round {number + 1}: gains", share)
-        at = here = _solved(problem, region, at, two_dof)
+        known = here = _solved(problem, region, known, two_dof)
         found = Tuning(problem, region, here, here, ())
         if not here.feasible[0]:
             ended = "no gains hold the grown set"
@@ -184,7 +187,8 @@ def tune_robustly(
     tell("map", 0.9)
     last = done[-1]
     law = plain if last.tuning.at.b is None else weighted(last.tuning.b, last.tuning.Tf)
-    done[-1] = replace(last, tuning=_with_evidence(last.tuning, law, starts))
+    if starts > 0:
+        done[-1] = replace(last, tuning=_with_evidence(last.tuning, law, starts))
     tell("done", 1.0)
     return RobustTuning(requirement, tuple(done), ended, fresh)
 
@@ -219,8 +223,8 @@ def _worse(
     jobs: int | None,
     tell: Callable[[str], None],
 ) -> tuple[Round, Check | None]:
-    """What breaks a limit of gains, its guard half counted, or costs more than the set: of the pool, else of a
-    search, else of fresh samples; the round, and the samples where they were asked."""
+    """What breaks a limit of gains, its guard half counted, or costs more than the set: of the pool, else
+    of a search, else of fresh samples; the round, and the samples where they were asked."""
     tell("pool")
     controller, half = found.controller, {n: SLACK * v for n, v in GUARD.items()}
     values = requirement.run(pool, controller, jobs=jobs)
@@ -235,7 +239,8 @@ def _worse(
     tell("search for the worst case")
     of = requirement.space.kind(pool)
     begin = np.hstack([
-        pool[:, of == k][:, Hunted(pool[:, of == k], at_pool.heights[of == k]).worst(4)] for k in np.unique(of)
+        pool[:, of == k][:, Hunted(pool[:, of == k], at_pool.heights[of == k]).worst(4)] for k in
+        np.unique(of)
     ])  # fmt: skip
     hunted = worst_of(requirement, controller, SEARCH, seed, begin, jobs, guard=half)
     added = _sequences(requirement, hunted, 0.0)
@@ -261,7 +266,8 @@ def _sequences(
 
 
 def _solved(problem: Problem, region: Region, known: Evaluation | None, two_dof: bool) -> Evaluation:
-    """The gains of least cost on a set, from those of the set before on; from a map where these lead to none."""
+    """The gains of least cost on a set, from those of the set before on; from a map where these lead to
+    none."""
     if known is not None:
         found = _near(problem, region, known, 1.15, two_dof)
         if found.feasible[0]:
@@ -327,8 +333,8 @@ def zoomed(
 def _better(problem: Problem, law: Law, Kp: Array, Ki: Array, best: Evaluation) -> Evaluation:
     """The best of gains (n,) and of the best known.
 
-    Where that holds every limit, most others are seen to be dearer, or to break one, on the few cases that are
-    the dearest and the nearest to a limit under it; only the rest are played on all, cheapest first.
+    Where that holds every limit, most others are seen to be dearer, or to break one, on the few cases that
+    are the dearest and the nearest to a limit under it; only the rest are played on all, cheapest first.
     """
     if not best.feasible[0]:
         return _best(join([best, evaluate_law(problem, law, Kp, Ki)]))

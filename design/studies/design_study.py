@@ -1,32 +1,36 @@
 """The whole way from campaigns to recommended controllers, as one value: what was found, and what is open.
 
-Per motion: trace the campaign, tune on the revised plant under the rig's whole requirement a PI and one with two
-degrees of freedom, recommend one, check it on fresh samples, search for its worst case, ask for proofs of exactly
-its gains, and price each guarantee.  Whoever shows a study (the command, a page) takes the value and computes
-nothing.
+Per motion: trace the campaign, tune on the revised plant under the rig's whole requirement a PI and one
+with two degrees of freedom, recommend one, check it on fresh samples, search for its worst case, ask for
+proofs of exactly its gains, and price each guarantee.  Whoever shows a study (the command, a page) takes the
+value and computes nothing.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from design.alternatives.designs import FORWARD_PI
+from design.alternatives.feedforward_design import design_feedforward
+from design.controllers.feedforward import FeedforwardPI
 from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
 from design.robustness.box import Box
 from design.robustness.checks import check, worst_found
-from design.robustness.requirement import Requirement, requirement
-from design.robustness.robust_tuning import GUARD, RobustTuning, tune_robustly
+from design.robustness.requirement import Requirement, requirement, requirement_record
+from design.robustness.robust_tuning import FRESH, GUARD, RobustTuning, tune_robustly
 from design.studies.limits_matrix import matrix, step_band
-from design.studies.prices import Tasks, longest_dead_time, price_rows
+from design.studies.prices import Tasks, price_rows
 from design.studies.proof import proof
 from design.studies.stages import Stages
-from design.synthesis.requirements import Limits
+from design.synthesis.requirements import Problem
 from design.synthesis.retune import in_sensor, without_sensor
 from design.synthesis.tuning import Region
+from plants.errors import InputError
 from plants.measured.campaign import Campaign
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.quantities import ParameterSet, dump, load
@@ -38,7 +42,7 @@ Tell = Callable[[str, float], None]
 PAYS = 0.05
 """A second degree of freedom is recommended where it lowers the worst cost by this share."""
 
-PLAIN, TWO_DOF = "PI", "2-DOF PI"
+PLAIN, TWO_DOF, FORWARD = "PI", "2-DOF PI", FORWARD_PI
 STAGES = ("trace", "tune", "check", "proof", "prices", "page")
 """Stages of a motion, in order; shares of the time that each takes."""
 
@@ -72,11 +76,11 @@ class Taken:
 
 @dataclass(frozen=True)
 class MotionDesign:
-    """What was found of a motion: the revised plant, what of it the loop was designed without, and the records of
-    the stages, of dictionaries, lists, numbers and text.
+    """What was found of a motion: the revised plant, what of it the loop was designed without, and the
+    records of the stages, of dictionaries, lists, numbers and text.
 
-    designs: of each controller its gains and tuning; recommended: which of them; evidence: fresh samples, worst
-    case, proof; prices: rows; matrix: limits by what they hold under; band: the steps that are drawn.
+    designs: of each controller its gains and tuning; recommended: which of them; evidence: fresh samples,
+    worst case, proof; prices: rows; matrix: limits by what they hold under; band: the steps that are drawn.
     """
 
     motion: str
@@ -99,7 +103,7 @@ class MotionDesign:
     @property
     def controller(self) -> PI:
         """The recommended controller."""
-        return law(Wrist.of(self.plant), self.gains)
+        return cast(PI, law(Wrist.of(self.plant), self.gains))
 
     @property
     def holds(self) -> bool:
@@ -123,8 +127,11 @@ class DesignStudy:
         return all(m.holds for m in self.motions)
 
 
-def law(wrist: Wrist, gains: Mapping[str, float]) -> PI:
-    """The controller with some gains: a plain PI where weight and filter are those of one."""
+def law(wrist: Wrist, gains: Mapping[str, float]) -> Any:
+    """The controller with some gains: a plain PI where weight and filter are those of one, with a feedforward
+    where they name its speed."""
+    if "speed" in gains:
+        return FeedforwardPI.of(wrist, speed=gains["speed"], Kp=gains["Kp"], Ki=gains["Ki"])
     if gains["b"] == 1.0 and gains["Tf"] == 0.0:
         return PI.of(wrist, gains["Kp"], gains["Ki"])
     return TwoDofPI.of(wrist, gains["Kp"], gains["Ki"], gains["b"], gains["Tf"])
@@ -139,8 +146,8 @@ def design_study(
     jobs: int | None = None,
     progress: Tell | None = None,
 ) -> DesignStudy:
-    """Design for campaigns, each with the set that its fit starts from; stages are kept in `folder`/stages, and
-    the revised plants as plant-MOTION.toml in `folder`.
+    """Design for campaigns, each with the set that its fit starts from; stages are kept in `folder`/stages,
+    and the revised plants as plant-MOTION.toml in `folder`.
 
     Raises InputError as trace and box do.
     """
@@ -169,16 +176,6 @@ def required_of(plant: ParameterSet, taken: Taken) -> Requirement:
     gone |= {"noise": 0.0, "quantum": 0.0} if taken.noise else {}
     found = replace(found, conditions=replace(found.conditions, **gone))
     return replace(found, box=Box(plant, ())) if taken.box else found
-
-
-def requirement_record(asked: Requirement) -> dict[str, Any]:
-    """A requirement for JSON, and for the key of a stage."""
-    return {
-        "limits": asked.limits.named, "box": {i.name: [i.low, i.high] for i in asked.box.intervals},
-        "dead_time_s": [0.0, asked.space.dead_time], "load": asked.space.load,
-        "noise": asked.conditions.noise, "resolution": asked.conditions.quantum,
-        "kinds": list(asked.space.kinds), "cost": asked.cost, "longest_dead_time_s": longest_dead_time(asked),
-    }  # fmt: skip
 
 
 def _at(stage: str, tell: Tell) -> Tell:
@@ -228,7 +225,7 @@ def _designed(
         f"tune-{motion}", asked, lambda: _tuned(required, effort, seed, jobs, _at("tune", tell))
     )
     relaxed = designs.pop("relaxed")
-    best = min(designs, key=lambda n: (not designs[n]["holds"], n == TWO_DOF))
+    best = min((PLAIN, TWO_DOF), key=lambda n: (not designs[n]["holds"], n == TWO_DOF))
     both = designs[PLAIN]["holds"] and designs[TWO_DOF]["holds"]
     if both and designs[TWO_DOF]["cost"] < (1.0 - PAYS) * designs[PLAIN]["cost"]:
         best = TWO_DOF
@@ -266,7 +263,7 @@ def _tuned(required: Requirement, effort: Effort, seed: int, jobs: int | None, t
     """Both controllers under the requirement; where neither holds it, what would have to be taken away."""
     region = Region(points=effort.points)
     plain = tune_robustly(
-        required, region, 1, seed, effort.rounds, jobs, lambda s, h: tell(f"{PLAIN}: {s}", 0.5 * h)
+        required, region, 0, seed, effort.rounds, jobs, lambda s, h: tell(f"{PLAIN}: {s}", 0.5 * h)
     )
     found = {PLAIN: _tuning_record(plain)}
     if plain.ended == "out of reach":
@@ -277,8 +274,32 @@ def _tuned(required: Requirement, effort: Effort, seed: int, jobs: int | None, t
             lambda s, h: tell(f"{TWO_DOF}: {s}", 0.5 + 0.5 * h), two_dof=True, begin=plain.final,
         )  # fmt: skip
         found[TWO_DOF] = _tuning_record(two)
-    holds = any(f["holds"] for f in found.values())
+        other = _forward(
+            required, plain.final.problem, seed, jobs, lambda s, h: tell(f"{FORWARD}: {s}", 0.98)
+        )
+        found |= {FORWARD: other} if other else {}
+    holds = any(f["holds"] for n, f in found.items() if n != FORWARD)
     return {**found, "relaxed": None if holds else _would_have_to_go(required, seed, jobs, tell)}
+
+
+def _forward(
+    required: Requirement, problem: Problem, seed: int, jobs: int | None, tell: Tell
+) -> dict[str, Any] | None:
+    """A PI with feedforward on the cases that the PI was tuned on, judged on fresh ones; None for a plant
+    that has no inverse."""
+    tell("design", 0.0)
+    try:
+        made = design_feedforward(problem, seed)
+    except (InputError, ValueError):
+        return None
+    c = made.controller
+    fresh = check(required, c, FRESH, 4000 + seed, jobs)
+    return {
+        "gains": {"Kp": float(c.Kp), "Ki": float(c.Ki), "speed": float(c.speed)},
+        "cost": float(made.at.cost[0]), "holds": not made.breaks and fresh.broken == 0,
+        "ended": f"{fresh.broken} of {fresh.total} fresh samples break a limit", "active": None,
+        "nearest": None, "cases": len(problem.adverse), "rounds": 1,
+    }  # fmt: skip
 
 
 def _would_have_to_go(required: Requirement, seed: int, jobs: int | None, tell: Tell) -> str | None:
@@ -350,7 +371,7 @@ def _priced(
         row = tasks.row(law(required.wrist, found["gains"]), jobs)
         own = {"guarantee": "worst case found", "controller": name, "gains": found["gains"]}
         rows.append({**own, "feasible": found["holds"], "own_worst_iae_deg_s": found["cost"], **row})
-    last = dict(rows[-1] if best == TWO_DOF else rows[-2])
+    last = next(dict(r) for r in reversed(rows) if r["controller"] == best)
     if proved["status"] == "proved":
         rows.append({**last, "guarantee": "proved"})
     else:

@@ -24,8 +24,8 @@ CONDITIONS = (
     "perturbed plants",
     "worst case found",
 )
-"""What limits are looked at under; each holds what the one before holds, and more, but for the last, which is the
-one case that a search found."""
+"""What limits are looked at under; each holds what the one before holds, and more, but for the last, which
+is the one case that a search found."""
 
 EVERY, SHOWN, SECONDS = 20, 400, 5.0
 """Samples between rows of the steps that are drawn, cases of their band, and how long [s] they are drawn."""
@@ -34,8 +34,8 @@ EVERY, SHOWN, SECONDS = 20, 400, 5.0
 def matrix(
     required: Requirement, controller: PI, evidence: Mapping[str, Any]
 ) -> list[dict[str, Any]]:  # fmt: skip
-    """A row a limit: its name, the limit, and the value under each of `CONDITIONS`; None where that is no matter
-    of it, as margins are of no single case."""
+    """A row a limit: its name, the limit, and the value under each of `CONDITIONS`; None where that is no
+    matter of it, as margins are of no single case."""
     late = required.space.dead_time
     calm, delayed = (_on_scenarios(required, controller, t) for t in (0.0, late))
     wrist = required.wrist
@@ -80,8 +80,8 @@ def _on_scenarios(required: Requirement, controller: PI, dead_time: float) -> di
 
 
 def step_band(required: Requirement, controller: PI, seed: int) -> dict[str, Any]:
-    """Steps from rest over time [s] in the direction of the step [deg]: least and largest angle of fresh cases,
-    the nominal plant's, and the same behind the longest dead time."""
+    """Steps from rest over time [s] in the direction of the step [deg]: least and largest angle of fresh
+    cases, the nominal plant's, and the same behind the longest dead time."""
     steps = replace(required, kinds=("step",))
     x = generator(3000 + seed, 0, CASES).random((steps.space.size, SHOWN))
     x = x[:, steps.space.reachable(x)]

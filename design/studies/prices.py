@@ -6,9 +6,10 @@
     worst case found     the whole requirement, as far as a search and samples can tell
     proved               those of them for which a certificate is found
 
-Every row is judged on the task's steps of the requirement: the same plants, memories, loads and dead times.  The
-ratio to the lower bound is that of the IAE on the nominal plant behind the longest dead time, known to the bound:
-a dead time adds at least itself to any settling time, and the whole step over it to any IAE.
+Every row is judged on the task's steps of the requirement: the same plants, memories, loads and dead
+times.  The ratio to the lower bound is that of the IAE on the nominal plant behind the longest dead time,
+known to the bound: a dead time adds at least itself to any settling time, and the whole step over it to any
+IAE.
 """
 
 from collections.abc import Callable
@@ -27,7 +28,6 @@ from design.margins import branch_responses
 from design.robustness.requirement import Requirement
 from design.synthesis.requirements import Problem, default_problem
 from design.synthesis.tuning import Region, tune
-from plants.effects.effect import dead_time_of
 from plants.errors import InputError
 from plants.simulation.disturbance import burdened
 
@@ -92,11 +92,6 @@ def _bounds(requirement: Requirement) -> dict[str, float] | None:
         return None
 
 
-def longest_dead_time(requirement: Requirement) -> float:
-    """The longest dead time [s] that a plant may have, its own included."""
-    return requirement.space.dead_time + float(dead_time_of(requirement.wrist.effects))
-
-
 def simpler(requirement: Requirement, jobs: int | None = None) -> dict[str, Problem]:
     """Tuning problems that ask for less than the requirement, by the guarantee that they give."""
     wrist, limits = requirement.wrist, requirement.limits
@@ -117,7 +112,8 @@ def simpler(requirement: Requirement, jobs: int | None = None) -> dict[str, Prob
 def price_rows(
     requirement: Requirement, jobs: int | None = None, progress: Tell | None = None
 ) -> list[dict[str, Any]]:
-    """Rows of the guarantees that are less than the whole requirement, each with the gains of its own tuning."""
+    """Rows of the guarantees that are less than the whole requirement, each with the gains of its own
+    tuning."""
     tell, tasks = progress or (lambda stage, share: None), Tasks.of(requirement)
     rows = []
     problems = simpler(requirement, jobs)

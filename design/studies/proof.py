@@ -13,8 +13,8 @@ from plants.wrist import Wrist
 
 
 def proof(wrist: Wrist, Kp: float, Ki: float, dead_time: float) -> dict[str, Any]:
-    """Whether the sampled loop behind a dead time [s] is proved to decay under gains, at which rate, and whether
-    the proof covers the task; beside it every rung.
+    """Whether the sampled loop behind a dead time [s] is proved to decay under gains, at which rate, and
+    whether the proof covers the task; beside it every rung.
 
     A reference weight changes no loop, so that what is proved of the gains holds whatever it is.  A proof for
     the loop in continuous time, or without the dead time, is in the list and does not count.

@@ -1,8 +1,9 @@
-"""Stages of a long study that are kept in a folder, so that one that was stopped goes on from what is finished.
+"""Stages of a long study that are kept in a folder, so that one that was stopped goes on from what is
+finished.
 
-A stage is a function of what it was asked; its result, dictionaries, lists, numbers and text, is kept as JSON
-under a key that is the hash of the question.  Another question, or another version of the workbench's stages, is
-another key, and the stage is done again.
+A stage is a function of what it was asked; its result, dictionaries, lists, numbers and text, is kept as
+JSON under a key that is the hash of the question.  Another question, or another version of the workbench's
+stages, is another key, and the stage is done again.
 """
 
 import hashlib

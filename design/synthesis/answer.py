@@ -58,7 +58,7 @@ class Answer:
 
 def answer(found: Tuning) -> Answer:
     """The answer of a tuning, whose gains are run once more on all scenarios."""
-    problem, at = found.problem, found.at
+    problem = found.problem
     judged = simulated(problem, found.controller, 1)
     plain = next(
         i
@@ -75,7 +75,8 @@ def answer(found: Tuning) -> Answer:
 
 
 def _everywhere(found: Tuning, values: Mapping[str, np.ndarray]) -> dict[str, float]:
-    """The worst of metrics over the scenarios and the adverse cases, IAE and ITAE of the task's steps alone."""
+    """The worst of metrics over the scenarios and the adverse cases, IAE and ITAE of the task's steps
+    alone."""
     worst = {n: float(np.max(v)) for n, v in values.items()}
     if found.problem.adverse:
         of_task = np.array([s.of_task for s in found.problem.adverse])

@@ -73,8 +73,8 @@ NOMINAL = replace(Limits(), delay_margin_s=None)
 """Limits for a rig without dead time, which no real one is."""
 
 SCREEN = 0.02
-"""Excess of a linear limit, as a share, up to which gains are simulated all the same: a search that comes from
-outside sees where it is heading."""
+"""Excess of a linear limit, as a share, up to which gains are simulated all the same: a search that comes
+from outside sees where it is heading."""
 
 ROUNDING = 1.0005
 """A tuned optimum lies on its limit; half a per mille keeps rounding from breaking it."""

@@ -26,11 +26,11 @@ def write(
 ) -> Path:
     """Write gains, complete or not at all, and return where: the path, ending in .toml, made absolute.
 
-    gains: Kp [kPa/deg] and Ki [kPa/(deg s)], and where they are not those of a plain PI the reference weight
-    b [1] and the time constant Tf [s] of the filter of the angle.  tuned_on: what TOML holds, by name, that says of which
-    plant the gains are; for people, no command reads it.  mine: files that may be replaced.  Raises
-    InputError for a path without a name, for another file that is there already, and for a place that
-    cannot be written to.
+    gains: Kp [kPa/deg] and Ki [kPa/(deg s)], and where they are not those of a plain PI the reference
+    weight b [1] and the time constant Tf [s] of the filter of the angle.  tuned_on: what TOML holds, by
+    name, that says of which plant the gains are; for people, no command reads it.  mine: files that may be
+    replaced.  Raises InputError for a path without a name, for another file that is there already, and for a
+    place that cannot be written to.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -64,7 +64,8 @@ def _place(text: str) -> Path:
 
 
 def read_more(path: str | Path) -> tuple[float, float]:
-    """Reference weight b [1] and filter Tf [s] of a TOML file; 1 and 0, those of a plain PI, where it has none.
+    """Reference weight b [1] and filter Tf [s] of a TOML file; 1 and 0, those of a plain PI, where it has
+    none.
 
     Raises InputError as `read`.
     """

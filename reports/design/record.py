@@ -38,9 +38,10 @@ def _recommended(m: MotionDesign) -> dict[str, Any]:
         "left_out": list(m.left_out),
         "would_have_to_go": m.relaxed,
         "evidence": {
-            "samples": {n: samples[n] for n in ("broken", "total", "upper_bound", "out_of_reach")}
-            | {"worst_iae_deg_s": samples["worst_iae_deg_s"], "worst_settling_s": samples["worst_settling_s"]},
-            "worst_case": {n: worst[n] for n in ("runs", "broken", "overshoot_percent", "excess", "excess_of",
+            "samples": {n: samples[n] for n in ("broken", "total", "upper_bound", "out_of_reach")} |
+            {"worst_iae_deg_s": samples["worst_iae_deg_s"], "worst_settling_s":
+            samples["worst_settling_s"]}, "worst_case": {n: worst[n] for n in ("runs", "broken",
+            "overshoot_percent", "excess", "excess_of",
                                                  "scenario", "worst_iae_deg_s")},
             "proved": {n: proved[n] for n in ("status", "rate_1_s", "dead_time_s", "covers_task", "rungs")},
         },

@@ -69,7 +69,7 @@ def price_table(study: DesignStudy) -> Table:
             over = r["worst_overshoot_percent"]
             rows.append(
                 row(
-                    r["guarantee"], r["controller"], *(number(gains[n]) for n in ("Kp", "Ki", "b")),
+                    r["guarantee"], r["controller"], *(number(gains.get(n)) for n in ("Kp", "Ki", "b")),
                     number(r["worst_iae_deg_s"]), number(r["worst_settling_s"]),
                     Cell(number(over), broken=over is not None and over > limit),
                     number(r["ratio_to_bound"]) if r["gains"] else "open",

@@ -33,11 +33,11 @@ def summary(study: DesignStudy) -> list[str]:
         first = f"These gains hold every limit in {samples} fresh samples and in {runs} runs of a search."
     else:
         first = (
-            f"No gains found hold every limit: {broken} of {samples + runs} runs break one under the nearest."
+            f"No gains found hold every limit: the nearest break one in {broken} of {samples + runs} runs."
         )
     late = max(r["longest_dead_time_s"] for r in study.requirements.values())
     second = (
-        f"Dead time up to {number(1000 * late)} ms, every memory, load, noise and plant of the box are included."
+        f"Dead time up to {number(1000 * late)} ms, every memory, load, noise and plant of the box are in."
         if late
         else "Every memory, load, noise and plant of the box are included; no dead time is."
     )
@@ -93,8 +93,8 @@ def remarks(study: DesignStudy) -> list[str]:
     """What a reader has to know beside."""
     share = 100 * study.guard["overshoot_percent"]
     found = [
-        f"Gains are tuned {number(share)} % below the limit on overshoot, which jumps from one case to the next, and "
-        "judged by the limit itself. A search that finds nothing is no proof that there is nothing."
+        f"Gains are tuned {number(share)} % below the limit on overshoot, which jumps from one case to the "
+        "next, and judged by the limit itself. A search that finds nothing is no proof that there is nothing."
     ]
     found += [
         f"{m.motion}: designed without {listed(list(m.left_out))}, which sits in the sensor."
@@ -108,17 +108,17 @@ def step_caption(study: DesignStudy) -> str:
     """Beneath the steps."""
     band = study.motions[0].band
     return (
-        f"Steps of {number(band['step'])} deg from rest under the recommended gains, in the direction of the step. Band: "
-        f"least and largest angle of {band['cases']} fresh cases; lines: the plant as fitted, without and with "
-        f"{number(1000 * band['dead_time_s'])} ms of dead time more."
+        f"Steps of {number(band['step'])} deg from rest under the recommended gains, in the direction of the "
+        f"step. Band: least and largest angle of {band['cases']} fresh cases; lines: the plant as fitted, "
+        f"without and with {number(1000 * band['dead_time_s'])} ms of dead time more."
     )
 
 
 def price_caption(study: DesignStudy) -> str:
     """Beneath the prices."""
     return (
-        "Worst IAE of the task's steps, the same for every bar: every plant of the box, memory, load and dead time. "
-        "Gains that were tuned for less are faster here and break limits in other cases."
+        "Worst IAE of the task's steps, the same for every bar: every plant of the box, memory, load and "
+        "dead time. Gains that were tuned for less are faster here and break limits in other cases."
     )
 
 

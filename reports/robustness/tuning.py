@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from design.robustness.requirement import Requirement
+from design.robustness.requirement import Requirement, requirement_record
 from design.robustness.robust_tuning import GUARD, RobustTuning
 from design.synthesis.answer import refusal
 from reports.shared.tuning import refused
@@ -15,8 +15,8 @@ def lines(found: RobustTuning) -> list[str]:
         if r.runs:
             said.append(
                 f"round {number}: Kp = {r.tuning.Kp:.4g} kPa/deg, Ki = {r.tuning.Ki:.4g} kPa/(deg s) on "
-                f"{len(r.tuning.problem.adverse)} cases; {_excess_words(r.excess)} in {r.runs} runs of the {r.by}, "
-                f"{len(r.added)} cases added"
+                f"{len(r.tuning.problem.adverse)} cases; {_excess_words(r.excess)} in {r.runs} runs of the "
+                f"{r.by}, {len(r.added)} cases added"
             )
     said.append(f"ended after {len(found.rounds)} rounds: {found.ended}")
     if found.fresh is not None and found.holds:
@@ -25,8 +25,8 @@ def lines(found: RobustTuning) -> list[str]:
             f"{100 * found.fresh.upper_bound:.2g} % at 95 % confidence)"
         )
         said.append(
-            f"tuned to {100 * (1 - GUARD['overshoot_percent']):.0f} % of the limit on overshoot, which jumps; "
-            "judged by the limit itself"
+            f"tuned to {100 * (1 - GUARD['overshoot_percent']):.0f} % of the limit on overshoot, which "
+            "jumps; judged by the limit itself"
         )
     return said
 
@@ -41,23 +41,10 @@ def requirement_words(asked: Requirement) -> str:
         late = "the dead time that was found"
     unit = rig.units.angle
     return (
-        f"required on {len(asked.box.intervals)} uncertain parameters, {late}, load up to {asked.space.load:g} {unit}, "
-        f"noise {c.noise:g} {unit}, resolution {c.quantum:g} {unit}: {', '.join(asked.space.kinds)} cases"
+        f"required on {len(asked.box.intervals)} uncertain parameters, {late}, load up to "
+        f"{asked.space.load:g} {unit}, noise {c.noise:g} {unit}, resolution {c.quantum:g} {unit}: "
+        f"{', '.join(asked.space.kinds)} cases"
     )
-
-
-def requirement_record(asked: Requirement) -> dict[str, Any]:
-    """The requirement for JSON."""
-    return {
-        "limits": asked.limits.named,
-        "box": {i.name: [i.low, i.high] for i in asked.box.intervals},
-        "dead_time_s": [0.0, asked.space.dead_time],
-        "load": asked.space.load,
-        "noise": asked.conditions.noise,
-        "resolution": asked.conditions.quantum,
-        "kinds": list(asked.space.kinds),
-        "cost": asked.cost,
-    }
 
 
 def _excess_words(excess: float) -> str:

@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 
 NAME = "design"
 HELP = (
-    "Design for measured rigs, all the way: fit, trace, tune under everything that the rig may do, check on fresh "
-    "cases, search for the worst, ask for proofs, price each guarantee, export C; one page, one JSON. Goes on "
-    "from what is finished after Ctrl-C."
+    "Design for measured rigs, all the way: fit, trace, tune under everything that the rig may do, check on "
+    "fresh cases, search for the worst, ask for proofs, price each guarantee, export C; one page, one JSON. "
+    "Goes on from what is finished after Ctrl-C."
 )
 EXAMPLE = "Example: wrist design plants/measured/examples/flexion --out build/design"
 

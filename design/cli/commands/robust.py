@@ -159,8 +159,8 @@ def intervals(texts: list[str]) -> dict[str, tuple[float, float]]:
 
 
 def controller(gains: str, wrist: "Wrist") -> "PI":
-    """The PI of ``--gains``, with the reference weight of a file that has one; raises InputError for gains that
-    are not both above zero, and for a filter of the angle."""
+    """The PI of ``--gains``, with the reference weight of a file that has one; raises InputError for gains
+    that are not both above zero, and for a filter of the angle."""
     from design.controllers.pi import PI
     from design.controllers.pi_two_dof import TwoDofPI
     from design.tuner.gains_file import read_more

@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 
 NAME = "tune"
 HELP = (
-    "Tune the PI: least worst cost under limits that hold for all that the rig may do: every plant in its box, "
-    "dead time, starting memory, load, noise and order of references."
+    "Tune the PI: least worst cost under limits that hold for all that the rig may do: every plant in its "
+    "box, dead time, starting memory, load, noise and order of references."
 )
 EXAMPLE = "Example: wrist tune --axis flexion --out build/tune"
 
@@ -51,9 +51,7 @@ def command(
     ] = "iae",
     two_dof: Annotated[
         bool,
-        typer.Option(
-            "--two-dof", help="With a reference weight b and a filter Tf of the angle beside the gains."
-        ),
+        typer.Option("--two-dof", help="With a reference weight b and a filter Tf of the angle as well."),
     ] = False,
     nominal: Annotated[
         bool,
@@ -65,7 +63,7 @@ def command(
         bool,
         typer.Option(
             "--plain",
-            help="Only steps from every memory on the plant and eight corners of it: no dead time, no search.",
+            help="Only steps from every memory on the plant and its corners: no dead time, no search.",
         ),
     ] = False,
     no_dead_time: Annotated[

@@ -174,10 +174,11 @@ def worst_case(
 ) -> Worst:
     """The worst that was found of a controller of any kind in a box, in `budget` runs.
 
-    objective: ``excess``, after which, where no limit is found broken, ``cost`` is searched for with
-    a budget of its own; or ``cost`` alone.  dead_time [s]: up to so much beside the plant's own;
-    load [deg]: a constant one of up to so much to either side; steps: references of a sequence;
-    duration [s]: for which the last step is judged; kinds: of cases, see `search_space`.  The same for a seed whatever the number of threads.
+    objective: ``excess``, after which, where no limit is found broken, ``cost`` is searched for with a
+    budget of its own; or ``cost`` alone.  dead_time [s]: up to so much beside the plant's own; load [deg]: a
+    constant one of up to so much to either side; steps: references of a sequence; duration [s]: for which
+    the last step is judged; kinds: of cases, see `search_space`.  The same for a seed whatever the number of
+    threads.
 
     First differential evolution (Storn and Price 1997, doi 10.1023/A:1008202821328), a generation at
     a time in vector lanes, half of it begun at corners of the box; then Nelder-Mead with the

@@ -1,4 +1,5 @@
-"""A search for the worst place of a space in batches: what a search by single runs finds, in a tenth of the time.
+"""A search for the worst place of a space in batches: what a search by single runs finds, in a tenth of the
+time.
 
 An evolution strategy with a few islands: each begins at one of the worst places known, draws its lanes around
 its best with steps of every size at once, and keeps what is worse.  Vector units fill with the lanes of all
@@ -49,12 +50,13 @@ def hunt(
     corners: int = 0,
     kind: Callable[[Array], NDArray[np.intp]] | None = None,
 ) -> Hunted:
-    """Places of greatest height that were found in about `budget` tries, from those of `begin`, (size, n), on.
+    """Places of greatest height that were found in about `budget` tries, from those of `begin`, (size, n),
+    on.
 
     height: of places (size, lanes), minus infinity for those that do not count; corners: the first so many
-    coordinates are those of a box, of which half of the fresh places are corners; kind: of places (size, lanes),
-    which are searched apart in the first half, so that one kind that is bad at once does not hide another that
-    is worse in the end.
+    coordinates are those of a box, of which half of the fresh places are corners; kind: of places (size,
+    lanes), which are searched apart in the first half, so that one kind that is bad at once does not hide
+    another that is worse in the end.
     """
     rng = np.random.default_rng(seed)
     size = begin.shape[0]
@@ -98,8 +100,8 @@ def _islands(known: Hunted, kind: Callable[[Array], NDArray[np.intp]] | None) ->
 
 
 def _steps(rng: np.random.Generator, origin: Array) -> Array:
-    """Places a step away from others: of every size, in about half of the coordinates, now and then to the end
-    of one, where worst cases often are."""
+    """Places a step away from others: of every size, in about half of the coordinates, now and then to the
+    end of one, where worst cases often are."""
     size, lanes = origin.shape
     step = rng.choice(STEPS, (1, lanes)) * rng.standard_normal((size, lanes))
     step[rng.random(step.shape) < AGAIN] = 0.0

@@ -7,7 +7,7 @@ load where they are searched; and, where a space has several `kinds` of cases, w
 
     sequence   as above
     step       the task's step from rest, either way
-    return     the task's step, held within `HOLD` and so often not settled, then back to 0 or on to its mirror
+    return     the task's step, held within `HOLD`, so often not settled, then back to 0 or to its mirror
     load       at rest at the task's step, either way, when the load comes
 """
 
