@@ -3,7 +3,10 @@ PYTHON ?= python3
 BIN := .venv/bin
 ENV := .venv/.installed
 
-.PHONY: compare test suite bounds fuzz mutants bench lint notebooks api env clean
+.PHONY: design compare test suite bounds fuzz mutants bench lint notebooks api env clean
+
+design: $(ENV)
+	$(BIN)/wrist design plants/measured/examples/flexion plants/measured/examples/deviation --out build/design
 
 compare: $(ENV)
 	$(BIN)/wrist compare --example --samples 0 --mpc-plants 0 --out build/compare

@@ -6,9 +6,9 @@ pair of gains is then a product, so that a whole map of gains costs little more
 than one point.  Dead time of the plant is part of its response.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,16 +39,38 @@ class BranchResponse:
 class Margins:
     """Margins of loops with one or many PIs, each field of the shape of the gains.
 
-    Ms: largest magnitude of the sensitivity, infinite for an unstable loop.
+    Ms, Mt: largest magnitude of the sensitivity and of the complementary sensitivity, infinite for an
+    unstable loop.
     delay_margin_s: smallest extra dead time that makes the loop unstable; zero
     for an unstable loop, infinite where the loop gain never crosses one.
-    Ms_at, delay_at: index into ``branch_responses`` of the branch that decides.
+    Ms_at, delay_at, Mt_at: index into ``branch_responses`` of the branch that decides.
     """
 
     Ms: Array
     delay_margin_s: Array
     Ms_at: NDArray[np.intp]
     delay_at: NDArray[np.intp]
+    Mt: Array
+    Mt_at: NDArray[np.intp]
+
+
+class FeedbackLaw(Protocol):
+    """A controller whose loop is closed by a linear law on the angle."""
+
+    @property
+    def Kp(self) -> Any:
+        """Proportional gain [kPa/deg], a float or an array."""
+        ...
+
+    @property
+    def Ki(self) -> Any:
+        """Integral gain [kPa/(deg s)], likewise."""
+        ...
+
+    @property
+    def gain(self) -> Any:
+        """What it knows of the regulator [kPa/V]."""
+        ...
 
 
 def branch_responses(wrist: Wrist, points: int = 800) -> list[BranchResponse]:
@@ -72,30 +94,49 @@ def branch_responses(wrist: Wrist, points: int = 800) -> list[BranchResponse]:
     return found
 
 
-def margins(branches: list[BranchResponse], controller: PI) -> Margins:
-    """Margins of a PI whose gains are floats or arrays, the worst over the branches given."""
-    Kp, Ki = (np.ravel(np.asarray(k, float)) for k in np.broadcast_arrays(controller.Kp, controller.Ki))
-    sensitivity, delay = np.empty((len(branches), Kp.size)), np.empty((len(branches), Kp.size))
+def margins(branches: Sequence[BranchResponse], controller: FeedbackLaw) -> Margins:
+    """Margins of a PI, with or without a filter of the angle (`Tf`), whose gains are floats or arrays; the
+    worst over the branches given."""
+    filtered = getattr(controller, "Tf", 0.0)
+    Kp, Ki, Tf = (
+        np.ravel(np.asarray(k, float)) for k in np.broadcast_arrays(controller.Kp, controller.Ki, filtered)
+    )
+    plain = not np.any(Tf)
+    sensitivity, complement, delay = np.empty((3, len(branches), Kp.size))
     stable = np.empty((len(branches), Kp.size), bool)
     for i, branch in enumerate(branches):
         z = np.exp(1j * branch.omega * branch.dt)
         for piece in np.array_split(np.arange(Kp.size), -(-Kp.size // 256)):  # bounds the memory
             c = Kp[piece, None] + Ki[piece, None] * (branch.dt / (z - 1.0))
             loop = c * (branch.response / controller.gain)
-            sensitivity[i, piece] = 1.0 / _least(np.abs(1.0 + loop))
+            if not plain:
+                loop = loop * filter_response(z, Tf[piece, None], branch.dt)
+            turned = np.abs(1.0 + loop)
+            sensitivity[i, piece] = 1.0 / _least(turned)
+            complement[i, piece] = 1.0 / _least(turned / np.maximum(np.abs(loop), 1e-300))
             delay[i, piece] = _delay_margin(branch.omega, loop)
-            if branch.a is None:
+            if branch.a is None or not plain:
                 stable[i, piece] = winds_not(loop) & (Ki[piece] > 0.0)
-        if branch.a is not None:
+        if branch.a is not None and plain:
             stable[i] = _stable(branch, Kp / controller.gain, Ki / controller.gain)
-    sensitivity[~stable], delay[~stable] = np.inf, 0.0
-    shape = np.broadcast(controller.Kp, controller.Ki).shape
+    complement = np.where(Ki > 0.0, np.maximum(complement, 1.0), complement)  # T is 1 at zero frequency
+    sensitivity[~stable], complement[~stable], delay[~stable] = np.inf, np.inf, 0.0
+    shape = np.broadcast(controller.Kp, controller.Ki, filtered).shape
     return Margins(
         sensitivity.max(axis=0).reshape(shape),
         delay.min(axis=0).reshape(shape),
         sensitivity.argmax(axis=0).reshape(shape),
         delay.argmin(axis=0).reshape(shape),
+        complement.max(axis=0).reshape(shape),
+        complement.argmax(axis=0).reshape(shape),
     )
+
+
+def filter_response(z: NDArray[np.complex128], Tf: Array, dt: float) -> NDArray[np.complex128]:
+    """Frequency response of the first-order filter of the angle, time constant Tf [s], at points
+    z = exp(j omega dt); it acts without a delay on the sample it is given."""
+    keep = np.where(Tf > 0.0, np.exp(-dt / np.where(Tf > 0.0, Tf, 1.0)), 0.0)
+    return np.asarray((1.0 - keep) * z / (z - keep), complex)
 
 
 def _least(rows: Array) -> Array:

@@ -55,14 +55,19 @@ class StepTask:
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Shares by which parameters that nobody measured may differ: width of the loop, all its slopes together,
-    lag of the joint, rates of the regulator; dead time [s] beside what was found, least and most."""
+    """Shares by which parameters that nobody measured may differ: width of the loop, all its slopes
+    together, lag of the joint, rates of the regulator; dead time [s] beside what was found, least and most;
+    load, a shift of the static angle to either side, noise of the sensor (standard deviation), resolution
+    of the sensor [angle], each 0 where the file does not name it."""
 
     width: float
     slope: float
     lag: float
     rates: float
     dead_time: tuple[float, float]
+    load: float = 0.0
+    noise: float = 0.0
+    resolution: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -100,7 +105,8 @@ class Rig:
             "limits": dict(self.limits),
             "uncertainty": {
                 "width": u.width, "slope": u.slope, "lag": u.lag, "rates": u.rates,
-                "dead_time_s": list(u.dead_time),
+                "dead_time_s": list(u.dead_time), "load": u.load, "noise": u.noise,
+                "resolution": u.resolution,
             },
         }  # fmt: skip
 
@@ -159,10 +165,12 @@ def parse_rig(table: Mapping[str, Any], where: str) -> Rig:
         limits,
         Uncertainty(
             of.share(sure, "width"), of.share(sure, "slope"), of.share(sure, "lag"), of.share(sure, "rates"),
-            of.pair(sure, "dead_time_s", True),
+            of.pair(sure, "dead_time_s", True), *(of.not_negative(sure, n) for n in _DISTURBANCES),
         ),
     )  # fmt: skip
 
+
+_DISTURBANCES = ("load", "noise", "resolution")
 
 _TABLES: dict[str, tuple[str, ...]] = {
     "units": ("command", "pressure", "angle"),
@@ -170,6 +178,9 @@ _TABLES: dict[str, tuple[str, ...]] = {
     "pressure": ("range",),
     "time": ("loop_s", "log_s"),
     "task": ("step", "band", "duration_s", "hold_s", "reaction"),
-    "limits": ("overshoot_percent", "Ms", "delay_margin_s", "total_variation_V", "steady_error_percent"),
-    "uncertainty": ("width", "slope", "lag", "rates", "dead_time_s"),
-}
+    "limits": (
+        "overshoot_percent", "Ms", "delay_margin_s", "total_variation_V", "steady_error_percent", "Mt",
+        "settling_time_s",
+    ),
+    "uncertainty": ("width", "slope", "lag", "rates", "dead_time_s", *_DISTURBANCES),
+}  # fmt: skip

@@ -135,6 +135,13 @@ class Reader:
             raise InputError(f"{self.where}: {key} = {found:g} must be positive")
         return found
 
+    def not_negative(self, table: Mapping[str, Any], key: str) -> float:
+        """A number that is not below 0, 0 where there is none; raises InputError for another."""
+        found = self.number(table.get(key, 0.0), key)
+        if found < 0.0:
+            raise InputError(f"{self.where}: {key} = {found:g} must not be negative")
+        return found
+
     def share(self, table: Mapping[str, Any], key: str) -> float:
         """A number from 0 to below 1; raises InputError for another."""
         found = self.number(table.get(key), key)

@@ -115,6 +115,7 @@ def judge(problem: Problem, controllers: Sequence[LQI], noise_limit: float | Non
     values = {name: v.max(axis=1) for name, v in of_run.items()}
     values |= {
         "Ms": np.array([float(x.Ms) for x in linear]),
+        "Mt": np.array([float(x.Mt) for x in linear]),
         "delay_margin_s": np.array([float(x.delay_margin_s) for x in linear]),
         "noise_gain": np.array([x.noise_gain for x in broken]),
     }

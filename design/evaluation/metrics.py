@@ -27,10 +27,12 @@ class Step(NamedTuple):
 
 
 class Window(NamedTuple):
-    """Samples that are judged: the first of them, and how many."""
+    """Samples that are judged: the first of them, and how many; where the band is that of a task's step, and
+    not of the step that begins there, 1 / that step [1/deg]."""
 
     begins: Number
     lasts: Number
+    per_step: Any = ()
 
 
 class Stairs(NamedTuple):
@@ -120,11 +122,12 @@ class Yardstick(NamedTuple):
             if not self.step:
                 fresh = since == 0.0
                 step = Step(
-                    np.where(fresh, angle, step.start),
-                    np.where(fresh, 1.0 / (asked.reference - angle), step.per_step),
+                    np.where(fresh, angle, step.start), np.where(fresh, self._per_step(error), step.per_step)
                 )
             of = self.step or step
             response, distance = (angle - of.start) * of.per_step, error * of.per_step
+            if self.window and not isinstance(self.window.per_step, tuple):
+                distance = error * self.window.per_step
         peak = np.maximum(t.peak, response)
         outside = t.outside
         if self.stairs:
@@ -145,6 +148,14 @@ class Yardstick(NamedTuple):
             step,
             stairs,
         )
+
+    def _per_step(self, size: Number) -> Number:
+        """What a step under way is normalised by; one within the task's band is none, and told in shares of
+        the task's."""
+        if isinstance(self.window.per_step, tuple):
+            return 1.0 / size
+        least = np.abs(size) * self.window.per_step > SETTLING_BAND
+        return np.where(least, 1.0 / np.where(least, size, 1.0), self.window.per_step)
 
     def _next_stair(self, t: Tally, fresh: Number, travel: Number) -> StairTally:
         """The stairs' tally with one more sample, the first of a stair where `fresh`; travel: of the pressure
@@ -195,10 +206,12 @@ def of_step(start: Number, reference: Number, dt: float = SAMPLE_TIME) -> Yardst
     return Yardstick(dt, Step(start, np.divide(1.0, size, out=np.zeros_like(size), where=size != 0.0)[()]))
 
 
-def of_step_under_way(begins: Number, lasts: Number, dt: float = SAMPLE_TIME) -> Yardstick:
+def of_step_under_way(
+    begins: Number, lasts: Number, dt: float = SAMPLE_TIME, task: Number | None = None
+) -> Yardstick:
     """The judge of a step that begins at a sample, from where the joint then is, and lasts for so many, `dt`
-    [s] apart."""
-    return Yardstick(dt, window=Window(begins, lasts))
+    [s] apart; task [deg]: the step whose band it settles in, its own where not given."""
+    return Yardstick(dt, window=Window(begins, lasts, () if task is None else 1.0 / task))
 
 
 def of_stairs(step: float, begins: Number, lasts: Number, dt: float = SAMPLE_TIME) -> Yardstick:

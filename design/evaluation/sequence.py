@@ -16,13 +16,20 @@ from design.evaluation import metrics, runner
 from design.evaluation.metrics import Metrics
 from plants.kernel import pytrees as tree
 from plants.simulation.closed_loop import Trajectory
-from plants.simulation.disturbance import at_rest, burdened
+from plants.simulation.disturbance import BEFORE, at_rest, burdened
 from plants.simulation.periodic import Periodic
 from plants.simulation.reference_profile import ReferenceProfile
+from plants.simulation.sensor import PERFECT, Sensor
 from plants.wrist import Start, State, Wrist
 
 Number = Any
 Array = NDArray[np.float64]
+
+CALM = (3.0, 5.0)
+"""How long [s] the reference before the last is held, shortest and longest, where the last step is to begin
+calmly.  A step that begins in full motion overshoots by what the wrist has of it, under any gains: 150 % of a
+step of 5 deg were found where it might begin after 0.3 s.  What is left after 3 s is the slow end of the
+motion, and memory."""
 
 SMALLEST = 1.0 / 3.0
 """What is judged relative to a step is so to one of at least this share of the task's: a reference that is
@@ -35,8 +42,9 @@ class Sequence:
 
     references [deg], each held for so many seconds of `holds`, of which the last is the time for
     which the last step is judged; dead_time [s]: beside the wrist's own; load [deg]: constant shift
-    of the static angle, there from before the run; plant: in words which wrist it is.  With a load
-    the virgin wrist starts where the load puts it.  Raises ValueError for references without times.
+    of the static angle, there from load_at [s] on, before the run where that is negative; plant: in words
+    which wrist it is.  With a load the virgin wrist starts where the load puts it.  Raises ValueError for
+    references without times.
     """
 
     start: Start
@@ -47,10 +55,20 @@ class Sequence:
     dead_time: float = 0.0
     load: float = 0.0
     plant: str = "nominal"
+    load_at: float = BEFORE
 
     def __post_init__(self) -> None:
         if not self.references or len(self.references) != len(self.holds):
             raise ValueError("a sequence needs references, and as many times to hold them")
+
+    @property
+    def of_task(self) -> bool:
+        """Whether the step that is judged is the task's: of its size, between 0 and that, begun calmly and
+        not a mere load."""
+        before = (self.angle, *self.references)[-2]
+        ends = {abs(before), abs(self.references[-1])}
+        calm = len(self.references) == 1 or self.holds[-2] >= CALM[0]
+        return ends == {0.0, self.wrist.rig.task.step} and calm and self.load_at < 0.0
 
     @property
     def name(self) -> str:
@@ -60,6 +78,7 @@ class Sequence:
         steps[-1] = f"{self.references[-1]:+.3g} deg"
         more = f", {1000 * self.dead_time:.3g} ms of dead time" if self.dead_time else ""
         more += f", load {self.load:+.3g} deg" if self.load else ""
+        more += f" after {self.load_at:.3g} s" if self.load and self.load_at >= 0.0 else ""
         return f"{', '.join(steps)} from {self.start}, {self.plant} plant{more}"
 
 
@@ -93,16 +112,17 @@ class PlayedSequence:
         """What limits and cost are held against, by name, each (lanes,).
 
         A step of the rig's task is what the limits and the tuning set are made for, so
-        others are put on its footing: overshoot and steady error in percent of the step, of one of
-        `SMALLEST` at least; total variation of the command of a larger step as if scaled down to it (a
-        smaller one must travel for the play of the loop all the same, and is not scaled up); IAE and
-        ITAE per degree of a step of `SMALLEST` at least, times that step.
+        others are put on its footing: overshoot in percent of the step, of one of `SMALLEST` at least;
+        steady error in percent of the task's step, since how exactly an angle is held is a matter of
+        degrees; total variation of the command of a larger step as if scaled
+        down to it (a smaller one must travel for the play of the loop all the same, and is not scaled up);
+        IAE and ITAE per degree of a step of `SMALLEST` at least, times that step.
         """
         smallest = SMALLEST * self.step
         m, size = self.metrics, np.maximum(self.size, smallest)
         return {
             "overshoot_percent": np.nan_to_num(m.overshoot_percent * np.minimum(self.size / smallest, 1.0)),
-            "steady_error_percent": 100.0 * m.steady_state_error_deg / size,
+            "steady_error_percent": 100.0 * m.steady_state_error_deg / self.step,
             "total_variation_V": m.total_variation_V * np.minimum(self.step / size, 1.0),
             "iae_deg_s": m.iae_deg_s * self.step / size,
             "itae_deg_s2": m.itae_deg_s2 * self.step / size,
@@ -118,16 +138,18 @@ def batch(
     holds: Array,
     dead_time: Number | None = None,
     load: Number | None = None,
+    load_at: Number = BEFORE,
 ) -> Batch:
     """Sequences as lanes: wrist with lanes or floats, a start for each lane, angles [deg] (lanes,),
-    references [deg] and holds [s] (k, lanes); dead time [s] and load [deg] None where there is none."""
+    references [deg] and holds [s] (k, lanes); dead time [s] and load [deg], there from load_at [s] on, None
+    where there is none."""
     given = list(starts)
-    loaded = burdened(wrist, dead_time, load)
+    loaded = burdened(wrist, dead_time, load, load_at)
     angle = np.broadcast_to(np.asarray(angle, float), (len(given),))
     found: list[Any] = [np.empty(len(given)) for _ in tree.leaves(loaded.rest())]
     for start in dict.fromkeys(given):
         here = np.array([g == start for g in given])
-        state = at_rest(wrist, start, np.where(here, angle, 0.0), dead_time, load)
+        state = at_rest(wrist, start, np.where(here, angle, 0.0), dead_time, load, load_at)
         for into, leaf in zip(found, tree.leaves(state), strict=True):
             into[here] = np.broadcast_to(leaf, here.shape)[here]
     ends = np.round(np.cumsum(np.asarray(holds, float), axis=0) / wrist.rig.sample_time)
@@ -149,10 +171,11 @@ def stack(sequences: Iterable[Sequence]) -> Batch:
     holds = np.array([(0.0,) * n + s.holds for s, n in zip(given, pad, strict=True)]).T
     values = [s.wrist.values for s in given]
     wrist = given[0].wrist.made_of({n: np.array([v[n] for v in values], float) for n in values[0]})
-    dead_time, load = (np.array([getattr(s, n) for s in given], float) for n in ("dead_time", "load"))
+    names = ("dead_time", "load", "load_at")
+    dead_time, load, load_at = (np.array([getattr(s, n) for s in given], float) for n in names)
     return batch(
         wrist, [s.start for s in given], np.array([s.angle for s in given], float), references, holds,
-        dead_time if dead_time.any() else None, load if load.any() else None,
+        dead_time if dead_time.any() else None, load if load.any() else None, load_at,
     )  # fmt: skip
 
 
@@ -175,10 +198,15 @@ def play(
     controller: Controller | Periodic,
     record: bool = False,
     jobs: int | None = None,
+    sensor: Sensor = PERFECT,
+    noise: Array | None = None,
+    task_band: bool = False,
 ) -> PlayedSequence:
     """Run sequences in the closed loop, all at once, one a lane; gains may be arrays of lanes.
 
-    The controller holds the start.  The last step is judged by the true angle, from where it begins.
+    The controller holds the start.  The last step is judged by the true angle, from where it begins;
+    task_band: it settles in the band of the task's step instead of its own.  sensor, noise: as
+    `design.evaluation.runner.Lanes`.
 
     >>> from plants import Wrist
     >>> from design.controllers.pi import PI
@@ -189,18 +217,22 @@ def play(
     ([5.59, inf], [0.0, 1.71])
     """
     b = sequences if isinstance(sequences, Batch) else stack(sequences)
-    judge = metrics.of_step_under_way(b.switches[-1], b.judged, b.wrist.rig.sample_time)
+    step = b.wrist.rig.task.step
+    judge = metrics.of_step_under_way(
+        b.switches[-1], b.judged, b.wrist.rig.sample_time, step if task_band else None
+    )
     profile = ReferenceProfile(tuple(b.references), tuple(b.switches[1:]))
     samples = int(np.max(b.switches[-1] + b.judged))
     if isinstance(controller, Periodic):  # to the end of the last period, which is judged no further
         samples += -samples % int(controller.problem.substeps)
     duration = samples * b.wrist.rig.sample_time
     done = runner.play(
-        runner.Lanes(b.wrist, b.state, profile, judge, duration), controller, record=record, jobs=jobs
-    )
+        runner.Lanes(b.wrist, b.state, profile, judge, duration, sensor, noise), controller, record=record,
+        jobs=jobs,
+    )  # fmt: skip
     start = done.last.judge.step.start
     played = PlayedSequence(
-        done.metrics, start, np.abs(b.references[-1] - start), b.wrist.rig.task.step,
+        done.metrics, start, np.abs(b.references[-1] - start), step,
         trajectory=done.trajectory,
     )  # fmt: skip
     if done.trajectory is None:

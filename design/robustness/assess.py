@@ -18,21 +18,23 @@ from design.robustness.certificates.memory.ladder import certify_memory
 from design.robustness.certificates.sampled import sampled_loop
 from design.robustness.certificates.sampled.words import Word
 from design.robustness.certificates.statements import of_ladder, of_step, of_tasks, of_virgin_curve
+from design.robustness.checks import Check, check
 from design.robustness.loop_model import LoopModel
 from design.robustness.predictions import limit_cycles as cycles
 from design.robustness.predictions import margins
 from design.robustness.predictions.limit_cycles import LimitCycle
 from design.robustness.predictions.orbits import large_swings
+from design.robustness.requirement import Requirement
 from design.robustness.samples import monte_carlo as carlo
 from design.robustness.samples.adversary import worst_case
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.monte_carlo import Samples
+from design.robustness.samples.statements import statement
 from design.robustness.samples.statements import statements as of_samples
 from design.robustness.samples.worst import Worst
 from design.robustness.statement import Reason, Statement
 from design.status import BY_PROOF, Status
 from design.synthesis.requirements import Limits
-from plants.effects.wrist.load_step import LoadStep
 from plants.errors import InputError
 from plants.wrist import Wrist
 
@@ -57,8 +59,9 @@ class Assessment:
 
     certificates, predictions, samples: statements of each kind; ladder: the certificates for loops
     that switch; word: an order of switching that makes the class of these loops grow, where one was found;
-    margins: rows of every branch and rate; cycles: limit cycles; cases: the samples; worst: the worst
-    scenario that was found.
+    margins: rows of every branch and rate; cycles: limit cycles; cases: the samples, steps from rest; worst:
+    the worst scenario that was found; required: fresh samples of the whole requirement, the worst scenario's
+    judge and the tuning's.
     """
 
     box: Box
@@ -74,6 +77,7 @@ class Assessment:
     cycles: tuple[LimitCycle, ...]
     cases: Samples
     worst: Worst
+    required: Check
 
     @property
     def wrist(self) -> Wrist:
@@ -129,12 +133,13 @@ def assess(
     rungs, word = _ladder(box, controller, stable, tell)
     tell("constant parameters", 0.0)
     fixed = _constant(box, controller)
-    # A plant with a load step of its own keeps it, in the search as in the samples.
-    load = 0.0 if any(e.NAME == LoadStep.NAME for e in wrist.effects) else conditions.load
+    asked = Requirement(box, limits, conditions, duration=wrist.rig.task.duration)
+    space = asked.space  # a plant with a dead time or a load step of its own keeps it
     worst = worst_case(
-        box, controller, limits=limits, dead_time=conditions.dead_time, load=load, seed=seed,
-        jobs=jobs, progress=tell, budget=budget,
+        box, controller, limits=limits, dead_time=space.dead_time, load=space.load, seed=seed,
+        jobs=jobs, progress=tell, budget=budget, kinds=space.kinds,
     )  # fmt: skip
+    required = check(asked, controller, samples, seed, jobs, tell)
     tell("done", 1.0)
     left_out = LoopModel.of(wrist, controller).left_out
     proved = [s for s in fixed if s.status in BY_PROOF]
@@ -146,8 +151,8 @@ def assess(
             *of_step(rungs, wrist.rig.task.step), *_virgin(wrist, controller), *proved,
         ),
         (*margins.statements(rows, limits), *cycles.statements(found, swings), *predicted),
-        tuple(of_samples(cases)),
-        tuple(rungs), word, tuple(rows), tuple(found), cases, worst,
+        (statement(required.violations, False, required.out_of_reach), *of_samples(cases)),
+        tuple(rungs), word, tuple(rows), tuple(found), cases, worst, required,
     )  # fmt: skip
 
 

@@ -1,71 +1,101 @@
-"""Tuning against the worst case: tune, search for the worst case of the gains, add it, tune again.
+"""Tuning under the whole requirement: tune, look for worse cases, add them, tune again, until none is found.
 
-The loop that systune runs over uncertain parameters (Apkarian, Dao and Noll, Parametric robust
-structured control design, 2014, arXiv:1405.4202), here with memory, references, dead time and
-load beside the parameters.  It ends where no worse case is found, which is no proof that there is none.
+The loop that systune runs over uncertain parameters (Apkarian, Dao and Noll, Parametric robust structured
+control design, 2014, arXiv:1405.4202), here with memory, references, dead time and loads beside the
+parameters. Cases come from a pool that is the same for every seed, then from a search for the worst
+(`samples.hunt`), then from fresh samples.  It ends where neither finds a case that breaks a limit, which is
+no proof that there is none.
+
+The overshoot jumps where a branch is reached or just not: gains that lie on their limit break it by another
+integrator, another seed, or noise.  So gains are tuned below the limits by a `GUARD`, and judged by the
+limits.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
+from design.controllers.pi import PI
+from design.controllers.pi_two_dof import TwoDofPI
 from design.evaluation.sequence import Sequence
-from design.robustness.box import Box
-from design.robustness.samples.adversary import worst_case
-from design.robustness.samples.worst import Worst
-from design.synthesis.answer import Refusal, refusal
-from design.synthesis.requirements import COSTS, Problem, controller, evaluate, rollouts
-from design.synthesis.tuning import Region, Tuning
-from design.synthesis.tuning import tune as plain_tune
+from design.robustness.checks import Check, check, worst_of
+from design.robustness.requirement import Requirement
+from design.robustness.samples.hunt import Hunted
+from design.synthesis.answer import Refusal, out_of_reach, refusal
+from design.synthesis.requirements import (
+    COSTS,
+    Evaluation,
+    Problem,
+    adverse_values,
+    evaluate,
+    evaluate_with,
+    excesses,
+)
+from design.synthesis.tuning import LocalSearch, Region, Tuning, _begins, _best, join, merit
 
-WORSE = 0.10
-"""A worst case that breaks no limit is added where its cost is above the worst of the set by this share."""
+Array = NDArray[np.float64]
+Tell = Callable[[str, float], None]
 
-SLACK = 0.02
-"""An excess of this share of a limit is not chased any further: gains lie on their limit, and the next
-search finds a case that is worse by a hair."""
+GUARD: Mapping[str, float] = {
+    "overshoot_percent": 0.10, "steady_error_percent": 0.10, "total_variation_V": 0.10, "Ms": 0.003,
+    "Mt": 0.003,
+}  # fmt: skip
+"""Shares of the limits that gains are tuned below them by.  For the overshoot half a percentage point of
+five: it jumps, noise of the sensor moves it, and no set of cases holds the very worst; for the margins what
+the grid of frequencies leaves."""
 
-Ended = Literal["no worse case found", "rounds used up", "no gains hold the grown set"]
+SLACK = 0.85
+"""A case that leaves this share of the guard unused is not chased any further; the less is let go, the less
+gains hang on the seed of the search."""
+
+DEARER = 0.02
+"""A case of the task is added where it costs more than the worst of the set by this share."""
+
+POOL, BATCH = 8192, 8
+"""Cases of the pool, and how many of each round's worst are added."""
+
+TELLING, TOGETHER = 8, 8
+"""Cases that tell the most of gains, and gains that are played on all cases together."""
+
+SEARCH, FRESH = 12_000, 2000
+"""Runs of a round's search for the worst case, and fresh samples that must find nothing."""
+
+COARSE = (8, 20)
+"""Points, in each gain, of the map that a search begins with: as many as the region's own within these."""
+
+WEIGHTS = tuple(float(np.round(0.5 + 0.1 * k, 10)) for k in range(21))
+"""Reference weights that are tried, 0.5 to 2.5: to a tenth, since the cost is flat along it."""
+
+FILTERS = (0.0, 0.005, 0.01, 0.02)
+"""Time constants [s] of the filter that are tried."""
+
+Ended = Literal["no worse case found", "rounds used up", "no gains hold the grown set", "out of reach"]
 
 
 @dataclass(frozen=True)
 class Round:
-    """One round: the tuning on the set so far, the worst cases that were found of its gains (in excess
-    over the limits, then in cost), and the scenarios that were added to the set."""
+    """One round: the tuning on the set so far, the largest excess over the limits, guard not counted, that
+    was found of its gains, by whom, in how many runs, and the cases that were added to the set."""
 
     tuning: Tuning
-    cases: tuple[Worst, ...]
+    excess: float
+    by: Literal["pool", "search", "samples"]
+    runs: int
     added: tuple[Sequence, ...]
-
-    @property
-    def worst(self) -> Worst:
-        """The worst case: that of the largest excess, or of the highest cost where no limit is broken."""
-        return self.cases[0]
-
-
-@dataclass(frozen=True)
-class Price:
-    """What gains do on the plain tuning set: cost of the nominal step from rest and of the worst
-    scenario, in the problem's cost; settling time [s] and overshoot [%] of that nominal step."""
-
-    nominal_cost: float
-    worst_cost: float
-    settling_time_s: float
-    overshoot_percent: float
 
 
 @dataclass(frozen=True)
 class RobustTuning:
-    """What was found: the rounds, why it ended, and what it costs: the first gains and the last ones
-    on the plain tuning set."""
+    """What was found: the rounds, why it ended, the fresh samples of the last gains (None where no gains were
+    found)."""
 
+    requirement: Requirement
     rounds: tuple[Round, ...]
     ended: Ended
-    before: Price
-    after: Price
+    fresh: Check | None
 
     @property
     def final(self) -> Tuning:
@@ -83,88 +113,273 @@ class RobustTuning:
         return self.ended == "no worse case found" and self.refusal is None
 
 
+Law = Callable[[Problem, Array, Array], PI]
+"""Controllers of gains (n,)."""
+
+
+def plain(problem: Problem, Kp: Array, Ki: Array) -> PI:
+    """The paper's PI."""
+    return PI.of(problem.wrist, Kp, Ki)
+
+
+def weighted(b: float, Tf: float) -> Law:
+    """PIs with a reference weight b [1] and a filter Tf [s]."""
+
+    def law(problem: Problem, Kp: Array, Ki: Array) -> PI:
+        n = np.ones(np.shape(Kp))
+        return TwoDofPI.of(problem.wrist, Kp, Ki, b * n, Tf * n)
+
+    return law
+
+
 def tune_robustly(
-    problem: Problem,
-    box: Box,
+    requirement: Requirement,
     region: Region | None = None,
     starts: int = 5,
     seed: int = 0,
-    dead_time: float = 0.0,
-    load: float = 0.0,
     rounds: int = 15,
-    progress: Callable[[str, float], None] | None = None,
-    tune: Callable[..., Tuning] = plain_tune,
-    budget: int = 20_000,
+    jobs: int | None = None,
+    progress: Tell | None = None,
+    two_dof: bool = False,
+    begin: Tuning | None = None,
 ) -> RobustTuning:
-    """Gains of least worst cost on a set that grows by the worst case of each round's gains.
+    """Gains of least worst cost that hold a requirement, as far as pool, search and fresh samples can tell.
 
-    A round tunes on the problem's scenarios and the worst cases found before, and searches `box`, dead
-    time [s] and load [deg] (see `adversary.worst_case`) for the largest excess and for the highest cost,
-    with `budget` runs each.  What breaks a limit by more than `SLACK` of it, or costs more by `WORSE` than
-    the worst of the set, is added, with its runners-up that break a limit.  Ends where nothing is, after
-    `rounds`, or where no gains in the region hold the grown set: then the last tuning is the nearest.
-    `tune` stands in for `design.synthesis.tuning.tune`, with its arguments.
+    two_dof: with a reference weight and a filter of the angle; begin: a tuning, such as of the PI, whose
+    gains and cases to begin with; starts: local searches of the last set, which show whether other valleys
+    are as low, beside a map of the region; neither where 0; seed: of searches and samples.  Ends where no
+    worse case is found, after `rounds`, or where no gains in the region hold the grown set: then the last
+    tuning is the nearest.
     """
-    tell = progress or (lambda stage, share: None)
-    grown, done = problem, list[Round]()
+    tell, region = progress or (lambda stage, share: None), region or Region()
+    problem = requirement.problem(dict(GUARD), jobs)
+    problem = problem if begin is None else replace(problem, adverse=begin.problem.adverse)
+    if out_of_reach(problem) is not None:
+        at = evaluate(replace(problem, screened=False), region.grid[0][:1], region.grid[1][:1])
+        nothing = Tuning(problem, region, at, at, ())
+        return RobustTuning(requirement, (Round(nothing, 0.0, "pool", 0, ()),), "out of reach", None)
+    pool = _pool(requirement)
+    done: list[Round] = []
+    known: Evaluation | None = None if begin is None else begin.at
+    fresh: Check | None = None
     ended: Ended = "rounds used up"
-    for number in range(1, max(rounds, 1) + 1):
-
-        def said(stage: str, share: float, at: int = number) -> None:
-            tell(f"round {at}: {stage}", share)
-
-        found = tune(grown, region, starts, seed, said)
-        cases = search(found, box, dead_time, load, seed + number, budget, said)
-        worse = [s for c in cases if is_worse(c, found) for s in (c.sequence, *c.others)]
-        if refusal(found) is not None:
+    for number in range(max(rounds, 1)):
+        share = 1.0 - 0.8**number
+        tell(f"round {number + 1}: gains", share)
+        known = here = _solved(problem, region, known, two_dof)
+        found = Tuning(problem, region, here, here, ())
+        if not here.feasible[0]:
             ended = "no gains hold the grown set"
-        elif not worse:
-            ended = "no worse case found"
-        added = tuple(worse) if ended == "rounds used up" and number < rounds else ()
-        done.append(Round(found, cases, added))
-        if not added:
+            done.append(Round(found, 0.0, "pool", 0, ()))
             break
-        grown = replace(grown, adverse=(*grown.adverse, *added))
-    first, last = done[0].tuning, done[-1].tuning
-    return RobustTuning(tuple(done), ended, price(problem, first), price(problem, last))
+        if number == 1:  # what is mild under the boldest gains is milder under any later
+            pool = pool[:, _harshest(requirement, done[0].tuning, pool, jobs)]
+
+        def said(stage: str, at: int = number, share: float = share) -> None:
+            tell(f"round {at + 1}: {stage}", share)
+
+        worse, fresh = _worse(requirement, found, pool, seed + number, jobs, said)
+        done.append(replace(worse, tuning=found))
+        if not worse.added:
+            ended = "no worse case found"
+            break
+        problem = replace(problem, adverse=(*problem.adverse, *worse.added))
+    tell("map", 0.9)
+    last = done[-1]
+    law = plain if last.tuning.at.b is None else weighted(last.tuning.b, last.tuning.Tf)
+    if starts > 0:
+        done[-1] = replace(last, tuning=_with_evidence(last.tuning, law, starts))
+    tell("done", 1.0)
+    return RobustTuning(requirement, tuple(done), ended, fresh)
 
 
-def search(
-    found: Tuning,
-    box: Box,
-    dead_time: float,
-    load: float,
-    seed: int,
-    budget: int,
-    progress: Callable[[str, float], None] | None = None,
-) -> tuple[Worst, ...]:
-    """The worst cases of a tuning's gains: of the largest excess where a limit is broken, and of the
-    highest cost; dead_time [s] and load [deg] bound what they may have on top."""
-    problem = found.problem
-    look = partial(
-        worst_case, box, controller(problem, found.Kp, found.Ki), limits=problem.limits, dead_time=dead_time,
-        load=load, seed=seed, jobs=problem.jobs, progress=progress, budget=budget, duration=problem.duration,
-    )  # fmt: skip
-    first = look(objective="excess")
-    return (first,) if first.objective == "cost" else (first, look(objective="cost"))
-
-
-def is_worse(worst: Worst, found: Tuning) -> bool:
-    """Whether a worst case breaks a limit, or costs much more than the worst of the set tuned on."""
-    cost = worst.values[COSTS[found.problem.cost]]
-    return worst.excess > SLACK or cost > (1.0 + WORSE) * float(found.at.cost[0])
-
-
-def price(problem: Problem, found: Tuning) -> Price:
-    """What a tuning's gains do on the plain set."""
-    plain = replace(problem, adverse=())
-    Kp, Ki = np.array([found.Kp]), np.array([found.Ki])
-    judged = rollouts(plain, Kp, Ki)
-    names = [(s.plant, s.start) for s in plain.scenarios]
-    step = names.index(("nominal", "virgin")) if ("nominal", "virgin") in names else 0
-    return Price(
-        float(getattr(judged, COSTS[plain.cost])[0, step]),
-        float(evaluate(plain, Kp, Ki).cost[0]),
-        float(judged.settling_time_s[0, step]),
-        float(judged.overshoot_percent[0, step]),
+def _pool(requirement: Requirement) -> Array:
+    """Places that every tuning begins with, the same for all seeds: half of them at corners of the box, with
+    the ends of dead time and load, within reach."""
+    space = requirement.space
+    x = np.random.default_rng(0).random((space.size, POOL))
+    n = len(space.box.intervals)
+    corner = slice(0, POOL // 2)
+    x[:n, corner] = np.round(x[:n, corner])
+    x[n + 2 * space.steps : space.size - (len(space.kinds) > 1), corner] = np.round(
+        x[n + 2 * space.steps : space.size - (len(space.kinds) > 1), corner]
     )
+    return np.asarray(x[:, space.reachable(x)])
+
+
+def _harshest(requirement: Requirement, found: Tuning, pool: Array, jobs: int | None) -> NDArray[np.intp]:
+    """The quarter of a pool that comes nearest to the limits under some gains, and its dearest cases."""
+    values = requirement.run(pool, found.controller, jobs=jobs)
+    cost = np.where(requirement.space.of_task(pool), values[COSTS[requirement.cost]], 0.0)
+    near, dear = np.argsort(-requirement.excess(values)), np.argsort(-cost)
+    return np.unique(np.concatenate([near[: POOL // 4], dear[: POOL // 32]]))
+
+
+def _worse(
+    requirement: Requirement,
+    found: Tuning,
+    pool: Array,
+    seed: int,
+    jobs: int | None,
+    tell: Callable[[str], None],
+) -> tuple[Round, Check | None]:
+    """What breaks a limit of gains, its guard half counted, or costs more than the set: of the pool, else
+    of a search, else of fresh samples; the round, and the samples where they were asked."""
+    tell("pool")
+    controller, half = found.controller, {n: SLACK * v for n, v in GUARD.items()}
+    values = requirement.run(pool, controller, jobs=jobs)
+    at_pool = Hunted(pool, requirement.excess(values, half))
+    added = _sequences(requirement, at_pool, 0.0)
+    cost = np.where(requirement.space.of_task(pool), values[COSTS[requirement.cost]], 0.0)
+    dear = Hunted(pool, cost / float(found.at.cost[0]) - 1.0 - DEARER)
+    added += _sequences(requirement, dear, 0.0, 2)
+    worst = float(requirement.excess(values).max())
+    if added:
+        return Round(found, worst, "pool", pool.shape[1], added), None
+    tell("search for the worst case")
+    of = requirement.space.kind(pool)
+    begin = np.hstack([
+        pool[:, of == k][:, Hunted(pool[:, of == k], at_pool.heights[of == k]).worst(4)] for k in
+        np.unique(of)
+    ])  # fmt: skip
+    hunted = worst_of(requirement, controller, SEARCH, seed, begin, jobs, guard=half)
+    added = _sequences(requirement, hunted, 0.0)
+    worst = max(worst, float(requirement.excess(
+        requirement.run(hunted.places[:, hunted.worst(1)], controller, jobs=jobs)).max()))  # fmt: skip
+    if added:
+        return Round(found, worst, "search", hunted.heights.size, added), None
+    tell("fresh samples")
+    fresh = check(requirement, controller, FRESH, seed, jobs)
+    beyond = Hunted(fresh.places, fresh.excess)
+    return Round(found, worst, "samples", FRESH, _sequences(requirement, beyond, 0.0)), fresh
+
+
+def _sequences(
+    requirement: Requirement, found: Hunted, above: float, count: int = BATCH
+) -> tuple[Sequence, ...]:
+    """The worst places of a search that lie above a height, as sequences."""
+    return tuple(
+        requirement.space.sequence(found.places[:, i])[0]
+        for i in found.worst(count)
+        if found.heights[i] > above
+    )
+
+
+def _solved(problem: Problem, region: Region, known: Evaluation | None, two_dof: bool) -> Evaluation:
+    """The gains of least cost on a set, from those of the set before on; from a map where these lead to
+    none."""
+    if known is not None:
+        found = _near(problem, region, known, 1.15, two_dof)
+        if found.feasible[0]:
+            return found
+    coarse = replace(region, points=max(min(region.points, COARSE[1]), COARSE[0]))
+    rows, columns = (g.ravel() for g in np.meshgrid(*coarse.grid, indexing="ij"))
+    return _near(problem, region, _best(evaluate(problem, rows, columns)), max(coarse.resolution), two_dof)
+
+
+def _near(problem: Problem, region: Region, known: Evaluation, ratio: float, two_dof: bool) -> Evaluation:
+    """The gains of least cost near to known ones; with two degrees of freedom any weight and filter."""
+    if not two_dof:
+        return zoomed(problem, region, plain, known, ratio)
+    b, Tf = (1.0, 0.0) if known.b is None else (float(known.b[0]), float(known.Tf[0]))  # type: ignore[index]
+    tried: dict[tuple[float, float], Evaluation] = {}
+
+    def at(b: float, Tf: float, near: Evaluation) -> Evaluation:
+        if (b, Tf) not in tried:
+            tried[b, Tf] = zoomed(problem, region, weighted(b, Tf), near, max(ratio, 1.2))
+        return tried[b, Tf]
+
+    best = at(b, Tf, known)
+    strides = (4, 2, 1) if known.b is None else (1,)
+    for stride in strides:  # downhill along the weights, then a filter
+        while True:
+            place = WEIGHTS.index(b)
+            near = [WEIGHTS[i] for i in (place - stride, place + stride) if 0 <= i < len(WEIGHTS)]
+            better = min((at(w, Tf, best) for w in near), key=_rank)
+            if _rank(better) >= _rank(best):
+                break
+            best, b = better, float(better.b[0])  # type: ignore[index]
+    for filtered in FILTERS if strides[0] > 1 else ():
+        other = at(b, filtered, best)
+        # A filter is taken where it pays: it costs phase, and one more number on the target.
+        if _rank(other) < _rank(best) and float(other.cost[0]) < 0.99 * float(best.cost[0]):
+            best = other
+    return best
+
+
+def _rank(at: Evaluation) -> tuple[bool, float]:
+    return not bool(at.feasible[0]), float(merit(at)[0])
+
+
+def zoomed(
+    problem: Problem, region: Region, law: Law, near: Evaluation, ratio: float, points: int = 7
+) -> Evaluation:
+    """The best gains near to known ones: fine maps, ever finer, each around the best of the one before, moved
+    on where that lies on its edge."""
+    best = evaluate_law(problem, law, near.Kp, near.Ki)
+    while ratio > 1.003:
+        for _ in range(6):
+            shares = ratio ** np.linspace(-1.0, 1.0, points)
+            Kp, Ki = np.meshgrid(best.Kp[0] * shares, best.Ki[0] * shares, indexing="ij")
+            Kp, Ki = np.clip(Kp.ravel(), *region.Kp), np.clip(Ki.ravel(), *region.Ki)
+            before, best = best, _better(problem, law, Kp, Ki, best)
+            edges = [max(x / y, y / x) for x, y in ((best.Kp[0], before.Kp[0]), (best.Ki[0], before.Ki[0]))]
+            if max(edges) < ratio * 0.999:
+                break
+        ratio = ratio ** (2.0 / (points - 1))
+    return best
+
+
+def _better(problem: Problem, law: Law, Kp: Array, Ki: Array, best: Evaluation) -> Evaluation:
+    """The best of gains (n,) and of the best known.
+
+    Where that holds every limit, most others are seen to be dearer, or to break one, on the few cases that
+    are the dearest and the nearest to a limit under it; only the rest are played on all, cheapest first.
+    """
+    if not best.feasible[0]:
+        return _best(join([best, evaluate_law(problem, law, Kp, Ki)]))
+    few = _telling(problem, law, best)
+    seen = evaluate_law(few, law, Kp, Ki)
+    order = np.argsort(np.where(seen.feasible, seen.cost, np.inf), kind="stable")
+    left = order[(seen.feasible & (seen.cost < best.cost[0]))[order]]
+    for piece in np.split(left, range(TOGETHER, left.size, TOGETHER)):
+        if piece.size and seen.cost[piece[0]] < best.cost[0]:
+            best = _best(join([best, evaluate_law(problem, law, Kp[piece], Ki[piece])]))
+    return best
+
+
+def _telling(problem: Problem, law: Law, best: Evaluation) -> Problem:
+    """The problem on its dearest cases and those that come nearest to a limit under the best gains."""
+    if len(problem.adverse) <= 2 * TELLING:
+        return problem
+    values = adverse_values(problem, law(problem, best.Kp, best.Ki), 1)
+    held = {n: v for n, v in problem.held_to.items() if n in values}
+    excess = np.max([excesses({n: values[n][0]}, {n: v})[n] for n, v in held.items()], axis=0)
+    cost = np.where([s.of_task for s in problem.adverse], values[COSTS[problem.cost]][0], 0.0)
+    chosen = sorted({*np.argsort(-excess)[:TELLING].tolist(), *np.argsort(-cost)[: TELLING // 2].tolist()})
+    return replace(problem, adverse=tuple(problem.adverse[i] for i in chosen))
+
+
+def evaluate_law(problem: Problem, law: Law, Kp: Array, Ki: Array) -> Evaluation:
+    """Cost and limits of gains (n,) under a law."""
+    return evaluate_with(problem, law(problem, Kp, Ki), Kp, Ki)
+
+
+def _with_evidence(found: Tuning, law: Law, starts: int) -> Tuning:
+    """The tuning with a map of the whole region and local searches from cells drawn in it."""
+    rows, columns = found.region.grid
+    Kp, Ki = (g.ravel() for g in np.meshgrid(rows, columns, indexing="ij"))
+    whole = evaluate_law(found.problem, law, Kp, Ki)
+    searches = []
+    for begin in _begins(whole, rows, columns, starts, 0):
+        near = evaluate_law(found.problem, law, *(np.array([g]) for g in begin))
+        end = zoomed(found.problem, found.region, law, near, max(found.region.resolution), 5)
+        gains = (float(end.Kp[0]), float(end.Ki[0]))
+        searches.append(LocalSearch(begin, gains, float(end.cost[0]), bool(end.feasible[0]), 0))
+    at = _best(
+        join(
+            [found.at, *(evaluate_law(found.problem, law, *(np.array([g]) for g in s.end)) for s in searches)]
+        )
+    )
+    return replace(found, map=whole, searches=tuple(searches)) if at.cost[0] >= found.at.cost[0] else replace(
+        found, at=at, map=whole, searches=tuple(searches))  # fmt: skip

@@ -49,4 +49,4 @@ def study_of(assessment: Assessment, plane: GainPlane) -> RobustnessStudy:
 
 def worst_run(worst: Worst) -> PlayedSequence:
     """A worst scenario played by the simulator, with its signals."""
-    return play([worst.sequence], worst.controller, record=True)
+    return play([worst.sequence], worst.controller, record=True, task_band=True)

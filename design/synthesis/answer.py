@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from design.evaluation.scenarios import hindrance
-from design.synthesis.requirements import Problem, out_of_range, rollouts
+from design.synthesis.requirements import COSTS, Problem, adverse_values, out_of_range, simulated
 from design.synthesis.tuning import Tuning, nearest_limit
 
 UNITS = {"Kp": "kPa/deg", "Ki": "kPa/(deg s)"}
@@ -58,8 +58,8 @@ class Answer:
 
 def answer(found: Tuning) -> Answer:
     """The answer of a tuning, whose gains are run once more on all scenarios."""
-    problem, at = found.problem, found.at
-    judged = rollouts(problem, at.Kp, at.Ki)
+    problem = found.problem
+    judged = simulated(problem, found.controller, 1)
     plain = next(
         i
         for i, s in enumerate(problem.scenarios)
@@ -69,9 +69,21 @@ def answer(found: Tuning) -> Answer:
     return Answer(
         found,
         {n: float(v[plain]) for n, v in values.items()},
-        {n: float(np.max(v)) for n, v in values.items()},
+        _everywhere(found, values),
         refusal(found),
     )
+
+
+def _everywhere(found: Tuning, values: Mapping[str, np.ndarray]) -> dict[str, float]:
+    """The worst of metrics over the scenarios and the adverse cases, IAE and ITAE of the task's steps
+    alone."""
+    worst = {n: float(np.max(v)) for n, v in values.items()}
+    if found.problem.adverse:
+        of_task = np.array([s.of_task for s in found.problem.adverse])
+        for name, v in adverse_values(found.problem, found.controller, 1).items():
+            counted = np.where(of_task, v[0], 0.0) if name in COSTS.values() else v[0]
+            worst[name] = max(worst.get(name, 0.0), float(np.max(counted)))
+    return {n: worst[n] for n in values}
 
 
 def out_of_reach(problem: Problem) -> OutOfReach | None:
@@ -92,5 +104,5 @@ def refusal(found: Tuning) -> Refusal | None:
     assert name is not None
     return LimitBroken(
         found.region.Kp, found.region.Ki, found.Kp, found.Ki, name, float(found.at.values[name][0]),
-        found.problem.limits.named[name], found.problem.place(name, int(found.at.values_at[name][0])),
+        found.problem.held_to[name], found.problem.place(name, int(found.at.values_at[name][0])),
     )  # fmt: skip

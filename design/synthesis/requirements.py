@@ -1,7 +1,8 @@
 """Hard limits on a PI and the cost that is minimised under them, for many gains at once."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -9,8 +10,10 @@ from numpy.typing import NDArray
 
 from design.controllers.controller import Controller
 from design.controllers.pi import PI
+from design.controllers.pi_two_dof import TwoDofPI
 from design.evaluation.metrics import Metrics
 from design.evaluation.scenarios import Scenario, Spread, stack, tuning_scenarios, unreachable, within_reach
+from design.evaluation.sequence import Batch as AdverseBatch
 from design.evaluation.sequence import Sequence as Adverse
 from design.evaluation.sequence import play, repeated
 from design.evaluation.sequence import stack as stack_adverse
@@ -37,7 +40,9 @@ class Limits:
     {transit, line 1, line 2} x {slow, fast}.  delay_margin_s: dead time that may
     come on top; 60 ms, since rigs of this kind show about 50 ms of tube.
     total_variation_V: total variation of the command in one step.  steady_error_percent:
-    of the step, what may be left at the end of the run.  The defaults are those of the built-in rig.
+    of the step, what may be left at the end of the run.  Mt: peak of the complementary sensitivity, on the
+    same branches as Ms.  settling_time_s: until the step is settled; a run's duration asks that it does so
+    at all.  The defaults are those of the built-in rig.
     """
 
     overshoot_percent: float | None = _PAPER["overshoot_percent"]
@@ -45,6 +50,13 @@ class Limits:
     delay_margin_s: float | None = _PAPER["delay_margin_s"]
     total_variation_V: float | None = _PAPER["total_variation_V"]
     steady_error_percent: float | None = _PAPER["steady_error_percent"]
+    Mt: float | None = _PAPER["Mt"]
+    settling_time_s: float | None = _PAPER["settling_time_s"]
+
+    @classmethod
+    def none(cls) -> "Limits":
+        """No limit at all."""
+        return cls(**dict.fromkeys((f.name for f in fields(cls)), None))
 
     @classmethod
     def of(cls, rig: Rig) -> "Limits":
@@ -60,18 +72,23 @@ class Limits:
 NOMINAL = replace(Limits(), delay_margin_s=None)
 """Limits for a rig without dead time, which no real one is."""
 
+SCREEN = 0.02
+"""Excess of a linear limit, as a share, up to which gains are simulated all the same: a search that comes
+from outside sees where it is heading."""
+
 ROUNDING = 1.0005
 """A tuned optimum lies on its limit; half a per mille keeps rounding from breaking it."""
 
 LIMIT_UNITS = {
     "overshoot_percent": "%", "Ms": "1", "delay_margin_s": "s", "total_variation_V": "V",
-    "steady_error_percent": "%", "command_range": "V",
+    "steady_error_percent": "%", "command_range": "V", "Mt": "1", "settling_time_s": "s",
 }  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What gains of shape (n,) do on a set of scenarios.
+    """What gains of shape (n,) do on a set of scenarios; b and Tf [s] (n,) those of PIs with two degrees of
+    freedom, None of others.
 
     cost (n,): the worst over the scenarios (and adverse sequences), `cost_at` (n,) where.  values[limit]
     (n,): the worst value of each limited quantity, `values_at` (n,) on which
@@ -86,6 +103,8 @@ class Evaluation:
     values: dict[str, Array]
     values_at: dict[str, NDArray[np.intp]]
     excess: dict[str, Array]
+    b: Array | None = None
+    Tf: Array | None = None
 
     @property
     def worst_excess(self) -> Array:
@@ -108,6 +127,7 @@ class Evaluation:
             {k: v[one] for k, v in self.values.items()},
             {k: v[one] for k, v in self.values_at.items()},
             {k: v[one] for k, v in self.excess.items()},
+            *(None if x is None else x[one] for x in (self.b, self.Tf)),
         )  # fmt: skip
 
 
@@ -116,7 +136,10 @@ class Problem:
     """A plant, the scenarios to be tuned on, the cost and the limits.
 
     adverse: sequences of references whose last step joins the scenarios in all that is simulated, put on
-    the footing of a step of 15 deg (`design.evaluation.sequence.PlayedSequence.values`); none by default.
+    the footing of the task's step (`design.evaluation.sequence.PlayedSequence.values`); none by default.
+    Of these only steps of the task (`Sequence.of_task`) count for the cost.  branches: where margins are
+    judged.  guard: shares of limits that gains must stay below them by.  screened: gains that break a limit
+    of the linear loop are not simulated: their cost is infinite and the rest of their values no number.
     """
 
     wrist: Wrist
@@ -129,6 +152,21 @@ class Problem:
     jobs: int | None = None
     set_aside: tuple[Scenario, ...] = ()
     adverse: tuple[Adverse, ...] = ()
+    guard: Mapping[str, float] = field(default_factory=dict, hash=False)
+    screened: bool = False
+
+    @property
+    def held_to(self) -> dict[str, float]:
+        """The limits in force, less their guard."""
+        return {n: v * (1.0 - self.guard.get(n, 0.0)) for n, v in self.limits.named.items()}
+
+    @cached_property
+    def adverse_lanes(self) -> list[tuple[NDArray[np.intp], AdverseBatch]]:
+        """The adverse sequences as batches of about the same length, each with the places of its lanes."""
+        lasts = np.array([sum(s.holds) for s in self.adverse])
+        order = np.argsort(lasts, kind="stable")
+        pieces = [p for p in np.split(order, np.flatnonzero(np.diff(lasts[order]) > 1.0) + 1) if p.size]
+        return [(p, stack_adverse([self.adverse[i] for i in p])) for p in pieces]
 
     @classmethod
     def of(
@@ -156,7 +194,7 @@ class Problem:
     def place(self, limit: str, index: int) -> str:
         """In words, the scenario or branch that an entry of ``values_at`` points to; with ``cost`` as
         the limit, that of ``cost_at``."""
-        if limit in ("Ms", "delay_margin_s"):
+        if limit in ("Ms", "Mt", "delay_margin_s"):
             b = self.branches[index]
             return f"{b.branch}, {b.rate} regulator rate"
         if index < len(self.scenarios):
@@ -205,22 +243,27 @@ def judged(problem: Problem, many: Controller, n: int) -> tuple[Array, dict[str,
         "overshoot_percent": found.overshoot_percent,
         "total_variation_V": found.total_variation_V,
         "steady_error_percent": 100.0 * found.steady_state_error_deg / sizes,
+        "settling_time_s": found.settling_time_s,
     }
     cost = getattr(found, COSTS[problem.cost])
     if problem.adverse:
         more = adverse_values(problem, many, n)
         values = {k: np.hstack([v, more[k]]) for k, v in values.items()}
-        cost = np.hstack([cost, more[COSTS[problem.cost]]])
+        of_task = np.array([s.of_task for s in problem.adverse])
+        cost = np.hstack([cost, np.where(of_task, more[COSTS[problem.cost]], 0.0)])
     return cost, values
 
 
 def adverse_values(problem: Problem, many: Controller, n: int) -> dict[str, Array]:
     """What limits and cost are held against on the adverse sequences, each (n, sequences)."""
-    m = len(problem.adverse)
-    # A batch of its own: dead time and load are effects that the scenarios' wrists do not have.
-    lanes = repeated(stack_adverse(problem.adverse), n)
-    played = play(lanes, _each(many, n, m), jobs=problem.jobs)
-    return {name: v.reshape(n, m) for name, v in played.values.items()}
+    found: dict[str, Array] = {}
+    # Batches of their own: dead time and load are effects that the scenarios' wrists do not have.
+    for places, lanes in problem.adverse_lanes:
+        one = play(repeated(lanes, n), _each(many, n, places.size), jobs=problem.jobs, task_band=True)
+        for name, v in one.values.items():
+            into = found.setdefault(name, np.empty((n, len(problem.adverse))))
+            into[:, places] = v.reshape(n, places.size)
+    return found
 
 
 def _each(many: Any, n: int, repeat: int) -> Any:
@@ -242,14 +285,41 @@ def evaluate(problem: Problem, Kp: Any, Ki: Any) -> Evaluation:
 
 def evaluate_with(problem: Problem, many: Controller, Kp: Array, Ki: Array) -> Evaluation:
     """Cost and limits of controllers, lanes of one, whose loop has the margins of a PI with gains (n,)."""
-    cost, of_run = judged(problem, many, Kp.size)
-    linear = margins(list(problem.branches), controller(problem, Kp, Ki))
-    values: dict[str, Array] = {n: v.max(axis=1) for n, v in of_run.items()}
-    at: dict[str, NDArray[np.intp]] = {n: v.argmax(axis=1) for n, v in of_run.items()}
-    values |= {"Ms": linear.Ms, "delay_margin_s": linear.delay_margin_s}
-    at |= {"Ms": linear.Ms_at, "delay_margin_s": linear.delay_at}
-    excess = excesses(values, problem.limits.named)
-    return Evaluation(Kp, Ki, cost.max(axis=1), cost.argmax(axis=1), values, at, excess)
+    linear = margins(problem.branches, many if isinstance(many, PI) else controller(problem, Kp, Ki))
+    values = {"Ms": linear.Ms, "Mt": linear.Mt, "delay_margin_s": linear.delay_margin_s}
+    at = {"Ms": linear.Ms_at, "Mt": linear.Mt_at, "delay_margin_s": linear.delay_at}
+    excess = excesses(values, {n: v for n, v in problem.held_to.items() if n in values})
+    more = (many.b, many.Tf) if isinstance(many, TwoDofPI) else ()
+    b, Tf = (np.broadcast_to(x, Kp.shape) for x in more) if more else (None, None)
+    run_at = np.arange(Kp.size)
+    if problem.screened and excess:
+        run_at = np.flatnonzero(np.max(list(excess.values()), axis=0) <= SCREEN)
+    if run_at.size == Kp.size:
+        cost, of_run = judged(problem, many, Kp.size)
+    else:
+        cost, of_run = _judged_where(problem, many, run_at, Kp.size)
+    values |= {n: v.max(axis=1) for n, v in of_run.items()}
+    at |= {n: v.argmax(axis=1) for n, v in of_run.items()}
+    excess = excesses(values, problem.held_to)
+    if run_at.size < Kp.size:
+        excess = {n: np.where(np.isnan(v), -1.0, v) for n, v in excess.items()}
+    return Evaluation(Kp, Ki, cost.max(axis=1), cost.argmax(axis=1), values, at, excess, b, Tf)
+
+
+def _judged_where(
+    problem: Problem, many: Controller, at: NDArray[np.intp], n: int
+) -> tuple[Array, dict[str, Array]]:
+    """As `judged`, of n controllers of which only some are run; infinite costs and no numbers elsewhere."""
+    count = len(problem.scenarios) + len(problem.adverse)
+    names = ("overshoot_percent", "total_variation_V", "steady_error_percent", "settling_time_s")
+    cost, values = np.full((n, count), np.inf), {name: np.full((n, count), np.nan) for name in names}
+    if at.size:
+        settings = [np.broadcast_to(x, (n,))[at] for x in pytrees.leaves(many)]
+        some, of_run = judged(problem, pytrees.like(many, settings), at.size)
+        cost[at] = some
+        for name, v in of_run.items():
+            values[name][at] = v
+    return cost, values
 
 
 def excesses(values: Mapping[str, Array], limits: Mapping[str, float]) -> dict[str, Array]:

@@ -154,7 +154,7 @@ def retune(
     """
     tell = progress or (lambda what, share: None)
     wrist = Wrist.of(revised)
-    problems = [default_problem(Wrist.of(p), jobs=jobs) for p in (declared, _without_sensor(revised))]
+    problems = [default_problem(Wrist.of(p), jobs=jobs) for p in (declared, without_sensor(revised))]
     same = declared.values == revised.values and declared.effects == revised.effects
     held = wrist.hysteresis.rest_pressure / wrist.regulator.gain
     sides = []
@@ -166,7 +166,7 @@ def retune(
         sides.append(RetunedSide(name, found, no, seen, _breaks(found, problems[1])))
     if judge is None:
         where = ON_FITTED if same else ON_REVISED
-    return Control(sides[0], sides[-1], where, same, _in_sensor(revised))
+    return Control(sides[0], sides[-1], where, same, in_sensor(revised))
 
 
 def _tuned(
@@ -184,14 +184,14 @@ def _under(what: str, tell: Tell) -> Tell:
     return lambda stage, share: tell(f"{what}: {stage}", share)
 
 
-def _without_sensor(plant: ParameterSet) -> ParameterSet:
+def without_sensor(plant: ParameterSet) -> ParameterSet:
     """The plant without effects that sit in its sensor."""
-    gone = _in_sensor(plant)
+    gone = in_sensor(plant)
     kept = {n: p for n, p in plant.parameters.items() if n.split(".")[0] not in gone}
     return replace(plant, parameters=kept, effects=tuple(e for e in plant.effects if e.NAME not in gone))
 
 
-def _in_sensor(plant: ParameterSet) -> tuple[str, ...]:
+def in_sensor(plant: ParameterSet) -> tuple[str, ...]:
     return tuple(e.NAME for e in plant.effects if e.STAGE == "sensor")
 
 

@@ -16,7 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.cluster import each
-from design.synthesis.requirements import Evaluation, Problem, evaluate
+from design.controllers.pi import PI
+from design.controllers.pi_two_dof import TwoDofPI
+from design.synthesis.requirements import Evaluation, Problem, controller, evaluate
 
 Array = NDArray[np.float64]
 PENALTY = 20.0
@@ -82,6 +84,23 @@ class Tuning:
     def Ki(self) -> float:
         """Integral gain [kPa/(deg s)]."""
         return float(self.at.Ki[0])
+
+    @property
+    def b(self) -> float:
+        """Reference weight [1]; 1 of a plain PI."""
+        return 1.0 if self.at.b is None else float(self.at.b[0])
+
+    @property
+    def Tf(self) -> float:
+        """Time constant [s] of the filter of the angle; 0 of a plain PI."""
+        return 0.0 if self.at.Tf is None else float(self.at.Tf[0])
+
+    @property
+    def controller(self) -> PI:
+        """The controller with the gains."""
+        if self.at.b is None:
+            return controller(self.problem, self.Kp, self.Ki)
+        return TwoDofPI.of(self.problem.wrist, self.Kp, self.Ki, self.b, self.Tf)
 
     @property
     def feasible(self) -> bool:
@@ -247,4 +266,13 @@ def join(parts: list[Evaluation]) -> Evaluation:
         return {k: np.concatenate([getattr(p, name)[k] for p in parts]) for k in getattr(parts[0], name)}
 
     row = {n: np.concatenate([getattr(p, n) for p in parts]) for n in ("Kp", "Ki", "cost", "cost_at")}
-    return Evaluation(**row, values=table("values"), values_at=table("values_at"), excess=table("excess"))
+    more = {
+        n: None
+        if any(getattr(p, n) is None for p in parts)
+        else np.concatenate([getattr(p, n) for p in parts])
+        for n in ("b", "Tf")
+    }
+    return Evaluation(
+        **row, values=table("values"), values_at=table("values_at"), excess=table("excess"), b=more["b"],
+        Tf=more["Tf"],
+    )  # fmt: skip

@@ -11,6 +11,9 @@ from plants.toml import check_keys, is_number, read_toml
 UNITS = {"Kp": "kPa/deg", "Ki": "kPa/(deg s)"}
 """The gains of a file, and the unit that it must give each in."""
 
+MORE = {"b": "1", "Tf": "s"}
+"""What the gains of a PI with two degrees of freedom have beside."""
+
 ADVICE = "give a file that the tuner kept, or Kp,Ki"
 
 
@@ -22,10 +25,11 @@ def write(
 ) -> Path:
     """Write gains, complete or not at all, and return where: the path, ending in .toml, made absolute.
 
-    gains: Kp [kPa/deg] and Ki [kPa/(deg s)].  tuned_on: what TOML holds, by name, that says of which
-    plant the gains are; for people, no command reads it.  mine: files that may be replaced.  Raises
-    InputError for a path without a name, for another file that is there already, and for a place that
-    cannot be written to.
+    gains: Kp [kPa/deg] and Ki [kPa/(deg s)], and where they are not those of a plain PI the reference
+    weight b [1] and the time constant Tf [s] of the filter of the angle.  tuned_on: what TOML holds, by
+    name, that says of which plant the gains are; for people, no command reads it.  mine: files that may be
+    replaced.  Raises InputError for a path without a name, for another file that is there already, and for a
+    place that cannot be written to.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -42,6 +46,8 @@ def write(
     tables = tomlkit.table(is_super_table=True)
     for name, unit in UNITS.items():
         tables[name] = {"value": float(gains[name]), "unit": unit}
+    if gains.get("b", 1.0) != 1.0 or gains.get("Tf", 0.0) != 0.0:
+        tables |= {n: {"value": float(gains[n]), "unit": unit} for n, unit in MORE.items()}
     document["gains"] = tables
     if tuned_on:
         document["tuned_on"] = dict(tuned_on)
@@ -56,21 +62,39 @@ def _place(text: str) -> Path:
     return Path(text if text.endswith(".toml") else f"{text}.toml").expanduser().absolute()
 
 
+def read_more(path: str | Path) -> tuple[float, float]:
+    """Reference weight b [1] and filter Tf [s] of a TOML file; 1 and 0, those of a plain PI, where it has
+    none.
+
+    Raises InputError as `read`.
+    """
+    entries = _entries(path)
+    if not entries.keys() >= MORE.keys():
+        return 1.0, 0.0
+    b, Tf = (_value(f"{path}: gains.{name}", unit, entries[name]) for name, unit in MORE.items())
+    return b, Tf
+
+
 def read(path: str | Path) -> tuple[float, float]:
     """Kp [kPa/deg] and Ki [kPa/(deg s)] of a TOML file.
 
     Raises InputError, in one line, for a file that is missing, no TOML or without the two, for a wrong
     unit, and for a value that is not a finite number, or negative.
     """
+    entries = _entries(path)
+    Kp, Ki = (_value(f"{path}: gains.{name}", unit, entries[name]) for name, unit in UNITS.items())
+    return Kp, Ki
+
+
+def _entries(path: str | Path) -> Mapping[str, Any]:
     path = Path(path)
     table = read_toml(path, "file of gains", f"`wrist robust --help`, or {ADVICE}")
     entries = table.get("gains")
     if not isinstance(entries, dict) or not entries.keys() >= UNITS.keys():
         raise InputError(f"{path}: holds no [gains.Kp] and [gains.Ki]; {ADVICE}")
     check_keys(table, ("gains", "tuned_on"), str(path))
-    check_keys(entries, UNITS, f"{path}: gains")
-    Kp, Ki = (_value(f"{path}: gains.{name}", unit, entries[name]) for name, unit in UNITS.items())
-    return Kp, Ki
+    check_keys(entries, (*UNITS, *MORE), f"{path}: gains")
+    return entries
 
 
 def _value(where: str, unit: str, entry: Any) -> float:

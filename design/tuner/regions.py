@@ -141,6 +141,8 @@ def linear_excess(limits: Limits, found: Margins) -> dict[str, Array]:
     excess = {}
     if limits.Ms is not None:
         excess["Ms"] = (found.Ms - limits.Ms) / limits.Ms
+    if limits.Mt is not None:
+        excess["Mt"] = (found.Mt - limits.Mt) / limits.Mt
     if limits.delay_margin_s is not None:
         excess["delay_margin_s"] = (limits.delay_margin_s - found.delay_margin_s) / (
             limits.delay_margin_s or 1.0

@@ -1,6 +1,8 @@
-"""Disturbances of a loop as effects of its plant: a dead time and a constant load beside the plant's own."""
+"""Disturbances of a loop as effects of its plant: a dead time and a load beside the plant's own."""
 
 from typing import Any
+
+import numpy as np
 
 from plants import wrist as plant
 from plants.effects.effect import Around
@@ -14,8 +16,9 @@ BEFORE = -1.0
 """Moment [s] of a constant load: before the run, and before the wrist came to rest."""
 
 
-def burdened(wrist: Wrist, dead_time: Number | None, load: Number | None) -> Wrist:
-    """The wrist with more dead time [s] and a constant load [deg]; None leaves an effect out.
+def burdened(wrist: Wrist, dead_time: Number | None, load: Number | None, moment: Number = BEFORE) -> Wrist:
+    """The wrist with more dead time [s] and a load [deg] that is there from a moment [s] on, before the run
+    where not given; None leaves an effect out.
 
     Raises InputError for a load on a wrist that has a load step of its own.
     """
@@ -29,15 +32,22 @@ def burdened(wrist: Wrist, dead_time: Number | None, load: Number | None) -> Wri
     if load is not None:
         if any(e.NAME == LoadStep.NAME for e in wrist.effects):
             raise InputError("load: the plant has a load step of its own; leave the load at 0")
-        wrist = wrist + LoadStep(load, BEFORE)
+        wrist = wrist + LoadStep(load, moment)
     return wrist
 
 
 def at_rest(
-    wrist: Wrist, start: Start, angle: Number, dead_time: Number | None = None, load: Number | None = None
+    wrist: Wrist,
+    start: Start,
+    angle: Number,
+    dead_time: Number | None = None,
+    load: Number | None = None,
+    moment: Number = BEFORE,
 ) -> State:
     """State of the wrist with dead time and load that holds still at an angle [deg], the virgin one
-    where the load puts it."""
+    where the load puts it; a load that comes at a later `moment` [s] bends nothing yet."""
+    if load is not None:
+        load = np.where(np.asarray(moment) < 0.0, load, 0.0)
     loaded = burdened(wrist, dead_time, load)
     if start == "virgin":
         state = loaded.rest()

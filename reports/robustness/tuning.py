@@ -1,65 +1,87 @@
-"""A robust tuning, in words and for machines."""
+"""A tuning under the whole requirement, in words and for machines."""
 
 from typing import Any
 
-from design.robustness.robust_tuning import RobustTuning
-from design.robustness.samples.worst import Worst
+from design.robustness.requirement import Requirement, requirement_record
+from design.robustness.robust_tuning import GUARD, RobustTuning
 from design.synthesis.answer import refusal
-from design.synthesis.requirements import LIMIT_UNITS
 from reports.shared.tuning import refused
 
 
 def lines(found: RobustTuning) -> list[str]:
-    """What people read of a robust tuning."""
-    said = []
+    """What people read of a robust tuning beside the gains."""
+    said = [requirement_words(found.requirement)]
     for number, r in enumerate(found.rounds, 1):
+        if r.runs:
+            said.append(
+                f"round {number}: Kp = {r.tuning.Kp:.4g} kPa/deg, Ki = {r.tuning.Ki:.4g} kPa/(deg s) on "
+                f"{len(r.tuning.problem.adverse)} cases; {_excess_words(r.excess)} in {r.runs} runs of the "
+                f"{r.by}, {len(r.added)} cases added"
+            )
+    said.append(f"ended after {len(found.rounds)} rounds: {found.ended}")
+    if found.fresh is not None and found.holds:
         said.append(
-            f"round {number}: Kp = {r.tuning.Kp:.4g} kPa/deg, Ki = {r.tuning.Ki:.4g} kPa/(deg s) on "
-            f"{len(r.tuning.problem.scenarios)} scenarios and {len(r.tuning.problem.adverse)} worst cases; "
-            + "; ".join(f"{_words(c)}: {c.sequence.name}" for c in r.cases)
+            f"{found.fresh.broken} of {found.fresh.total} fresh samples break a limit (below "
+            f"{100 * found.fresh.upper_bound:.2g} % at 95 % confidence)"
         )
-    used = sum(c.evaluations for r in found.rounds for c in r.cases)
-    said.append(f"ended after {len(found.rounds)} rounds and {used} runs of search: {found.ended}")
-    if found.refusal is not None:
-        said.append(refused(found.refusal))
-    a, b, cost = found.before, found.after, found.final.problem.cost
-    said.append(
-        f"price on the plain set, before and after: {cost} of the nominal step {a.nominal_cost:.4g} and "
-        f"{b.nominal_cost:.4g}, of the worst scenario {a.worst_cost:.4g} and {b.worst_cost:.4g}; the nominal "
-        f"step settles in {a.settling_time_s:.3g} and {b.settling_time_s:.3g} s"
-    )
+        said.append(
+            f"tuned to {100 * (1 - GUARD['overshoot_percent']):.0f} % of the limit on overshoot, which "
+            "jumps; judged by the limit itself"
+        )
     return said
 
 
-def _words(worst: Worst) -> str:
-    """What a worst case does, in words."""
-    broken = [f"{n} {worst.values[n]:.4g} {LIMIT_UNITS[n]}" for n in worst.violated]
-    words = f"breaks {', '.join(broken)}" if broken else "breaks no limit"
-    if worst.objective == "cost":
-        return f"the dearest case found has an IAE of {worst.cost_per_deg:.4g} s per degree and {words}"
-    return f"the worst case found {words}"
+def requirement_words(asked: Requirement) -> str:
+    """What gains have to hold, in a line."""
+    c, rig = asked.conditions, asked.box.plant.rig
+    late = (
+        f"dead time of 0 to {1000 * asked.space.dead_time:g} ms" if asked.space.dead_time else "no dead time"
+    )
+    if any(e.NAME == "dead-time" for e in asked.wrist.effects):
+        late = "the dead time that was found"
+    unit = rig.units.angle
+    return (
+        f"required on {len(asked.box.intervals)} uncertain parameters, {late}, load up to "
+        f"{asked.space.load:g} {unit}, noise {c.noise:g} {unit}, resolution {c.quantum:g} {unit}: "
+        f"{', '.join(asked.space.kinds)} cases"
+    )
+
+
+def _excess_words(excess: float) -> str:
+    if excess > 0.0:
+        return f"a limit is exceeded by {100 * excess:.2g} %"
+    return f"the nearest limit is {100 * -excess:.2g} % away"
 
 
 def record(found: RobustTuning) -> dict[str, Any]:
     """A robust tuning as dictionaries, lists, numbers and text, for JSON."""
+    fresh = found.fresh
     return {
         "Kp": found.final.Kp,
         "Ki": found.final.Ki,
         "holds": found.holds,
         "ended": found.ended,
         "refusal": None if found.refusal is None else refused(found.refusal),
+        "requirement": requirement_record(found.requirement),
+        "guard": dict(GUARD),
+        "samples": None
+        if fresh is None
+        else {"broken": fresh.broken, "total": fresh.total, "upper_bound": fresh.upper_bound},
         "rounds": [
             {
                 "Kp": r.tuning.Kp,
                 "Ki": r.tuning.Ki,
+                "b": r.tuning.b,
+                "Tf": r.tuning.Tf,
                 "feasible": refusal(r.tuning) is None,
-                "worst_cases_in_the_set": [s.name for s in r.tuning.problem.adverse],
+                "cases_in_the_set": [s.name for s in r.tuning.problem.adverse],
                 "worst_cost_of_the_set": float(r.tuning.at.cost[0]),
                 "worst_cost_on": r.tuning.problem.place("cost", int(r.tuning.at.cost_at[0])),
-                "worst_cases": [c.record for c in r.cases],
+                "worst_excess": r.excess,
+                "found_by": r.by,
+                "runs": r.runs,
                 "added": [s.name for s in r.added],
             }
             for r in found.rounds
         ],
-        "price": {"cost": found.final.problem.cost, "before": vars(found.before), "after": vars(found.after)},
     }

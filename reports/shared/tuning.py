@@ -40,6 +40,7 @@ def tuning_record(found: Answer, axis: str) -> dict[str, Any]:
         "axis": axis,
         "Kp": t.Kp,
         "Ki": t.Ki,
+        **({} if at.b is None else {"b": t.b, "Tf": t.Tf}),
         "units": UNITS,
         "feasible": found.refusal is None,
         "refusal": None if found.refusal is None else refused(found.refusal),
@@ -75,5 +76,7 @@ def tuning_record(found: Answer, axis: str) -> dict[str, Any]:
             "on_edge_of_region": t.on_edge,
         },
         "scenarios": len(problem.scenarios),
+        "cases": len(problem.adverse),
+        "guard": dict(problem.guard),
         "set_aside": [s.name for s in problem.set_aside],
     }

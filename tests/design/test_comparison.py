@@ -214,7 +214,7 @@ def test_an_MPC_stands_in_the_table_without_margins_that_it_has_not():
 
 
 def test_without_limits_none_is_broken():
-    none = Limits(None, None, None, None, None)
+    none = Limits.none()
     found = compare({"flexion": WRISTS["flexion"]}, {"flexion": GAINS["flexion"]}, none, designs={})
     assert not any(s.breaks for s in found.standings)
 

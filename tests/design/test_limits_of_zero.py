@@ -27,7 +27,7 @@ def test_a_delay_margin_of_zero_is_no_limit():
 
 
 def test_without_limits_everything_is_feasible():
-    free = Limits(None, None, None, None, None)
+    free = Limits.none()
     found = tune(problem(free), Region(points=5), starts=1)
     assert found.feasible
     assert found.active is None

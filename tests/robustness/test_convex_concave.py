@@ -148,7 +148,7 @@ def test_where_no_share_holds_the_limits_the_broken_one_is_named():
 
 
 def test_without_limits_of_the_problem_the_noise_gain_is_left():
-    shape = Shape.of(Limits(None, None, None, None, None))
+    shape = Shape.of(Limits.none())
     assert shape == Shape(None, None, NOISE_GAIN, None)
     wrist = Wrist.flexion()
     branches = branch_responses(wrist, 300)

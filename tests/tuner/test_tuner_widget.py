@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -85,7 +86,7 @@ def test_it_starts_at_the_wrist_that_it_is_given(tmp_path):
 
 
 def test_limits_and_region_are_the_users():
-    narrow = Tuner("flexion", Limits(None, 1.3, None, None, None), Region((2.0, 4.0), (3.0, 9.0)))
+    narrow = Tuner("flexion", replace(Limits.none(), Ms=1.3), Region((2.0, 4.0), (3.0, 9.0)))
     assert (narrow.Kp, narrow.Ki) == (2.0, 3.0)
     assert set(narrow.about["limits"]) == set(narrow.regions["limits"]) == {"Ms"}
     assert [row["limit"] for row in narrow.picture["limits"]].count("none") == 4

@@ -33,7 +33,7 @@ def played(saved: "Saved") -> dict[str, Any]:
     from plants.parameters.quantities import kinds_of
 
     s, c = saved.sequence, saved.controller
-    run = play([s], c, record=True)
+    run = play([s], c, record=True, task_band=True)
     t, reference = run.trajectory, run.reference
     assert t is not None
     assert reference is not None

@@ -1,5 +1,6 @@
 """``wrist robust``: how far gains can be trusted, in certificates, predictions and samples."""
 
+from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -63,17 +64,22 @@ def command(
         str | None, typer.Option(help="Shares by which assumed loop width, slopes and lag may differ.")
     ] = None,
     dead_time: Annotated[
-        float, typer.Option(help="Dead time that samples and the worst case may have on top [s].", min=0.0)
-    ] = 0.050,
+        float | None,
+        typer.Option(
+            help="Dead time that samples and the worst case may have on top [s]; the rig's.", min=0.0
+        ),
+    ] = None,
     load: Annotated[
-        float, typer.Option(help="Load that they may have, a shift of the static angle [deg].", min=0.0)
-    ] = 1.0,
+        float | None,
+        typer.Option(help="Load that they may have, a shift of the static angle [deg]; the rig's.", min=0.0),
+    ] = None,
     noise: Annotated[
-        float, typer.Option(help="Noise of the angle at 100 Hz in samples, s.d. [deg].", min=0.0)
-    ] = 0.07,
+        float | None,
+        typer.Option(help="Noise of the angle at 100 Hz in samples, s.d. [deg]; the rig's.", min=0.0),
+    ] = None,
     quantum: Annotated[
-        float, typer.Option(help="Step of the angle sensor in samples [deg].", min=0.0)
-    ] = 0.01,
+        float | None, typer.Option(help="Step of the angle sensor in samples [deg]; the rig's.", min=0.0)
+    ] = None,
     samples: Annotated[int, typer.Option(help="Independent samples.", min=20, max=10_000_000)] = 2000,
     budget: Annotated[
         int, typer.Option(help="Runs that the search for the worst scenario may take.", min=200)
@@ -114,7 +120,8 @@ def command(
         raise InputError(f"--corners: {corners!r} must be shares below 1")
     pi = controller(gains, Wrist.of(chosen))
     around = box_of(chosen, spread, given=intervals(box or []))
-    conditions = Conditions(dead_time, load, noise, quantum)
+    asked = {"dead_time": dead_time, "load": load, "noise": noise, "quantum": quantum}
+    conditions = replace(Conditions.of(chosen.rig), **{n: v for n, v in asked.items() if v is not None})
     with progress("robust") as tell:
         found = assess(around, pi, None, conditions, samples, seed, jobs, scheduler, tell, budget)
     said = console(json)
@@ -156,8 +163,11 @@ def intervals(texts: list[str]) -> dict[str, tuple[float, float]]:
 
 
 def controller(gains: str, wrist: "Wrist") -> "PI":
-    """The PI of ``--gains``; raises InputError for gains that are not both above zero."""
+    """The PI of ``--gains``, with the reference weight of a file that has one; raises InputError for gains
+    that are not both above zero, and for a filter of the angle."""
     from design.controllers.pi import PI
+    from design.controllers.pi_two_dof import TwoDofPI
+    from design.tuner.gains_file import read_more
     from plants.errors import InputError
 
     Kp, Ki = pi_gains(gains)
@@ -165,7 +175,10 @@ def controller(gains: str, wrist: "Wrist") -> "PI":
         raise InputError(
             f"--gains: {gains!r}: Kp and Ki must both be above 0; without Ki the error never goes"
         )
-    return PI.of(wrist, Kp, Ki)
+    b, Tf = read_more(gains) if gains.endswith(".toml") else (1.0, 0.0)
+    if Tf > 0.0:
+        raise InputError(f"--gains: {gains}: Tf = {Tf:g} s: no certificate knows a filter; give Tf = 0")
+    return PI.of(wrist, Kp, Ki) if b == 1.0 else TwoDofPI.of(wrist, Kp, Ki, b)
 
 
 def lines(found: "Assessment") -> list[Any]:

@@ -1,7 +1,6 @@
-"""``wrist tune``: gains of least worst cost under hard limits."""
+"""``wrist tune``: gains of least worst cost that hold the requirement of the rig."""
 
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -32,10 +31,16 @@ COST_TEXT = {
 }
 
 if TYPE_CHECKING:
+    from design.robustness.requirement import Requirement
     from design.synthesis.answer import Answer
+    from design.synthesis.requirements import Limits
+    from plants.parameters.quantities import ParameterSet
 
 NAME = "tune"
-HELP = "Tune the PI: least worst cost over starting memories and corners of the plant, under hard limits."
+HELP = (
+    "Tune the PI: least worst cost under limits that hold for all that the rig may do: every plant in its "
+    "box, dead time, starting memory, load, noise and order of references."
+)
 EXAMPLE = "Example: wrist tune --axis flexion --out build/tune"
 
 
@@ -45,12 +50,31 @@ def command(
     cost: Annotated[
         str, typer.Option(help="What is minimised: iae, itae or settling_time.", autocompletion=costs)
     ] = "iae",
+    two_dof: Annotated[
+        bool,
+        typer.Option("--two-dof", help="With a reference weight b and a filter Tf of the angle as well."),
+    ] = False,
     nominal: Annotated[
         bool,
         typer.Option(
             "--nominal", help="Only the nominal plant from rest, without the delay margin: fast on paper."
         ),
     ] = False,
+    plain: Annotated[
+        bool,
+        typer.Option(
+            "--plain",
+            help="Only steps from every memory on the plant and its corners: no dead time, no search.",
+        ),
+    ] = False,
+    no_dead_time: Annotated[
+        bool, typer.Option("--no-dead-time", help="No dead time beside the plant's own.")
+    ] = False,
+    no_load: Annotated[bool, typer.Option("--no-load", help="No load.")] = False,
+    no_noise: Annotated[
+        bool, typer.Option("--no-noise", help="A sensor without noise, of any resolution.")
+    ] = False,
+    no_box: Annotated[bool, typer.Option("--no-box", help="The plant's parameters as they are.")] = False,
     overshoot: Annotated[
         float | None,
         typer.Option(help="Limit on the simulated overshoot [%]; the rig's if not given.", min=0.0),
@@ -71,19 +95,16 @@ def command(
     ] = None,
     points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 40,
     starts: Annotated[int, typer.Option(help="Local searches.", min=1, max=100)] = 5,
-    robust: Annotated[
-        bool,
-        typer.Option(
-            "--robust", help="Search for the worst case of the gains, add it to the set, and tune again."
-        ),
-    ] = False,
-    rounds: Annotated[int, typer.Option(help="Rounds of --robust.", min=1, max=50)] = 15,
+    robust: Annotated[bool, typer.Option("--robust", help="The default now.", hidden=True)] = False,
+    rounds: Annotated[int, typer.Option(help="Most rounds of tuning and search.", min=1, max=50)] = 15,
     dead_time: Annotated[
-        float, typer.Option(help="Dead time that the worst case of --robust may have on top [s].", min=0.0)
-    ] = 0.0,
+        float | None,
+        typer.Option(help="Longest dead time beside the plant's own [s]; the rig's if not given.", min=0.0),
+    ] = None,
     load: Annotated[
-        float, typer.Option(help="Load that it may have, a shift of the static angle [deg].", min=0.0)
-    ] = 0.0,
+        float | None,
+        typer.Option(help="Load to either side, a shift of the static angle [deg]; the rig's.", min=0.0),
+    ] = None,
     seed: SeedOption = 0,
     json: JsonOption = None,
     out: OutOption = None,
@@ -117,27 +138,35 @@ def command(
     }  # fmt: skip
     limits = replace(Limits.of(chosen.rig), **{n: v for n, v in given.items() if v is not None})
     limits = replace(limits, delay_margin_s=None) if nominal else limits
-    problem = default_problem(Wrist.of(chosen), limits, cost, nominal, jobs, spread)
     region = Region(points=points)
     said = console(json)
     record: dict[str, Any] = {}
-    if robust:
-        from design.robustness.box import box_of
+    if nominal or plain:
+        if two_dof:
+            raise InputError(
+                "--two-dof: is tuned under the whole requirement; leave out --nominal and --plain"
+            )
+        problem = default_problem(Wrist.of(chosen), limits, cost, nominal, jobs, spread)
+        with progress("tune") as tell:
+            found = tune(problem, region, starts, seed, tell, scheduler)
+    else:
         from design.robustness.robust_tuning import tune_robustly
         from reports.robustness import tuning as robust_words
 
+        asked = _requirement(
+            chosen, limits, spread, cost, 0.0 if no_dead_time else dead_time, 0.0 if no_load else load,
+            no_noise, no_box,
+        )  # fmt: skip
         with progress("tune") as tell:
-            grown = tune_robustly(
-                problem, box_of(chosen, spread), region, starts, seed, dead_time, load, rounds, tell,
-                partial(tune, scheduler=scheduler),
-            )  # fmt: skip
+            grown = tune_robustly(asked, region, min(starts, 3), seed, rounds, jobs, tell)
+            if two_dof and grown.ended != "out of reach":
+                grown = tune_robustly(
+                    asked, region, 1, seed, rounds, jobs, tell, two_dof=True, begin=grown.final
+                )
         found = grown.final
         for line in robust_words.lines(grown):
             said.print(line)
         record = {"robust": robust_words.record(grown)}
-    else:
-        with progress("tune") as tell:
-            found = tune(problem, region, starts, seed, tell, scheduler)
     answered = answer(found)
     for line in lines(answered):
         said.print(line)
@@ -150,8 +179,33 @@ def command(
         save(gain_map(found), path)
         said.print(f"map of the gains in {path}", soft_wrap=True)
     write_json(json, tuning_record(answered, chosen.axis) | record)
-    if answered.refusal is not None:
+    if answered.refusal is not None or (record and not record["robust"]["holds"]):
         raise typer.Exit(1)
+
+
+def _requirement(
+    plant: "ParameterSet",
+    limits: "Limits",
+    spread: Any,
+    cost: str,
+    dead_time: float | None,
+    load: float | None,
+    no_noise: bool,
+    no_box: bool,
+) -> "Requirement":
+    """What the rig states, with what the options put in its place or take away."""
+    from design.robustness.box import Box
+    from design.robustness.requirement import requirement
+    from design.robustness.samples.conditions import Conditions
+
+    own = Conditions.of(plant.rig)
+    conditions = Conditions(
+        own.dead_time if dead_time is None else dead_time,
+        own.load if load is None else load,
+        *((0.0, 0.0) if no_noise else (own.noise, own.quantum)),
+    )
+    found = requirement(plant, limits, conditions, spread, cost=cost)
+    return replace(found, box=Box(plant, ())) if no_box else found
 
 
 def lines(answered: "Answer") -> list[str]:
@@ -165,10 +219,12 @@ def lines(answered: "Answer") -> list[str]:
     problem, at, region = found.problem, found.at, found.region
     near = sum(s.feasible and s.cost <= 1.01 * float(at.cost[0]) for s in found.searches)
     apart = " and ".join(f"{100 * (r - 1):.0f} %" for r in region.resolution)
+    cases = f" and {len(problem.adverse)} cases of the requirement" if problem.adverse else ""
+    more = "" if at.b is None else f", b = {found.b:.3g}, Tf = {found.Tf:.3g} s"
     said = [
-        f"Kp = {found.Kp:.4g} kPa/deg, Ki = {found.Ki:.4g} kPa/(deg s)",
-        f"worst {COST_TEXT[problem.cost].format(at.cost[0])} over {len(problem.scenarios)} scenarios, on "
-        f"{problem.place('cost', int(at.cost_at[0]))}",
+        f"Kp = {found.Kp:.4g} kPa/deg, Ki = {found.Ki:.4g} kPa/(deg s){more}",
+        f"worst {COST_TEXT[problem.cost].format(at.cost[0])} over {len(problem.scenarios)} scenarios"
+        f"{cases}, on {problem.place('cost', int(at.cost_at[0]))}",
         f"nominal step of {problem.wrist.rig.task.step:+g} deg: settles in "
         f"{seconds(metrics['settling_time_s'], problem.duration)}, "
         f"overshoot {metrics['overshoot_percent']:.2g} %, IAE {metrics['iae_deg_s']:.4g} deg s",

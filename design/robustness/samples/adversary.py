@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from design.controllers.controller import Controller
 from design.evaluation.sequence import Sequence, play
 from design.robustness.box import Box
-from design.robustness.samples.search_space import Space
+from design.robustness.samples.search_space import SEQUENCES, Kind, Space
 from design.robustness.samples.worst import (
     ASIDE,
     SIMULATED,
@@ -79,7 +79,7 @@ class Search:
         """What is minimised at places x, shape (size, lanes): the score with its sign turned."""
         x = np.clip(x, 0.0, 1.0)
         ok = self.space.reachable(x)
-        played = play(self.space.batch(x), self.controller, jobs=self.jobs)
+        played = play(self.space.batch(x), self.controller, jobs=self.jobs, task_band=True)
         height = np.where(ok, -scores(played.values, self.limits, self.objective), ASIDE)
         self.places.append(x)
         self.heights.append(height)
@@ -170,13 +170,15 @@ def worst_case(
     progress: Callable[[str, float], None] | None = None,
     budget: int = 20_000,
     duration: float = 10.0,
+    kinds: tuple[Kind, ...] = SEQUENCES,
 ) -> Worst:
     """The worst that was found of a controller of any kind in a box, in `budget` runs.
 
-    objective: ``excess``, after which, where no limit is found broken, ``cost`` is searched for with
-    a budget of its own; or ``cost`` alone.  dead_time [s]: up to so much beside the plant's own;
-    load [deg]: a constant one of up to so much to either side; steps: references of a sequence;
-    duration [s]: for which the last step is judged.  The same for a seed whatever the number of threads.
+    objective: ``excess``, after which, where no limit is found broken, ``cost`` is searched for with a
+    budget of its own; or ``cost`` alone.  dead_time [s]: up to so much beside the plant's own; load [deg]: a
+    constant one of up to so much to either side; steps: references of a sequence; duration [s]: for which
+    the last step is judged; kinds: of cases, see `search_space`.  The same for a seed whatever the number of
+    threads.
 
     First differential evolution (Storn and Price 1997, doi 10.1023/A:1008202821328), a generation at
     a time in vector lanes, half of it begun at corners of the box; then Nelder-Mead with the
@@ -186,7 +188,7 @@ def worst_case(
     """
     _refuse(dead_time, load, steps, budget, duration)
     limits, tell = limits or Limits.of(box.plant.rig), progress or (lambda stage, share: None)
-    space = Space(box, steps, dead_time, load, duration)
+    space = Space(box, steps, dead_time, load, duration, kinds)
     wanted: list[Objective] = [objective]
     if not any(n in SIMULATED for n in limits.named):
         wanted = ["cost"]
@@ -222,7 +224,7 @@ def _others(search: Search) -> tuple[Sequence, ...]:
     if search.objective == "cost":
         return ()
     runs = [search.space.sequence(x)[0] for x in search.best(1 + OTHERS)[1:]]
-    played = [play([s], search.controller, jobs=search.jobs).values for s in runs]
+    played = [play([s], search.controller, jobs=search.jobs, task_band=True).values for s in runs]
     broken = [float(scores(v, search.limits, "excess")[0]) > 0.0 for v in played]
     return tuple(s for s, breaks in zip(runs, broken, strict=True) if breaks)
 
@@ -231,7 +233,7 @@ def _described(search: Search, x: Array, plain: Plain) -> Worst:
     """The worst case at a place, run once more by itself: what is told of it is what a replay shows."""
     space, controller, limits = search.space, search.controller, search.limits
     sequence, values = space.sequence(x)
-    played = play([sequence], controller, jobs=search.jobs)
+    played = play([sequence], controller, jobs=search.jobs, task_band=True)
     beyond = {n: float(v[0]) for n, v in excesses(played.values, limits).items()}
     name = max(beyond, key=lambda n: beyond[n], default="")
     return Worst(

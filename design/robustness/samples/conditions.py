@@ -8,32 +8,39 @@ import numpy as np
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.wrist.load_step import LoadStep
 from plants.errors import InputError
+from plants.rig import Rig, built_in_rig
 from plants.simulation.disturbance import burdened
 from plants.wrist import Wrist
 
 Number = Any
+_PAPER = built_in_rig().uncertainty
 
 
 @dataclass(frozen=True)
 class Conditions:
     """Bounds within which the conditions of a run are drawn; 0 leaves one out.
 
-    All defaults are assumed; nobody measured them on the paper's wrist.
+    All defaults are those of the built-in rig's file, which says that they are assumed.
 
-    dead_time [s]: drawn uniformly from 0 to it.  50 ms, what rigs of this kind show of their tube.
+    dead_time [s]: drawn uniformly from 0 to it.
     load [deg]: shift of the static angle, drawn uniformly from -load to load, there from the start.
-        1 deg, for what a hand holds and lays down; the size at which the trace first tries a load step.
     noise [deg]: standard deviation of white noise of the sensor, normal, a new value every 10 ms, held
-        in between.  0.07 deg, amid the angle noise of the synthetic practice rigs, 0.04 to 0.09 deg.
-    quantum [deg]: step in which the sensor shows the angle.  0.01 deg, the rounding of those rigs' logs.
+        in between.
+    quantum [deg]: step in which the sensor shows the angle.
 
     Raises InputError for a value that is negative or not finite, and a dead time beyond that of the effect.
     """
 
-    dead_time: float = 0.050
-    load: float = 1.0
-    noise: float = 0.07
-    quantum: float = 0.01
+    dead_time: float = _PAPER.dead_time[1]
+    load: float = _PAPER.load
+    noise: float = _PAPER.noise
+    quantum: float = _PAPER.resolution
+
+    @classmethod
+    def of(cls, rig: Rig) -> "Conditions":
+        """What a rig declares."""
+        u = rig.uncertainty
+        return cls(u.dead_time[1], u.load, u.noise, u.resolution)
 
     def __post_init__(self) -> None:
         for f in fields(self):

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from design.controllers.pi import PI
+from design.controllers.pi_two_dof import TwoDofPI
 from design.evaluation.metrics import UNITS, Metrics
 from design.evaluation.sequence import Sequence
 from design.robustness.samples.worst import Worst
@@ -19,6 +20,7 @@ from plants.errors import InputError
 from plants.files import write_atomically
 from plants.parameters import files as parameter_files
 from plants.parameters.quantities import ParameterSet
+from plants.simulation.disturbance import BEFORE
 from plants.toml import check_keys, is_number, read_toml
 from plants.wrist import STARTS, Wrist
 
@@ -34,6 +36,8 @@ SETTINGS = {
 
 KEYS = ("start", "angle", "references", "holds", "dead_time", "load", "plant", "violated")
 """What a file says of the run."""
+MORE = {"b": "1", "Tf": "s"}
+"""What it says beside of one with two degrees of freedom (`design.controllers.pi_two_dof`)."""
 
 FASTEST, LONGEST = 1e6, 3600.0
 """Greatest gain and longest run [s] that a file may ask for."""
@@ -68,10 +72,13 @@ def save(worst: Worst, path: str | Path) -> None:
     scenario["start"], scenario["angle"] = s.start, s.angle
     scenario["references"], scenario["holds"] = list(s.references), list(s.holds)
     scenario["dead_time"], scenario["load"], scenario["plant"] = s.dead_time, s.load, s.plant
+    if s.load_at >= 0.0:
+        scenario["load_at"] = s.load_at
     scenario["violated"] = list(worst.violated)
     document["scenario"] = scenario
     controller = tomlkit.table()
-    for name, unit in SETTINGS.items():
+    own = SETTINGS | (MORE if isinstance(worst.controller, TwoDofPI) else {})
+    for name, unit in own.items():
         controller[name] = float(getattr(worst.controller, name))
         controller[name].comment(unit)
     document["controller"] = controller
@@ -95,7 +102,9 @@ def load(path: str | Path) -> Saved:
     asked, settings, seen = (_table(path, text, n) for n in ("scenario", "controller", "metrics"))
     names = {f.name for f in fields(Metrics)}
     for table, name, known in (
-        (asked, "scenario", KEYS), (settings, "controller", tuple(SETTINGS)), (seen, "metrics", sorted(names))
+        (asked, "scenario", KEYS),
+        (settings, "controller", (*SETTINGS, *MORE)),
+        (seen, "metrics", sorted(names)),
     ):  # fmt: skip
         check_keys(table, known, f"{path}: {name}")
     metrics = {n: _number(path, f"metrics.{n}", seen.get(n), finite=False) for n in sorted(names)}
@@ -104,7 +113,11 @@ def load(path: str | Path) -> Saved:
         raise InputError(f"{path}: controller.Kp and controller.Ki must be gains of 0 to {FASTEST:g}")
     if controller["gain"] <= 0.0 or not controller["low"] < controller["high"]:
         raise InputError(f"{path}: controller needs gain above 0 and low below high")
-    return Saved(_sequence(path, asked, Wrist.of(plant)), plant, PI(**controller), metrics)
+    more = {n: _number(path, f"controller.{n}", settings[n]) for n in MORE if n in settings}
+    if not all(0.0 <= v <= FASTEST for v in more.values()):
+        raise InputError(f"{path}: controller.b and controller.Tf must be numbers of 0 to {FASTEST:g}")
+    made = TwoDofPI(**controller, **more) if more else PI(**controller)
+    return Saved(_sequence(path, asked, Wrist.of(plant)), plant, made, metrics)
 
 
 def _sequence(path: str | Path, asked: Mapping[str, Any], wrist: Wrist) -> Sequence:
@@ -128,7 +141,10 @@ def _sequence(path: str | Path, asked: Mapping[str, Any], wrist: Wrist) -> Seque
     if not 0.0 <= dead_time <= 0.4 or abs(shift) > 30.0:
         raise InputError(f"{path}: scenario.dead_time must be 0 to 0.4 s and scenario.load -30 to 30 deg")
     plant = asked.get("plant", "nominal")
-    return Sequence(start, angle, references, holds, wrist, dead_time, shift, str(plant))
+    load_at = _number(path, "scenario.load_at", asked.get("load_at", BEFORE))
+    if load_at > LONGEST:
+        raise InputError(f"{path}: scenario.load_at must be at most {LONGEST:g} s")
+    return Sequence(start, angle, references, holds, wrist, dead_time, shift, str(plant), load_at)
 
 
 def _table(path: str | Path, text: Mapping[str, Any], name: str) -> Mapping[str, Any]:

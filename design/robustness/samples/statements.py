@@ -37,13 +37,18 @@ def statements(samples: Samples, level: float = LEVEL) -> list[Statement]:
     """
     found = []
     for v in (*samples.violations, samples.beyond):
-        holds = True if v.high < level else False if v.low > level else None
         noisy = v.requirement == "total_variation_V" and samples.task.conditions.noise > 0.0
         uncounted = 0 if v is samples.beyond else len(samples) - v.trials
-        evidence = {
-            "requirement": v.requirement, "limit": v.limit, "violations": v.count, "samples": v.trials,
-            "probability": v.probability if v.trials else None, "interval": [v.low, v.high], "level": level,
-        }  # fmt: skip
-        claim, reason = RarelyBroken(v.words, level), Counted(v, noisy, uncounted)
-        found.append(Statement(Status.SAMPLED, claim, holds, 100 * v.high, reason, "%", evidence=evidence))
+        found.append(statement(v, noisy, uncounted, level))
     return found
+
+
+def statement(v: Violations, noisy: bool, uncounted: int, level: float = LEVEL) -> Statement:
+    """The statement about one requirement; noisy, uncounted: as `Counted`."""
+    holds = True if v.high < level else False if v.low > level else None
+    evidence = {
+        "requirement": v.requirement, "limit": v.limit, "violations": v.count, "samples": v.trials,
+        "probability": v.probability if v.trials else None, "interval": [v.low, v.high], "level": level,
+    }  # fmt: skip
+    claim, reason = RarelyBroken(v.words, level), Counted(v, noisy, uncounted)
+    return Statement(Status.SAMPLED, claim, holds, 100 * v.high, reason, "%", evidence=evidence)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from design.controllers.controller import Controller
 from design.controllers.pi import PI
+from design.controllers.pi_two_dof import TwoDofPI
 from design.evaluation.scenarios import STEP, tuning_scenarios, within_reach
 from design.evaluation.sequence import PlayedSequence, Sequence, play
 from design.robustness.box import Box
@@ -17,8 +18,8 @@ from plants.simulation.periodic import Periodic
 
 Array = NDArray[np.float64]
 Objective = Literal["excess", "cost"]
-SIMULATED = ("overshoot_percent", "steady_error_percent", "total_variation_V")
-"""Limits that a run shows; Ms and the delay margin belong to branches."""
+SIMULATED = ("overshoot_percent", "steady_error_percent", "total_variation_V", "settling_time_s")
+"""Limits that a run shows; Ms, Mt and the delay margin belong to branches."""
 
 ASIDE = 1e6
 """Height, in the minimisation, of a sequence that is set aside."""
@@ -75,7 +76,8 @@ class Worst:
     def settings(self) -> dict[str, float]:
         """The gains of a PI; of any other controller all settings that are numbers."""
         if isinstance(self.controller, PI):
-            return {"Kp": float(self.controller.Kp), "Ki": float(self.controller.Ki)}
+            names = ("Kp", "Ki", "b", "Tf") if isinstance(self.controller, TwoDofPI) else ("Kp", "Ki")
+            return {n: float(getattr(self.controller, n)) for n in names}
         return {n: float(v) for n, v in vars(self.controller).items() if isinstance(v, int | float)}
 
     @property
@@ -90,6 +92,7 @@ class Worst:
             "holds_s": list(s.holds),
             "dead_time_s": s.dead_time,
             "load_deg": s.load,
+            "load_at_s": s.load_at,
             "parameters": {n: float(v) for n, v in s.wrist.values.items()},
             **self.settings,
             "objective": self.objective,
@@ -140,7 +143,7 @@ def plain_worst(
     runs = [
         Sequence(s.start, s.angle, (s.reference,), (duration,), s.wrist, plant=s.plant) for s in scenarios
     ]
-    played: PlayedSequence = play(runs, controller, jobs=jobs)
+    played: PlayedSequence = play(runs, controller, jobs=jobs, task_band=True)
     beyond, cost = excesses(played.values, limits), played.values["iae_deg_s"] / played.step
     dearest = int(np.argmax(cost))
     if not beyond:

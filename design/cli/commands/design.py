@@ -1,0 +1,147 @@
+"""``wrist design``: from campaigns to recommended controllers, in one command."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from design.cli.common import (
+    JobsOption,
+    JsonOption,
+    SeedOption,
+    command_line,
+    shown,
+    write_json,
+)
+from design.cli.completion import files
+from design.cli.places import check_places
+from design.cli.terminal.screen import console, progress
+
+if TYPE_CHECKING:
+    from design.studies.design_study import MotionDesign
+    from plants.measured.campaign import Campaign
+    from plants.parameters.quantities import ParameterSet
+
+NAME = "design"
+HELP = (
+    "Design for measured rigs, all the way: fit, trace, tune under everything that the rig may do, check on "
+    "fresh cases, search for the worst, ask for proofs, price each guarantee, export C; one page, one JSON. "
+    "Goes on from what is finished after Ctrl-C."
+)
+EXAMPLE = "Example: wrist design plants/measured/examples/flexion --out build/design"
+
+
+def command(
+    campaigns: Annotated[
+        list[Path],
+        typer.Argument(
+            help="Folders with campaign.toml and the recordings, one a motion.", autocompletion=files
+        ),
+    ],
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out", help="Folder for page, plants, gains, C and finished stages.", autocompletion=files
+        ),
+    ] = Path("build/design"),
+    plant: Annotated[
+        list[Path] | None,
+        typer.Option(help="Parameter set that a motion's fit starts from.", autocompletion=files),
+    ] = None,
+    no_dead_time: Annotated[
+        bool, typer.Option("--no-dead-time", help="No dead time beside the plant's own.")
+    ] = False,
+    no_load: Annotated[bool, typer.Option("--no-load", help="No load.")] = False,
+    no_noise: Annotated[bool, typer.Option("--no-noise", help="A sensor without noise.")] = False,
+    nominal: Annotated[bool, typer.Option("--nominal", help="The plant's parameters as they are.")] = False,
+    samples: Annotated[int, typer.Option(help="Fresh samples.", min=100)] = 20_000,
+    budget: Annotated[int, typer.Option(help="Runs of the search for the worst case.", min=1000)] = 50_000,
+    points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 40,
+    seed: SeedOption = 0,
+    json: JsonOption = None,
+    jobs: JobsOption = None,
+) -> None:
+    from design.studies.design_study import Effort, Taken, design_study
+    from reports.design.page import write_design
+    from reports.design.record import design_record
+    from reports.design.words import last_line, motion_lines
+    from reports.shared.html import Made
+
+    check_places({"--json": json}, out)
+    said = console(json)
+    given = _campaigns(campaigns, plant or [])
+    taken = Taken(no_dead_time, no_load, no_noise, nominal)
+    effort = Effort(samples, budget, points)
+    out.mkdir(parents=True, exist_ok=True)
+    with progress("design") as tell:
+        study = design_study(given, out, effort, taken, seed, jobs, tell)
+    for motion in study.motions:
+        _write_gains(out, motion)
+        _export(out, motion)
+        for line in motion_lines(motion):
+            said.print(line)
+    made = Made.now(
+        command=command_line(), seed=seed, sets={m.motion: m.plant for m in study.motions},
+        data={data.name: data.checksum for data, _ in given.values()},
+    )  # fmt: skip
+    with progress("page"):
+        page = write_design(out, study, made)
+    said.print(f"page in {page}", soft_wrap=True)
+    write_json(json, design_record(study))
+    said.print(last_line(study), soft_wrap=True)
+    if not study.holds:
+        raise typer.Exit(1)
+
+
+def _campaigns(folders: list[Path], files_: list[Path]) -> "dict[str, tuple[Campaign, ParameterSet | None]]":
+    """Campaigns by motion, each with the set that its fit starts from; all are read before any is fitted."""
+    from plants.errors import InputError
+    from plants.measured.campaign import load_campaign
+    from plants.parameters.quantities import load
+
+    sets = {s.axis: s for s in (load(path) for path in files_)}
+    found: dict[str, tuple[Campaign, ParameterSet | None]] = {}
+    for folder in folders:
+        data = load_campaign(folder, next((s.rig for s in sets.values()), None))
+        if data.stage == "regulator":
+            raise InputError(f"{folder}: has no angle; a design needs a campaign of the whole wrist")
+        if data.axis in found:
+            raise InputError(f"{folder}: {data.axis!r} was given before; give one campaign a motion")
+        found[data.axis] = (data, sets.get(data.axis))
+    first = next((start for _, start in found.values() if start is not None), None)
+    if first is not None:
+        shown(first)
+    return found
+
+
+def _write_gains(out: Path, motion: "MotionDesign") -> None:
+    """The recommended gains as gains-MOTION.toml, in place of those of a run before."""
+    from design.tuner.gains_file import write
+
+    path = (out / f"gains-{motion.motion}.toml").absolute()
+    about = {"plant": f"plant-{motion.motion}.toml", "holds": motion.holds}
+    write(path, motion.gains, about, mine=(path,))
+
+
+def _export(out: Path, motion: "MotionDesign") -> None:
+    """The recommended controller as C in c-MOTION."""
+    from dataclasses import replace
+
+    from design.controllers.pi_two_dof import TwoDofPI
+    from design.controllers.plausible import SensorLimits
+    from design.export.catalogue import STANDS_STILL, identifier
+    from design.export.folder import write
+    from design.export.part import of_controller
+    from plants.wrist import Wrist
+
+    wrist, controller = Wrist.of(motion.plant), motion.controller
+    kind = "pi_two_dof" if isinstance(controller, TwoDofPI) else "pi"
+    title = f"{motion.recommended} controller with anti-windup, recommended for {motion.motion}"
+    part = of_controller(
+        identifier(f"{motion.motion}_{kind}"),
+        title,
+        controller,
+        SensorLimits.of(wrist),
+        wrist.rig.sample_time,
+    )
+    write(replace(part, notes=(*part.notes, STANDS_STILL)), wrist, out / f"c-{motion.motion}")

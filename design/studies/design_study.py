@@ -1,0 +1,389 @@
+"""The whole way from campaigns to recommended controllers, as one value: what was found, and what is open.
+
+Per motion: trace the campaign, tune on the revised plant under the rig's whole requirement a PI and one
+with two degrees of freedom, recommend one, check it on fresh samples, search for its worst case, ask for
+proofs of exactly its gains, and price each guarantee.  Whoever shows a study (the command, a page) takes the
+value and computes nothing.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.alternatives.designs import FORWARD_PI
+from design.alternatives.feedforward_design import design_feedforward
+from design.controllers.feedforward import FeedforwardPI
+from design.controllers.pi import PI
+from design.controllers.pi_two_dof import TwoDofPI
+from design.robustness.box import Box
+from design.robustness.checks import check, worst_found
+from design.robustness.requirement import Requirement, requirement, requirement_record
+from design.robustness.robust_tuning import FRESH, GUARD, RobustTuning, tune_robustly
+from design.studies.limits_matrix import matrix, step_band
+from design.studies.prices import Tasks, price_rows
+from design.studies.proof import proof
+from design.studies.stages import Stages
+from design.synthesis.requirements import Problem
+from design.synthesis.retune import in_sensor, without_sensor
+from design.synthesis.tuning import Region
+from plants.errors import InputError
+from plants.measured.campaign import Campaign
+from plants.measured.trace.trace import trace_campaign
+from plants.parameters.quantities import ParameterSet, dump, load
+from plants.wrist import Wrist
+
+Array = NDArray[np.float64]
+Tell = Callable[[str, float], None]
+
+PAYS = 0.05
+"""A second degree of freedom is recommended where it lowers the worst cost by this share."""
+
+PLAIN, TWO_DOF, FORWARD = "PI", "2-DOF PI", FORWARD_PI
+STAGES = ("trace", "tune", "check", "proof", "prices", "page")
+"""Stages of a motion, in order; shares of the time that each takes."""
+
+SHARES = (0.18, 0.46, 0.16, 0.08, 0.10, 0.02)
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is spent: fresh samples, runs of the search for the worst case, points of maps, rounds."""
+
+    samples: int = 20_000
+    runs: int = 50_000
+    points: int = 40
+    rounds: int = 15
+
+
+@dataclass(frozen=True)
+class Taken:
+    """Parts that are taken away from what the rig states: no dead time, no load, no noise, no box."""
+
+    dead_time: bool = False
+    load: bool = False
+    noise: bool = False
+    box: bool = False
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parts by name."""
+        return tuple(n for n, gone in vars(self).items() if gone)
+
+
+@dataclass(frozen=True)
+class MotionDesign:
+    """What was found of a motion: the revised plant, what of it the loop was designed without, and the
+    records of the stages, of dictionaries, lists, numbers and text.
+
+    designs: of each controller its gains and tuning; recommended: which of them; evidence: fresh samples,
+    worst case, proof; prices: rows; matrix: limits by what they hold under; band: the steps that are drawn.
+    """
+
+    motion: str
+    plant: ParameterSet
+    left_out: tuple[str, ...]
+    trace: Mapping[str, Any]
+    designs: Mapping[str, Mapping[str, Any]]
+    recommended: str
+    evidence: Mapping[str, Any]
+    prices: tuple[Mapping[str, Any], ...]
+    matrix: tuple[Mapping[str, Any], ...]
+    band: Mapping[str, Any]
+    relaxed: str | None
+
+    @property
+    def gains(self) -> dict[str, float]:
+        """The recommended gains: Kp [kPa/deg], Ki [kPa/(deg s)], b [1], Tf [s]."""
+        return dict(self.designs[self.recommended]["gains"])
+
+    @property
+    def controller(self) -> PI:
+        """The recommended controller."""
+        return cast(PI, law(Wrist.of(self.plant), self.gains))
+
+    @property
+    def holds(self) -> bool:
+        """Whether tuning, fresh samples and the search for the worst case found no broken limit."""
+        samples, worst = self.evidence["samples"], self.evidence["worst_case"]
+        return bool(self.designs[self.recommended]["holds"]) and not samples["broken"] and not worst["broken"]
+
+
+@dataclass(frozen=True)
+class DesignStudy:
+    """What was found of every motion, under which requirement, tuned by which guard."""
+
+    motions: tuple[MotionDesign, ...]
+    requirements: Mapping[str, Mapping[str, Any]]
+    guard: Mapping[str, float]
+    effort: Effort
+
+    @property
+    def holds(self) -> bool:
+        """Whether every motion's gains hold what is required."""
+        return all(m.holds for m in self.motions)
+
+
+def law(wrist: Wrist, gains: Mapping[str, float]) -> Any:
+    """The controller with some gains: a plain PI where weight and filter are those of one, with a feedforward
+    where they name its speed."""
+    if "speed" in gains:
+        return FeedforwardPI.of(wrist, speed=gains["speed"], Kp=gains["Kp"], Ki=gains["Ki"])
+    if gains["b"] == 1.0 and gains["Tf"] == 0.0:
+        return PI.of(wrist, gains["Kp"], gains["Ki"])
+    return TwoDofPI.of(wrist, gains["Kp"], gains["Ki"], gains["b"], gains["Tf"])
+
+
+def design_study(
+    campaigns: Mapping[str, tuple[Campaign, ParameterSet | None]],
+    folder: Path,
+    effort: Effort | None = None,
+    taken: Taken | None = None,
+    seed: int = 0,
+    jobs: int | None = None,
+    progress: Tell | None = None,
+) -> DesignStudy:
+    """Design for campaigns, each with the set that its fit starts from, if one was given; stages are kept in `folder`/stages,
+    and the revised plants as plant-MOTION.toml in `folder`.
+
+    Raises InputError as trace and box do.
+    """
+    effort, taken = effort or Effort(), taken or Taken()
+    stages = Stages(folder / "stages")
+    done: list[MotionDesign] = []
+    asked: dict[str, Mapping[str, Any]] = {}
+    for number, (motion, (data, start)) in enumerate(campaigns.items()):
+
+        def tell(what: str, share: float, at: int = number, name: str = motion) -> None:
+            if progress:
+                progress(f"{name}, {what}", (at + share) / len(campaigns))
+
+        plant, traced = _traced(motion, data, start, folder, stages, seed, tell)
+        tuned = without_sensor(plant)
+        required = required_of(tuned, taken)
+        asked[motion] = requirement_record(required)
+        done.append(_designed(motion, plant, traced, required, stages, effort, seed, jobs, tell))
+    return DesignStudy(tuple(done), asked, dict(GUARD), effort)
+
+
+def required_of(plant: ParameterSet, taken: Taken) -> Requirement:
+    """What a plant's rig states, less what is taken away."""
+    found = requirement(plant)
+    gone = {n: 0.0 for n, away in (("dead_time", taken.dead_time), ("load", taken.load)) if away}
+    gone |= {"noise": 0.0, "quantum": 0.0} if taken.noise else {}
+    found = replace(found, conditions=replace(found.conditions, **gone))
+    return replace(found, box=Box(plant, ())) if taken.box else found
+
+
+def _at(stage: str, tell: Tell) -> Tell:
+    """Progress within a stage, as a share of the motion's time."""
+    place = STAGES.index(stage)
+    before = sum(SHARES[:place])
+    return lambda what, share: tell(what, before + SHARES[place] * min(max(share, 0.0), 1.0))
+
+
+def _traced(
+    motion: str,
+    data: Campaign,
+    start: ParameterSet | None,
+    folder: Path,
+    stages: Stages,
+    seed: int,
+    tell: Tell,
+) -> tuple[ParameterSet, dict[str, Any]]:
+    """The revised plant, and what the trace said."""
+    path = folder / f"plant-{motion}.toml"
+
+    def work() -> dict[str, Any]:
+        trace = trace_campaign(data, start, seed, _at("trace", tell))
+        dump(trace.revised, path)
+        return {
+            "verdict": trace.verdict, "before": trace.before, "after": trace.after, "noise": trace.noise,
+            "effects": [{"name": e.name, "form": e.form, "stage": e.stage} for e in trace.effects],
+            "remarks": list(trace.remarks), "plant": path.read_text(encoding="utf-8"),
+        }  # fmt: skip
+
+    asked = {"campaign": data.checksum, "start": None if start is None else start.values, "seed": seed}
+    found = stages.done(f"trace-{motion}", asked, work)
+    if not path.exists() or path.read_text(encoding="utf-8") != found["plant"]:
+        path.write_text(found["plant"], encoding="utf-8")
+    return load(path), found
+
+
+def _designed(
+    motion: str,
+    plant: ParameterSet,
+    traced: dict[str, Any],
+    required: Requirement,
+    stages: Stages,
+    effort: Effort,
+    seed: int,
+    jobs: int | None,
+    tell: Tell,
+) -> MotionDesign:
+    """All that follows the trace."""
+    wrist, about = required.wrist, requirement_record(required)
+    asked = {"plant": traced["plant"], "requirement": about, "seed": seed, "effort": vars(effort)}
+    designs = stages.done(
+        f"tune-{motion}", asked, lambda: _tuned(required, effort, seed, jobs, _at("tune", tell))
+    )
+    relaxed = designs.pop("relaxed")
+    best = min((PLAIN, TWO_DOF), key=lambda n: (not designs[n]["holds"], n == TWO_DOF))
+    both = designs[PLAIN]["holds"] and designs[TWO_DOF]["holds"]
+    if both and designs[TWO_DOF]["cost"] < (1.0 - PAYS) * designs[PLAIN]["cost"]:
+        best = TWO_DOF
+    gains = designs[best]["gains"]
+    mine = {**asked, "gains": gains}
+    controller = law(wrist, gains)
+    evidence = stages.done(
+        f"check-{motion}",
+        mine,
+        lambda: _checked(required, controller, effort, seed, jobs, _at("check", tell)),
+    )
+    _at("proof", tell)("proof", 0.0)
+    evidence["proved"] = stages.done(
+        f"proof-{motion}", mine,
+        lambda: proof(Wrist.of(plant), gains["Kp"], gains["Ki"], about["dead_time_s"][1]),
+    )  # fmt: skip
+    prices = stages.done(
+        f"prices-{motion}", {**mine, "designs": designs},
+        lambda: {"rows": _priced(required, designs, best, evidence["proved"], jobs, _at("prices", tell))},
+    )["rows"]  # fmt: skip
+    _at("page", tell)("steps", 0.0)
+    shown = stages.done(
+        f"shown-{motion}", {**mine, "evidence": evidence},
+        lambda: {
+            "matrix": matrix(required, controller, evidence), "band": step_band(required, controller, seed),
+        },
+    )  # fmt: skip
+    return MotionDesign(
+        motion, plant, in_sensor(plant), {k: v for k, v in traced.items() if k != "plant"}, designs, best,
+        evidence, tuple(prices), tuple(shown["matrix"]), shown["band"], relaxed,
+    )  # fmt: skip
+
+
+def _tuned(required: Requirement, effort: Effort, seed: int, jobs: int | None, tell: Tell) -> dict[str, Any]:
+    """Both controllers under the requirement; where neither holds it, what would have to be taken away."""
+    region = Region(points=effort.points)
+    plain = tune_robustly(
+        required, region, 0, seed, effort.rounds, jobs, lambda s, h: tell(f"{PLAIN}: {s}", 0.5 * h)
+    )
+    found = {PLAIN: _tuning_record(plain)}
+    if plain.ended == "out of reach":
+        found[TWO_DOF] = found[PLAIN]
+    else:
+        two = tune_robustly(
+            required, region, 0, seed, effort.rounds, jobs,
+            lambda s, h: tell(f"{TWO_DOF}: {s}", 0.5 + 0.5 * h), two_dof=True, begin=plain.final,
+        )  # fmt: skip
+        found[TWO_DOF] = _tuning_record(two)
+        other = _forward(
+            required, plain.final.problem, seed, jobs, lambda s, h: tell(f"{FORWARD}: {s}", 0.98)
+        )
+        found |= {FORWARD: other} if other else {}
+    holds = any(f["holds"] for n, f in found.items() if n != FORWARD)
+    return {**found, "relaxed": None if holds else _would_have_to_go(required, seed, jobs, tell)}
+
+
+def _forward(
+    required: Requirement, problem: Problem, seed: int, jobs: int | None, tell: Tell
+) -> dict[str, Any] | None:
+    """A PI with feedforward on the cases that the PI was tuned on, judged on fresh ones; None for a plant
+    that has no inverse."""
+    tell("design", 0.0)
+    try:
+        made = design_feedforward(problem, seed)
+    except (InputError, ValueError):
+        return None
+    c = made.controller
+    fresh = check(required, c, FRESH, 4000 + seed, jobs)
+    return {
+        "gains": {"Kp": float(c.Kp), "Ki": float(c.Ki), "speed": float(c.speed)},
+        "cost": float(made.at.cost[0]), "holds": not made.breaks and fresh.broken == 0,
+        "ended": f"{fresh.broken} of {fresh.total} fresh samples break a limit", "active": None,
+        "nearest": None, "cases": len(problem.adverse), "rounds": 1,
+    }  # fmt: skip
+
+
+def _would_have_to_go(required: Requirement, seed: int, jobs: int | None, tell: Tell) -> str | None:
+    """The first part of the requirement without which a plain PI holds the rest, in words; None where taking
+    away one is not enough."""
+    own = required.conditions
+    without = {
+        "the dead time": replace(required, conditions=replace(own, dead_time=0.0)),
+        "the load": replace(required, conditions=replace(own, load=0.0)),
+        "steps before the last has settled": replace(required, kinds=("step",)),
+        "the box of parameters": replace(required, box=Box(required.box.plant, ())),
+    }
+    for words, less in without.items():
+        tell(f"without {words}", 0.99)
+        if tune_robustly(less, Region(points=12), 0, seed, 8, jobs).holds:
+            return words
+    return None
+
+
+def _tuning_record(found: RobustTuning) -> dict[str, Any]:
+    t = found.final
+    nearest = None if found.refusal is None else {"limit": t.active, "words": type(found.refusal).__name__}
+    return {
+        "gains": {"Kp": t.Kp, "Ki": t.Ki, "b": t.b, "Tf": t.Tf}, "cost": float(t.at.cost[0]),
+        "holds": found.holds, "ended": found.ended, "active": t.active, "nearest": nearest,
+        "cases": len(t.problem.adverse), "rounds": len(found.rounds),
+    }  # fmt: skip
+
+
+def _checked(
+    required: Requirement, controller: PI, effort: Effort, seed: int, jobs: int | None, tell: Tell
+) -> dict[str, Any]:
+    """Fresh samples and the worst case found, neither of which took part in the tuning."""
+    fresh = check(required, controller, effort.samples, 1000 + seed, jobs, lambda s, h: tell(s, 0.3 * h))
+    worst = worst_found(
+        required, controller, effort.runs, 2000 + seed, jobs, lambda s, h: tell(s, 0.3 + 0.7 * h)
+    )
+    broken = required.excess(fresh.values)
+    return {
+        "samples": {
+            "broken": fresh.broken, "total": fresh.total, "upper_bound": fresh.upper_bound,
+            "out_of_reach": fresh.out_of_reach, "worst_excess": float(broken.max()),
+            "worst": {n: float(v.max()) for n, v in fresh.values.items()},
+            "worst_iae_deg_s": fresh.worst_cost, "worst_settling_s": fresh.worst_settling_s,
+        },
+        "worst_case": {
+            "runs": worst.runs, "broken": worst.broken,
+            "overshoot_percent": worst.values["overshoot_percent"], "excess": worst.excess,
+            "excess_of": worst.excess_of, "values": worst.values, "scenario": worst.sequence.name,
+            "worst_iae_deg_s": worst.worst_cost,
+            "dearest": None if worst.dearest is None else worst.dearest.name,
+        },
+        "linear_excess": required.linear_excess(controller),
+    }  # fmt: skip
+
+
+def _priced(
+    required: Requirement,
+    designs: Mapping[str, Mapping[str, Any]],
+    best: str,
+    proved: Mapping[str, Any],
+    jobs: int | None,
+    tell: Tell,
+) -> list[dict[str, Any]]:
+    """The price list: less than the requirement, all of it, and what of it is proved."""
+    rows = price_rows(required, jobs, tell)
+    tasks = Tasks.of(required)
+    for name, found in designs.items():
+        row = tasks.row(law(required.wrist, found["gains"]), jobs)
+        own = {"guarantee": "worst case found", "controller": name, "gains": found["gains"]}
+        rows.append({**own, "feasible": found["holds"], "own_worst_iae_deg_s": found["cost"], **row})
+    last = next(dict(r) for r in reversed(rows) if r["controller"] == best)
+    if proved["status"] == "proved":
+        rows.append({**last, "guarantee": "proved"})
+    else:
+        gone = dict.fromkeys(
+            ("gains", "worst_iae_deg_s", "worst_settling_s", "worst_overshoot_percent", "ratio_to_bound",
+             "own_worst_iae_deg_s")
+        )  # fmt: skip
+        rows.append({**last, **gone, "guarantee": "proved", "feasible": False})
+    return rows

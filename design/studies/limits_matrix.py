@@ -1,0 +1,108 @@
+"""Limits by what they hold under: nominal, every branch, dead time, perturbed plants, worst case found.
+
+And the steps that show it: the nominal one, behind the longest dead time, and the band of fresh cases.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from design.controllers.pi import PI
+from design.evaluation.scenarios import tuning_scenarios
+from design.evaluation.sequence import Sequence, play
+from design.margins import Margins, branch_responses, margins
+from design.robustness.requirement import LINEAR, Requirement
+from design.robustness.samples.draws import CASES, generator
+from plants.simulation.disturbance import burdened
+
+CONDITIONS = (
+    "nominal",
+    "every branch and memory",
+    "longest dead time",
+    "perturbed plants",
+    "worst case found",
+)
+"""What limits are looked at under; each holds what the one before holds, and more, but for the last, which
+is the one case that a search found."""
+
+EVERY, SHOWN, SECONDS = 20, 400, 5.0
+"""Samples between rows of the steps that are drawn, cases of their band, and how long [s] they are drawn."""
+
+
+def matrix(
+    required: Requirement, controller: PI, evidence: Mapping[str, Any]
+) -> list[dict[str, Any]]:  # fmt: skip
+    """A row a limit: its name, the limit, and the value under each of `CONDITIONS`; None where that is no
+    matter of it, as margins are of no single case."""
+    late = required.space.dead_time
+    calm, delayed = (_on_scenarios(required, controller, t) for t in (0.0, late))
+    wrist = required.wrist
+    linear = {
+        "nominal": margins(branch_responses(wrist)[:1], controller),
+        "every branch and memory": margins(branch_responses(wrist), controller),
+        "longest dead time": margins(branch_responses(burdened(wrist, late or None, None)), controller),
+        "perturbed plants": required.margins(controller),
+    }
+    rows = []
+    for name, limit in required.limits.named.items():
+        if name in LINEAR:
+            of = {c: _margin(m, name) for c, m in linear.items()}
+        else:
+            of = {
+                "nominal": float(calm[name][0]), "every branch and memory": float(calm[name].max()),
+                "longest dead time": float(delayed[name].max()),
+                "perturbed plants": evidence["samples"]["worst"][name],
+                "worst case found": evidence["worst_case"]["values"][name],
+            }  # fmt: skip
+        values = {c: of.get(c) for c in CONDITIONS}
+        held = {
+            c: None if v is None else bool(v >= limit if name == "delay_margin_s" else v <= limit)
+            for c, v in values.items()
+        }
+        rows.append({"limit": name, "bound": limit, "values": values, "held": held})
+    return rows
+
+
+def _margin(found: Margins, name: str) -> float:
+    return float(getattr(found, name))
+
+
+def _on_scenarios(required: Requirement, controller: PI, dead_time: float) -> dict[str, Any]:
+    """What limits are held against in the task's steps of the nominal plant, that from rest first."""
+    scenarios = [s for s in tuning_scenarios(required.wrist) if s.plant == "nominal"]
+    lanes = [
+        Sequence(s.start, s.angle, (s.reference,), (required.duration,), s.wrist, dead_time)
+        for s in scenarios
+    ]
+    return play(lanes, controller, task_band=True).values
+
+
+def step_band(required: Requirement, controller: PI, seed: int) -> dict[str, Any]:
+    """Steps from rest over time [s] in the direction of the step [deg]: least and largest angle of fresh
+    cases, the nominal plant's, and the same behind the longest dead time."""
+    steps = replace(required, kinds=("step",))
+    x = generator(3000 + seed, 0, CASES).random((steps.space.size, SHOWN))
+    x = x[:, steps.space.reachable(x)]
+    batch = replace(steps.space, duration=SECONDS).batch(x)
+    angle = play(batch, controller, record=True).trajectory
+    assert angle is not None
+    sign = np.sign(batch.references[-1])
+    rows = slice(0, round(SECONDS / required.wrist.rig.sample_time), EVERY)
+    seen = (angle.angle * sign)[rows]
+    step = required.wrist.rig.task.step
+    plain, late = (
+        play(
+            [Sequence("virgin", 0.0, (step,), (SECONDS,), required.wrist, t)], controller, record=True
+        ).trajectory
+        for t in (0.0, required.space.dead_time)
+    )
+    assert plain is not None
+    assert late is not None
+    return {
+        "time_s": angle.time[rows].tolist(), "low": seen.min(axis=1).tolist(),
+        "high": seen.max(axis=1).tolist(), "nominal": plain.angle[rows, 0].tolist(),
+        "late": late.angle[rows, 0].tolist(), "cases": int(x.shape[1]), "step": step,
+        "dead_time_s": required.space.dead_time,
+    }  # fmt: skip

@@ -1,0 +1,127 @@
+"""What each guarantee costs: gains that are tuned for ever more of it, judged on the same tasks.
+
+    nominal              the nominal plant's step from rest
+    memory and corners   every starting memory, on the plant and eight corners of it
+    dead time            the same behind the longest dead time, which is in Ms and Mt too
+    worst case found     the whole requirement, as far as a search and samples can tell
+    proved               those of them for which a certificate is found
+
+Every row is judged on the task's steps of the requirement: the same plants, memories, loads and dead
+times.  The ratio to the lower bound is that of the IAE on the nominal plant behind the longest dead time,
+known to the bound: a dead time adds at least itself to any settling time, and the whole step over it to any
+IAE.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.controllers.pi import PI
+from design.evaluation.scenarios import tuning_scenarios
+from design.evaluation.sequence import Sequence, play
+from design.evaluation.tasks import steps as step_tasks
+from design.limit import limits_of
+from design.margins import branch_responses
+from design.robustness.requirement import Requirement
+from design.synthesis.requirements import Problem, default_problem
+from design.synthesis.tuning import Region, tune
+from plants.errors import InputError
+from plants.simulation.disturbance import burdened
+
+Array = NDArray[np.float64]
+Tell = Callable[[str, float], None]
+TASKS = 3000
+"""Places that the task's steps are taken from, the same for every row."""
+
+POINTS = 20
+"""Points of the map, in each gain, of a row that is not tuned elsewhere."""
+
+
+@dataclass(frozen=True)
+class Tasks:
+    """The task's steps of a requirement as places (size, n), and lower bounds of the IAE [deg s] of the steps
+    from rest behind the longest dead time, by task; None where the bound is not known to hold."""
+
+    requirement: Requirement
+    places: Array
+    bounds: dict[str, float] | None
+
+    @classmethod
+    def of(cls, requirement: Requirement) -> "Tasks":
+        """The steps of a requirement: half of them on corners of its box, drawn the same every time."""
+        space = requirement.space
+        x = np.random.default_rng(1).random((space.size, TASKS))
+        x[: len(space.box.intervals), ::2] = np.round(x[: len(space.box.intervals), ::2])
+        x = x[:, space.of_task(x)]
+        return cls(requirement, x[:, space.reachable(x)], _bounds(requirement))
+
+    def row(self, controller: Any, jobs: int | None = None) -> dict[str, Any]:
+        """Worst IAE and settling of a controller on the tasks, its largest excess over the limits there, and
+        the ratio to the lower bound."""
+        values = self.requirement.run(self.places, controller, jobs=jobs)
+        return {
+            "worst_iae_deg_s": float(values["iae_deg_s"].max()),
+            "worst_settling_s": float(values["settling_time_s"].max()),
+            "worst_overshoot_percent": float(values["overshoot_percent"].max()),
+            "ratio_to_bound": self.ratio(controller, jobs),
+        }
+
+    def ratio(self, controller: Any, jobs: int | None = None) -> float | None:
+        """The largest IAE over its bound of the steps from rest on the nominal plant behind the longest dead
+        time."""
+        if self.bounds is None:
+            return None
+        wrist, asked = self.requirement.wrist, self.requirement
+        tasks = step_tasks(wrist.rig)
+        lanes = [
+            Sequence(t.start, t.angle, t.references, (asked.duration,), wrist, asked.space.dead_time)
+            for t in tasks
+        ]
+        found = play(lanes, controller, jobs=jobs, task_band=True).metrics.iae_deg_s
+        return float(max(v / self.bounds[t.id] for v, t in zip(found, tasks, strict=True)))
+
+
+def _bounds(requirement: Requirement) -> dict[str, float] | None:
+    late = requirement.space.dead_time or None
+    try:
+        return {k: v.iae_bound for k, v in limits_of(burdened(requirement.wrist, late, None)).items()}
+    except InputError:
+        return None
+
+
+def simpler(requirement: Requirement, jobs: int | None = None) -> dict[str, Problem]:
+    """Tuning problems that ask for less than the requirement, by the guarantee that they give."""
+    wrist, limits = requirement.wrist, requirement.limits
+    cost = requirement.cost
+    found = {
+        "nominal": default_problem(wrist, replace(limits, delay_margin_s=None), cost, True, jobs),
+        "memory and corners": default_problem(wrist, limits, cost, jobs=jobs),
+    }
+    if requirement.space.dead_time > 0.0:
+        late = requirement.space.dead_time
+        scenarios = [replace(s, wrist=burdened(s.wrist, late, None)) for s in tuning_scenarios(wrist)]
+        plain = Problem.of(wrist, scenarios, limits, cost, requirement.duration, jobs)
+        both = (*branch_responses(wrist), *branch_responses(burdened(wrist, late, None)))
+        found["dead time"] = replace(plain, branches=both, screened=True)
+    return found
+
+
+def price_rows(
+    requirement: Requirement, jobs: int | None = None, progress: Tell | None = None
+) -> list[dict[str, Any]]:
+    """Rows of the guarantees that are less than the whole requirement, each with the gains of its own
+    tuning."""
+    tell, tasks = progress or (lambda stage, share: None), Tasks.of(requirement)
+    rows = []
+    problems = simpler(requirement, jobs)
+    for number, (guarantee, problem) in enumerate(problems.items()):
+        tell(f"price of: {guarantee}", number / len(problems))
+        found = tune(problem, Region(points=POINTS), 1)
+        gains = {"Kp": found.Kp, "Ki": found.Ki, "b": 1.0, "Tf": 0.0}
+        pi = PI.of(requirement.wrist, found.Kp, found.Ki)
+        own = {"guarantee": guarantee, "controller": "PI", "gains": gains, "feasible": found.feasible}
+        rows.append({**own, "own_worst_iae_deg_s": float(found.at.cost[0]), **tasks.row(pi, jobs)})
+    return rows

@@ -1,0 +1,51 @@
+"""Stages of a long study that are kept in a folder, so that one that was stopped goes on from what is
+finished.
+
+A stage is a function of what it was asked; its result, dictionaries, lists, numbers and text, is kept as
+JSON under a key that is the hash of the question.  Another question, or another version of the workbench's
+stages, is another key, and the stage is done again.
+"""
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from plants.files import json_text, write_atomically
+
+VERSION = 1
+"""Of what stages do; counted up where a stage gives another result for the same question."""
+
+
+@dataclass(frozen=True)
+class Stages:
+    """The stages of a study in a folder; None keeps nothing."""
+
+    folder: Path | None
+
+    def done(self, name: str, asked: Mapping[str, Any], work: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+        """The result of a stage: what was kept under this name of this question, or what `work` gives.
+
+        >>> Stages(None).done("twice", {"x": 2}, lambda: {"y": 4})
+        {'y': 4}
+        """
+        if self.folder is None:
+            return _plain(work())
+        key = hashlib.sha256(json_text({"version": VERSION, **asked}).encode()).hexdigest()
+        path = self.folder / f"{name}.json"
+        try:
+            kept = json.loads(path.read_text(encoding="utf-8"))
+            if isinstance(kept, dict) and kept.get("key") == key:
+                return dict(kept["result"])
+        except (OSError, ValueError, KeyError):
+            pass  # never done, or cut off: done now
+        result = _plain(work())
+        write_atomically(path, json_text({"key": key, "asked": dict(asked), "result": result}))
+        return result
+
+
+def _plain(result: dict[str, Any]) -> dict[str, Any]:
+    """The result as it is read back, so that a run that goes on gives what a run in one go does."""
+    return dict(json.loads(json_text(result)))

@@ -1,0 +1,135 @@
+"""What a design says in sentences: the last line, the summary of the page, captions."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from design.studies.design_study import PLAIN, DesignStudy, MotionDesign
+from reports.shared.tables import listed, number
+
+
+def gains_words(gains: Mapping[str, float]) -> str:
+    """Gains in a line.
+
+    >>> gains_words({"Kp": 2.89, "Ki": 7.39, "b": 1.0, "Tf": 0.0})
+    'Kp = 2.89 kPa/deg, Ki = 7.39 kPa/(deg s)'
+    """
+    words = f"Kp = {number(gains['Kp'])} kPa/deg, Ki = {number(gains['Ki'])} kPa/(deg s)"
+    words += f", b = {number(gains['b'])}" if gains["b"] != 1.0 else ""
+    return words + (f", Tf = {number(1000 * gains['Tf'])} ms" if gains["Tf"] else "")
+
+
+def title(study: DesignStudy) -> str:
+    """The heading: what is recommended, or that nothing is."""
+    words = "; ".join(f"{m.motion}: {gains_words(m.gains)}" for m in study.motions)
+    return words if study.holds else f"No gains hold every limit; the nearest are {words}"
+
+
+def summary(study: DesignStudy) -> list[str]:
+    """Three sentences, of at most 20 words each: what holds, under what, what is proved."""
+    samples = sum(m.evidence["samples"]["total"] for m in study.motions)
+    runs = sum(m.evidence["worst_case"]["runs"] for m in study.motions)
+    broken = sum(m.evidence[n]["broken"] for m in study.motions for n in ("samples", "worst_case"))
+    if study.holds:
+        first = f"These gains hold every limit in {samples} fresh samples and in {runs} runs of a search."
+    else:
+        first = (
+            f"No gains found hold every limit: the nearest break one in {broken} of {samples + runs} runs."
+        )
+    late = max(r["longest_dead_time_s"] for r in study.requirements.values())
+    second = (
+        f"Dead time up to {number(1000 * late)} ms, every memory, load, noise and plant of the box are in."
+        if late
+        else "Every memory, load, noise and plant of the box are included; no dead time is."
+    )
+    proved = [m.motion for m in study.motions if m.evidence["proved"]["status"] == "proved"]
+    still = [m.motion for m in study.motions if m.motion not in proved]
+    third = (
+        f"A proof of stability for the sampled loop behind that dead time is open for {listed(still)}."
+        if still
+        else "The sampled loop behind that dead time is proved to be stable under these gains."
+    )
+    return [first, second, third]
+
+
+def motion_lines(m: MotionDesign) -> list[str]:
+    """What people read of a motion on the command line."""
+    samples, worst, proved = (m.evidence[n] for n in ("samples", "worst_case", "proved"))
+    found = [f"{m.motion}: {m.recommended}, {gains_words(m.gains)}"]
+    after = m.trace["after"].get("angle_deg")
+    names = listed([e["name"] for e in m.trace["effects"]]) if m.trace["effects"] else "nothing"
+    found.append(f"  trace: {m.trace['verdict']}, adds {names}; held-out error {number(after)} deg")
+    if m.left_out:
+        found.append(f"  designed without what sits in the sensor: {listed(list(m.left_out))}")
+    found.append(
+        f"  {samples['broken']} of {samples['total']} fresh samples break a limit (below "
+        f"{number(100 * samples['upper_bound'], 2)} % at 95 % confidence)"
+    )
+    found.append(
+        f"  {worst['broken']} of {worst['runs']} runs of the search break a limit; worst overshoot "
+        f"{number(worst['overshoot_percent'])} % in {worst['scenario']}"
+    )
+    found.append(
+        f"  worst IAE {number(worst['worst_iae_deg_s'])} deg s, slowest settling "
+        f"{number(samples['worst_settling_s'])} s; proof: {proved['status']}"
+    )
+    return found
+
+
+def last_line(study: DesignStudy) -> str:
+    """The gains, what they hold, what is open."""
+    gains = "; ".join(f"{m.motion} {gains_words(m.gains)}" for m in study.motions)
+    if not study.holds:
+        gone = sorted({m.relaxed for m in study.motions if m.relaxed and not m.holds})
+        without = f"; it would hold without {listed(gone)}" if gone else ""
+        return f"no gains hold every limit; nearest: {gains}{without}"
+    late = max(r["longest_dead_time_s"] for r in study.requirements.values())
+    held = f"hold every limit with up to {number(1000 * late)} ms of dead time"
+    still = [m.motion for m in study.motions if m.evidence["proved"]["status"] != "proved"]
+    open_ = f"a proof is open for {listed(still)}" if still else "nothing is open"
+    return f"{gains}: {held} in all that was sampled and searched; {open_}"
+
+
+def remarks(study: DesignStudy) -> list[str]:
+    """What a reader has to know beside."""
+    share = 100 * study.guard["overshoot_percent"]
+    found = [
+        f"Gains are tuned {number(share)} % below the limit on overshoot, which jumps from one case to the "
+        "next, and judged by the limit itself. A search that finds nothing is no proof that there is nothing."
+    ]
+    found += [
+        f"{m.motion}: designed without {listed(list(m.left_out))}, which sits in the sensor."
+        for m in study.motions
+        if m.left_out
+    ]
+    return found
+
+
+def step_caption(study: DesignStudy) -> str:
+    """Beneath the steps."""
+    band = study.motions[0].band
+    return (
+        f"Steps of {number(band['step'])} deg from rest under the recommended gains, in the direction of the "
+        f"step. Band: least and largest angle of {band['cases']} fresh cases; lines: the plant as fitted, "
+        f"without and with {number(1000 * band['dead_time_s'])} ms of dead time more."
+    )
+
+
+def price_caption(study: DesignStudy) -> str:
+    """Beneath the prices."""
+    return (
+        "Worst IAE of the task's steps, the same for every bar: every plant of the box, memory, load and "
+        "dead time. Gains that were tuned for less are faster here and break limits in other cases."
+    )
+
+
+def controller_words(m: MotionDesign) -> str:
+    """Why this controller is recommended for a motion."""
+    plain, best = m.designs[PLAIN]["cost"], m.designs[m.recommended]["cost"]
+    if m.recommended == PLAIN:
+        return "the plain PI: a reference weight lowers the worst IAE by less than 5 %"
+    return f"a reference weight lowers the worst IAE by {number(100 * (1 - best / plain), 2)} %"
+
+
+def value_words(value: Any) -> str:
+    """A value of the matrix."""
+    return "–" if value is None else number(float(value))

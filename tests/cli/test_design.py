@@ -1,0 +1,75 @@
+"""`wrist design`: all the way, with the keys that others read, and on from what is finished."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from design.studies.stages import Stages
+from plants.parameters.quantities import load
+
+FLEXION = Path(__file__).parents[2] / "plants/measured/examples/flexion"
+LESS = ("--samples", "400", "--budget", "3000", "--points", "10")
+
+
+@pytest.mark.suite
+def test_it_goes_all_the_way_and_on_from_what_is_finished(wrist, tmp_path):
+    out = tmp_path / "design"
+    first = wrist("design", FLEXION, "--out", out, *LESS, "--json", tmp_path / "d.json")
+    assert first.code == 0, first.err
+    record = json.loads((tmp_path / "d.json").read_text())
+    found = record["recommended"]["flexion"]
+    assert found["gains"].keys() == {"Kp", "Ki", "b", "Tf"}
+    assert found["evidence"]["samples"]["broken"] == 0
+    assert found["evidence"]["samples"]["total"] == 400
+    assert found["evidence"]["worst_case"]["broken"] == 0
+    assert found["evidence"]["proved"].keys() >= {"status", "rate_1_s", "dead_time_s", "covers_task"}
+    assert {r["guarantee"] for r in record["prices"]} == {
+        "nominal", "memory and corners", "dead time", "worst case found", "proved",
+    }  # fmt: skip
+    assert record["trace"]["flexion"]["verdict"] == "nothing-missing"
+    assert load(out / "plant-flexion.toml").axis == "flexion"
+    for made in ("gains-flexion.toml", "c-flexion/Makefile", "design.html", "design.json"):
+        assert (out / made).stat().st_size > 100, made
+    last = first.out.strip().splitlines()[-1]
+    assert "hold every limit with up to 50 ms of dead time" in last
+    before = {p: p.stat().st_mtime_ns for p in (out / "stages").iterdir()}
+    assert len(before) == 6
+    (out / "stages" / "proof-flexion.json").write_text("cut o")  # as Ctrl-C may leave it
+    again = wrist("design", FLEXION, "--out", out, *LESS, "--json", tmp_path / "e.json")
+    assert again.code == 0, again.err
+    after = {p: p.stat().st_mtime_ns for p in (out / "stages").iterdir()}
+    assert [p.name for p in after if after[p] != before[p]] == ["proof-flexion.json"]
+    assert json.loads((tmp_path / "e.json").read_text()) == record
+    # The gains of the file are judged by the same judge.
+    gains, plant = out / "gains-flexion.toml", out / "plant-flexion.toml"
+    judged = wrist(
+        "robust", "--gains", gains, "--plant", plant, "--samples", "300", "--budget", "600", "--json", "-"
+    ).json
+    assert judged["worst_case"]["violated"] == []
+
+
+def test_a_stage_is_done_once_for_a_question(tmp_path):
+    calls = []
+
+    def work():
+        calls.append(1)
+        return {"n": len(calls)}
+
+    stages = Stages(tmp_path)
+    assert stages.done("a", {"x": 1}, work) == {"n": 1}
+    assert stages.done("a", {"x": 1}, work) == {"n": 1}
+    assert stages.done("a", {"x": 2}, work) == {"n": 2}
+    assert stages.done("b", {"x": 2}, work) == {"n": 3}
+    (tmp_path / "b.json").write_text("{")
+    assert stages.done("b", {"x": 2}, work) == {"n": 4}
+
+
+def test_bad_campaigns_are_told_before_anything_is_done(wrist, tmp_path):
+    outcome = wrist("design", FLEXION, FLEXION, "--out", tmp_path / "d")
+    assert outcome.code == 2
+    assert "given before" in outcome.err
+    assert not (tmp_path / "d").exists()
+    nothing = wrist("design", tmp_path / "none", "--out", tmp_path / "d")
+    assert nothing.code == 2
+    assert len(nothing.err.strip().splitlines()) == 1

@@ -1,0 +1,89 @@
+"""The PI with two degrees of freedom: the paper's at weight 1, the standard form beside, the same margins."""
+
+from math import exp
+
+import control
+import numpy as np
+import pytest
+
+from design.controllers.pi import PI
+from design.controllers.pi_two_dof import TwoDofPI
+from design.evaluation.sequence import Sequence, play
+from design.evaluation.steps import run
+from design.export.part import of_controller
+from design.margins import branch_responses, margins
+from plants import Wrist
+from plants.linearisation import branch_ss
+from tests.oracles.plain_loop import DT, Plant
+
+WRIST = Wrist.flexion()
+
+
+@pytest.mark.parametrize("start", ["virgin", "line1", "inside"])
+def test_with_weight_1_and_no_filter_it_is_the_papers_pi(start):
+    one = run(WRIST, PI(3.0, 8.0), 15.0, WRIST.rest(start), duration=3.0, record=True)[2]
+    other = run(WRIST, TwoDofPI(3.0, 8.0), 15.0, WRIST.rest(start), duration=3.0, record=True)[2]
+    assert np.abs(one.angle - other.angle).max() < 1e-9
+
+
+def by_hand(Kp, Ki, b, Tf, references, hold):
+    """The loop in plain Python, the standard form written out; references one after the other."""
+    p = {**WRIST.values, "rest_pressure": WRIST.hysteresis.rest_pressure}
+    plant, keep = Plant(p), exp(-DT / Tf) if Tf else 0.0
+    integral, yf, angles = plant.P - p["rest_pressure"], 0.0, []
+    for r in references:
+        for _ in range(round(hold / DT)):
+            yf = keep * yf + (1.0 - keep) * plant.y
+            wanted = (p["rest_pressure"] + Kp * (b * r - yf) + integral) / p["gain"]
+            v = min(max(wanted, 0.0), 4.0)
+            if not (wanted - v) * (r - yf) > 0.0:
+                integral += Ki * (r - yf) * DT
+            angles.append(plant.y)
+            plant.move(v)
+    return np.array(angles)
+
+
+@pytest.mark.parametrize(("b", "Tf"), [(0.6, 0.0), (1.7, 0.0), (1.0, 0.02), (0.8, 0.01)])
+def test_it_is_the_standard_form_in_plain_python(b, Tf):
+    controller = TwoDofPI(3.0, 8.0, b=b, Tf=Tf)
+    played = play(
+        [Sequence("virgin", 0.0, (15.0, -5.0), (2.0, 2.0), WRIST)], controller, record=True
+    ).trajectory
+    assert np.abs(played.angle[:-1, 0] - by_hand(3.0, 8.0, b, Tf, (15.0, -5.0), 2.0)).max() < 1e-9
+
+
+def test_it_holds_a_rest_at_any_angle_with_any_weight():
+    for start, angle in (("line1", 12.0), ("line2", -7.0)):
+        state = WRIST.rest(start, angle)
+        _, _, went = run(WRIST, TwoDofPI(3.0, 8.0, b=1.6, Tf=0.01), angle, state, duration=1.0, record=True)
+        assert np.abs(went.angle - angle).max() < 1e-6
+
+
+def test_the_weight_changes_no_margin_and_the_filter_does_as_python_control_says():
+    branches = branch_responses(WRIST)
+    plain, weighted = (margins(branches, c) for c in (PI(4.0, 9.0), TwoDofPI(4.0, 9.0, b=0.6)))
+    assert float(weighted.Ms) == float(plain.Ms)
+    keep = exp(-1e-3 / 0.05)
+    filtered = control.tf([1.0 - keep, 0.0], [1.0, -keep], 1e-3)
+    law = control.tf([4.0, 9.0e-3 - 4.0], [1.0, -1.0], 1e-3) / PI(4.0, 9.0).gain
+    omega = np.geomspace(0.05, 500.0, 5000)
+    z = np.exp(1j * omega * 1e-3)
+    peak = 0.0
+    for b in branches:
+        loop = law(z) * filtered(z) * branch_ss(WRIST, b.branch, b.rate)(z)
+        peak = max(peak, 1.0 / np.abs(1.0 + loop).min())
+    found = margins(branches, TwoDofPI(4.0, 9.0, Tf=0.05))
+    assert float(found.Ms) == pytest.approx(peak, rel=1e-3)
+    assert float(found.Ms) > float(plain.Ms)
+
+
+def test_it_becomes_c():
+    part = of_controller("two_dof", "a PI with two degrees of freedom", TwoDofPI(3.0, 8.0, b=0.7), 1e-3)
+    assert part.settings["b"] == 0.7
+    assert {m.member for m in part.members} >= {"integral_kPa", "angle_deg"}
+
+
+@pytest.mark.parametrize("bad", [{"b": -0.1}, {"Tf": float("nan")}, {"b": float("inf")}])
+def test_settings_that_make_no_sense_are_refused(bad):
+    with pytest.raises(ValueError, match="b and Tf"):
+        TwoDofPI(1.0, 1.0, **bad)

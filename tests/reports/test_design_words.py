@@ -1,0 +1,62 @@
+"""The page of a design says its answer in three sentences of at most twenty words, whatever the answer."""
+
+import itertools
+
+import pytest
+
+from design.studies.design_study import DesignStudy, Effort, MotionDesign
+from reports.design import tables
+from reports.design.words import last_line, summary, title
+
+GAINS = {"Kp": 2.89, "Ki": 7.39, "b": 1.0, "Tf": 0.0}
+
+
+def motion(name, broken, proved):
+    design = {"gains": GAINS, "holds": not broken, "cost": 10.0}
+    row = {
+        "guarantee": "proved", "controller": "PI", "gains": None, "worst_iae_deg_s": None,
+        "worst_settling_s": None, "worst_overshoot_percent": None, "ratio_to_bound": None,
+    }  # fmt: skip
+    evidence = {
+        "samples": {"broken": broken, "total": 20_000}, "worst_case": {"broken": broken, "runs": 50_688},
+        "proved": {"status": proved, "rate_1_s": None},
+    }  # fmt: skip
+    return MotionDesign(
+        name, None, (), {}, {"PI": design, "2-DOF PI": design}, "PI", evidence, (row,), (), {},
+        "the dead time" if broken else None,
+    )  # fmt: skip
+
+
+CASES = list(itertools.product((0, 7), ("open", "proved"), (1, 2)))
+
+
+def study(broken, proved, count):
+    names = ("flexion", "deviation")[:count]
+    about = {n: {"longest_dead_time_s": 0.05, "limits": {"overshoot_percent": 5.0}} for n in names}
+    return DesignStudy(
+        tuple(motion(n, broken, proved) for n in names), about, {"overshoot_percent": 0.1}, Effort()
+    )
+
+
+@pytest.mark.parametrize(("broken", "proved", "count"), CASES)
+def test_three_sentences_of_at_most_twenty_words(broken, proved, count):
+    said = summary(study(broken, proved, count))
+    assert len(said) == 3
+    for sentence in said:
+        assert len(sentence.split()) <= 20, sentence
+        assert sentence.endswith(".")
+
+
+def test_what_does_not_hold_is_said_first_and_which_guarantee_would_have_to_go():
+    bad = study(7, "open", 2)
+    assert title(bad).startswith("No gains hold every limit")
+    assert "without the dead time" in last_line(bad)
+    good = study(0, "open", 2)
+    assert "hold every limit with up to 50 ms" in last_line(good)
+    assert "a proof is open for flexion and deviation" in last_line(good)
+    assert "nothing is open" in last_line(study(0, "proved", 1))
+
+
+def test_a_row_without_gains_is_open():
+    (group,) = tables.price_table(study(0, "open", 1)).groups
+    assert [c.text for c in group.rows[0]][-1] == "open"
