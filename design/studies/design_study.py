@@ -146,8 +146,8 @@ def design_study(
     jobs: int | None = None,
     progress: Tell | None = None,
 ) -> DesignStudy:
-    """Design for campaigns, each with the set that its fit starts from, if one was given; stages are kept in `folder`/stages,
-    and the revised plants as plant-MOTION.toml in `folder`.
+    """Design for campaigns, each with the set that its fit starts from, if one was given; stages are kept
+    in `folder`/stages, and the revised plants as plant-MOTION.toml in `folder`.
 
     Raises InputError as trace and box do.
     """

@@ -28,10 +28,10 @@ def traced(request, tmp_path_factory):
     return request.param, trace_campaign(load_campaign(folder))
 
 
-def test_the_error_is_at_most_half_of_the_declared_models_and_one_hundredth_of_the_range(traced):
+def test_the_error_is_at_most_half_of_the_declared_models_and_two_hundredths_of_the_range(traced):
     _, trace = traced
     assert trace.after["angle_deg"] <= 0.5 * trace.before["angle_deg"]
-    assert trace.remainder["angle_deg"].share_of_range <= 0.01
+    assert trace.remainder["angle_deg"].share_of_range <= 0.02
     assert trace.explained_share["angle_deg"] >= 0.75
     assert not trace.worse
 
