@@ -193,19 +193,40 @@ def _of_law(
 
 def first_order(runs: Sequence[tuple[Array, Array, float]]) -> Lagged:
     """The lag, late by a dead time, that takes inputs to outputs with least squares; `runs`: input (n,),
-    output (n,) and sample time [s] of each."""
+    output (n,) and sample time [s] of each.
+
+    Where the input is one and the same throughout, it is the lag by which outputs come to rest.
+    """
     longest = min(len(x) * dt for x, _, dt in runs)
     dt = runs[0][2]
-    delays = np.unique(np.round(np.linspace(0.0, min(LONGEST_DELAY, 0.05 * longest), DELAYS) / dt) * dt)
     lags = np.geomspace(dt, min(LONGEST_LAG, 0.1 * longest), LAGS)
+    if np.ptp(np.concatenate([x for x, _, _ in runs])) == 0.0:
+        return min((_decay(runs, float(tau)) for tau in lags), key=lambda f: f.rms)
+    delays = np.unique(np.round(np.linspace(0.0, min(LONGEST_DELAY, 0.05 * longest), DELAYS) / dt) * dt)
     found = []
     for delay, tau in product(delays, lags):
         shaped = np.concatenate([_lagged(x, h, tau, delay) for x, _, h in runs])
         y = np.concatenate([v for _, v, _ in runs])
-        gain, offset = np.polyfit(shaped, y, 1) if np.ptp(shaped) > 0.0 else (0.0, float(y.mean()))
+        gain, offset = np.polyfit(shaped, y, 1)
         rms = float(np.sqrt(np.mean((y - gain * shaped - offset) ** 2)))
         found.append(Lagged(float(gain), float(offset), float(tau), float(delay), rms))
     return min(found, key=lambda f: f.rms)
+
+
+def _decay(runs: Sequence[tuple[Array, Array, float]], tau: float) -> Lagged:
+    """The lag that takes outputs from where they start to where they rest under one and the same input."""
+    decays = [np.exp(-h * np.arange(len(v)) / tau) for _, v, h in runs]
+    at = np.cumsum([0, *(len(d) for d in decays)])
+    columns = np.zeros((at[-1], 1 + len(runs)))
+    columns[:, 0] = 1.0
+    for i, decay in enumerate(decays):
+        columns[at[i] : at[i + 1], 1 + i] = decay
+    y = np.concatenate([v for _, v, _ in runs])
+    parts = np.linalg.lstsq(columns, y, rcond=None)[0]
+    rms = float(np.sqrt(np.mean((y - columns @ parts) ** 2)))
+    asked = float(runs[0][0][0])
+    gain = float(parts[0]) / asked if asked else 0.0
+    return Lagged(gain or 1.0, 0.0, tau, 0.0, rms)
 
 
 def loop_guess(runs: Sequence[Recording], drives: Sequence[Array]) -> LoopGuess:

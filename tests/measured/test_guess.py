@@ -35,6 +35,14 @@ def test_a_delayed_lag_is_found_from_steps():
     assert found.delay == pytest.approx(0.2, abs=0.06)
 
 
+def test_one_and_the_same_command_shows_the_lag_by_which_the_pressure_rests():
+    t = np.arange(400) * 0.01
+    runs = [(np.full(400, 2.0), 70.0 + start * np.exp(-t / 0.3), 0.01) for start in (-70.0, 20.0)]
+    found = first_order(runs)
+    assert found.gain == pytest.approx(35.0, rel=0.02)
+    assert found.tau == pytest.approx(0.3, rel=0.2)
+
+
 def test_plays_follow_only_when_pushed():
     x = np.array([0.0, 3.0, 2.0, -1.0])
     np.testing.assert_allclose(plays(x, np.array([1.0, 2.0])), [[0, 0], [2, 1], [2, 1], [0, 1]])

@@ -24,6 +24,11 @@ WORTH = 0.01
 """Share of the pressure's range by which the zeros must differ: less is within what a regulator leaves."""
 
 
+BELOW = 0.1
+"""Share of the range by which no pressure may lie below what the lowest command asks for: else the line is
+bent, as by a supply that gives no more, and says nothing of its zero."""
+
+
 def counted(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     """The campaign with its pressure counted from what a command of zero asks for, and that it was."""
     logged = tuple(r for r in campaign.fit if r.pressure is not None)
@@ -43,7 +48,9 @@ def counted(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     fitted = late.plus(PressureDependentRates, {"ratio": 0.9, "fill": 0.0, "exhaust": 0.0}).fitted()
     offset = seen.offset + float(np.mean(stage.target - stage.simulate(fitted.values, fitted.forms)[:, 0]))
     span = float(np.ptp(stage.target))
-    if abs(offset) < WORTH * span:
+    lowest = fitted.values["gain"] * min(float(r.command.min()) for r in logged) + offset
+    below = lowest - min(float(r.pressure.min()) for r in logged if r.pressure is not None)
+    if abs(offset) < WORTH * span or below > BELOW * span:
         return campaign, ()
     names = tuple(r.name for r in (*campaign.fit, *campaign.validate))
     return shifted(campaign, -offset), (Remark("counted from", "pressure_kPa", offset, "kPa", names),)
