@@ -57,7 +57,7 @@ MARGINS = {
 
 CLASSES = {
     Switching.MEMORY: "decays once no more than one line of the loop is met, sampled",
-    Switching.MEMORY_IN_BOX: "decays so for every plant of the box, whose slopes and lag may drift",
+    Switching.MEMORY_IN_BOX: "decays once no more than one line is met, on every plant of the box, sampled",
     Switching.SLOPE_EVERY_SAMPLE: "decays however the slope switches from one sample to the next",
     Switching.FIXED_LAW: "decays however the slope switches, the regulator's law being fixed",
     Switching.ANY_TIME: "decays however slope and regulator rate switch",

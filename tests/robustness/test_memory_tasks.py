@@ -124,6 +124,7 @@ def test_a_law_of_many_plays_has_no_line() -> None:
     assert isinstance(certified(other, 1.2, 2.2, 0.0).reason, NotOnePlay)
 
 
+@pytest.mark.suite
 def test_the_plants_own_dead_time_and_that_beside_it_add_up() -> None:
     wrist = WRISTS["flexion"]
     late = certified(wrist + DeadTime(0.03), 2.0, 6.0, 0.02)
@@ -132,7 +133,7 @@ def test_the_plants_own_dead_time_and_that_beside_it_add_up() -> None:
     assert late.evidence["tasks"]["latest_s"] == same.evidence["tasks"]["latest_s"]
 
 
-@pytest.mark.parametrize("motion", WRISTS)
+@pytest.mark.parametrize("motion", ["flexion", pytest.param("deviation", marks=pytest.mark.suite)])
 def test_every_plant_of_the_assumed_box_decays_at_half_the_slowest_rate_behind_50_ms(motion: str) -> None:
     wrist, box = WRISTS[motion], box_of(built_in(motion))
     pi = PI.of(wrist, 1.6, 4.0)
@@ -153,3 +154,29 @@ def test_a_box_with_a_plant_that_does_not_decay_has_no_function() -> None:
     _, alone, found = certify_memory(LoopModel.of(wrist, pi), wrist, pi, (0.0,), box)
     assert alone.holds
     assert found.status is Status.OPEN
+
+
+@pytest.mark.suite
+def test_what_is_covered_comes_to_rest_and_what_swings_for_long_is_not_covered() -> None:
+    """Gains, flatness of the transit and dead time at random: 40 s of each."""
+    random, covered, swinging = np.random.default_rng(5), 0, 0
+    for case in range(16):
+        flat = (-3.0, -2.5) if case % 2 else (-2.0, -1.0)
+        wrist = WRISTS["flexion"].with_values(s=float(10.0 ** random.uniform(*flat)))
+        Kp, Ki = (float(10.0 ** random.uniform(*of)) for of in ((-0.5, 0.5), (0.6, 1.2)))
+        pi, samples = PI.of(wrist, Kp, Ki), int(random.choice([0, 50, 150]))
+        model = LoopModel.of(wrist, pi)
+        tasks = [replace(t, duration=40.0) for t in comparison_tasks(wrist.rig)[:4]]
+        runs = run(wrist, pi, tasks, samples, model.dt)
+        loop, rate = FixedLawLoop.of(model, samples), 0.1 * model.k_slow * wrist.hysteresis.s * Ki
+        forms = for_tasks(loop, wrist.hysteresis, lines_of(loop.plants, wrist.hysteresis), runs, rate)
+        if not forms:
+            continue
+        found = arrivals(forms, loop, wrist.hysteresis, runs)
+        late = np.abs(runs.static - runs.reference)[-5000:].max(axis=0)
+        fades = found.error * np.exp(-rate * (35.0 - found.time))
+        assert (late <= fades + 1e-9)[np.isfinite(found.time)].all()
+        covered += int(found.all)
+        swinging += int((late > 0.2).any() and not found.all)
+    assert covered >= 4
+    assert swinging >= 1

@@ -79,7 +79,9 @@ def certify_memory(
         found.append(_free(loop, dead_time, slowest))
         found.append(_remembered(loop, wrist, controller, dead_time, slowest))
         if box is not None:
-            wide = FixedLawLoop.of(model, samples, plants_of(box, controller))
+            # The branches of another law need not have the same names everywhere in the box.
+            known = lines_of(loop.plants, wrist.hysteresis)
+            wide = FixedLawLoop.of(model, samples, plants_of(box, controller)) if known else loop
             found.append(_in_box(wide, wrist.hysteresis, dead_time, slowest))
     return found
 

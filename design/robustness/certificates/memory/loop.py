@@ -104,7 +104,7 @@ def regulator_law(plants: Plants, dt: float) -> RegulatorLaw:
     >>> from design.controllers.pi import PI
     >>> law = regulator_law(Plants.of(LoopModel.of(Wrist.flexion(), PI(1.2, 2.2))), 0.001)
     >>> [round(1000 * float(x), 3) for x in (law.low, law.high, law.steepest)], law.grows
-    ([0.55, 8.96, 10.008], True)
+    ([0.55, 8.96, 10.087], True)
     """
     corners = [
         regulator.sampled(regulator.Regulator(1.0, fast, slow, 1.0), dt)
