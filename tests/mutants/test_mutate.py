@@ -2,7 +2,7 @@
 
 import ast
 
-from tests.mutants.__main__ import ROOMS, ROOT, sources, asked_of
+from tests.mutants.__main__ import ROOMS, ROOT, asked_of, sources
 from tests.mutants.mutate import drawn, mutants
 
 TEXT = '''"""A law."""
