@@ -23,8 +23,8 @@ Array = NDArray[np.float64]
 
 STEPS = 10_000
 NOISE_DEG, QUANTUM_DEG, NOISE_KPA = 0.07, 0.01, 0.2
-OUT_OF_REACH = 70.0
-"""Reference [deg] that drives any law to both ends of its range."""
+OUT_OF_REACH = 0.9
+"""Share of the widest reference that is believed: drives any law to both ends of its range."""
 
 LOST = 12
 """Samples in which one of the inputs is lost."""
@@ -42,12 +42,13 @@ class Vector(NamedTuple):
     rows: Array
 
 
-def references(steps: int, period: float, draw: np.random.Generator) -> Array:
-    """A reference [deg] for each step: jumps, also out of reach, a chirp, ramps, rest."""
+def references(steps: int, period: float, far: tuple[float, float], draw: np.random.Generator) -> Array:
+    """A reference [deg] for each step: jumps, also out of reach (far, upwards and downwards), a chirp, ramps,
+    rest."""
     t = np.arange(steps) * SAMPLE_TIME  # a slow law gets as many samples of each kind
     hold = max(60, round(0.4 / period))
     levels = draw.uniform(-25.0, 25.0, steps // hold + 4)
-    levels[2:4] = OUT_OF_REACH, -OUT_OF_REACH
+    levels[2:4] = far
     jumps = np.repeat(levels, hold)[:steps]
     chirp = 12.0 * np.sin(2.0 * np.pi * (0.2 + 0.15 * t) * t)
     ramps = 20.0 * np.abs((t / 2.0) % 2.0 - 1.0) - 10.0
@@ -112,7 +113,8 @@ def vector(part: Part, wrist: Wrist, steps: int = STEPS, seed: int = 0) -> Vecto
     would hold it in the end.
     """
     draw = np.random.default_rng(seed)
-    asked = references(steps, part.period, draw)
+    widest = part.sensors.angle
+    asked = references(steps, part.period, (OUT_OF_REACH * widest.high, OUT_OF_REACH * widest.low), draw)
     lost = draw.choice(steps, LOST, replace=False)
     which = dict(zip(lost.tolist(), draw.integers(0, 3, LOST).tolist(), strict=True))
     spikes = spoiled(part, steps, np.random.default_rng((seed, 1)))

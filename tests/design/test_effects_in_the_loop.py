@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
+from design.evaluation.runner import Lanes, play, step_from
 from design.evaluation.steps import run
 from plants.effects import (
     CompliantStop,
@@ -67,6 +68,14 @@ def test_time_goes_on_where_a_loop_begins_later():
     early, _, _ = run(WRIST + LoadStep(3.0, 0.5), PI(3.13, 10.4), 15.0, duration=1.0)
     none, _, _ = run(WRIST + LoadStep(3.0, 0.5), PI(3.13, 10.4), 15.0, duration=1.0, begin=-3.0)
     assert early.iae_deg_s[0] < none.iae_deg_s[0]  # the load helps, where it comes
+
+
+def test_a_run_begins_at_time_0_where_nothing_else_is_said():
+    wrist = WRIST + LoadStep(3.0, 0.5)
+    told = step_from(wrist, wrist.rest(), 15.0, 1.0, begin=0.0)
+    untold = Lanes(told.wrist, told.state, told.reference, told.judge, told.duration)
+    one, other = (play(lanes, PI(3.13, 10.4)).metrics for lanes in (told, untold))
+    assert one.iae_deg_s[0] == other.iae_deg_s[0]
 
 
 @pytest.mark.parametrize("start", ["line1", "line2", "inside"])

@@ -53,7 +53,7 @@ def sources(room: str) -> list[Path]:
     return [p for p in found if p.name != "__init__.py"]
 
 
-def tests_of(path: Path, room: str) -> list[str]:
+def asked_of(path: Path, room: str) -> list[str]:
     """Test files of a room that name a module, or what it defines, those first that do it most; and its own
     examples."""
     module = ".".join(path.relative_to(ROOT).with_suffix("").parts)
@@ -81,7 +81,7 @@ def run(mutant: Mutant, room: str, copy: Path, timeout: float) -> tuple[str, str
     environment = os.environ | {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1", "MPLBACKEND": "Agg"}
     try:
         said = subprocess.run(
-            [*words, *tests_of(mutant.path, room)], cwd=copy, env=environment, capture_output=True, text=True,
+            [*words, *asked_of(mutant.path, room)], cwd=copy, env=environment, capture_output=True, text=True,
             timeout=timeout, check=False,
         )  # fmt: skip
     except subprocess.TimeoutExpired:

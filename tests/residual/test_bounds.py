@@ -175,6 +175,20 @@ def test_bound_and_p_value_are_the_same_law():
     assert Evidence(3.0, "norm", (), 1.0, 0.0).p_value == pytest.approx(2.0 * norm.sf(3.0))
 
 
+def test_stretches_are_consecutive_and_of_one_length_within_a_recording():
+    series = join(noise(1))
+    found, first = stretches(series, 4.0), 0
+    for span in series.spans:
+        label = found.label[span]
+        assert label[0] == first
+        assert set(np.diff(label).tolist()) <= {0, 1}
+        counts = np.bincount(label - first)
+        assert counts.min() >= counts.max() - 1
+        assert counts.mean() * series.dt == pytest.approx(4.0, rel=0.5)
+        first = label[-1] + 1
+    assert len(found.centre) == first > len(series.spans)
+
+
 def test_bins_hold_enough_rows_and_every_row_once():
     series = join(noise(1))
     for name in ("pressure_kPa", "pressure_rate_kPa_s", "direction", "work_kPa"):
