@@ -4,7 +4,7 @@ import itertools
 
 import pytest
 
-from design.studies.design_study import DesignStudy, DesignEffort, MotionDesign
+from design.studies.design_study import DesignEffort, DesignStudy, MotionDesign
 from reports.design import tables
 from reports.design.words import last_line, summary, title
 
