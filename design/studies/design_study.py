@@ -50,7 +50,7 @@ SHARES = (0.18, 0.46, 0.16, 0.08, 0.10, 0.02)
 
 
 @dataclass(frozen=True)
-class Effort:
+class DesignEffort:
     """How much is spent: fresh samples, runs of the search for the worst case, points of maps, rounds."""
 
     samples: int = 20_000
@@ -119,7 +119,7 @@ class DesignStudy:
     motions: tuple[MotionDesign, ...]
     requirements: Mapping[str, Mapping[str, Any]]
     guard: Mapping[str, float]
-    effort: Effort
+    effort: DesignEffort
 
     @property
     def holds(self) -> bool:
@@ -140,7 +140,7 @@ def law(wrist: Wrist, gains: Mapping[str, float]) -> Any:
 def design_study(
     campaigns: Mapping[str, tuple[Campaign, ParameterSet | None]],
     folder: Path,
-    effort: Effort | None = None,
+    effort: DesignEffort | None = None,
     taken: Taken | None = None,
     seed: int = 0,
     jobs: int | None = None,
@@ -151,7 +151,7 @@ def design_study(
 
     Raises InputError as trace and box do.
     """
-    effort, taken = effort or Effort(), taken or Taken()
+    effort, taken = effort or DesignEffort(), taken or Taken()
     stages = Stages(folder / "stages")
     done: list[MotionDesign] = []
     asked: dict[str, Mapping[str, Any]] = {}
@@ -219,7 +219,7 @@ def _designed(
     traced: dict[str, Any],
     required: Requirement,
     stages: Stages,
-    effort: Effort,
+    effort: DesignEffort,
     seed: int,
     jobs: int | None,
     tell: Tell,
@@ -265,7 +265,9 @@ def _designed(
     )  # fmt: skip
 
 
-def _tuned(required: Requirement, effort: Effort, seed: int, jobs: int | None, tell: Tell) -> dict[str, Any]:
+def _tuned(
+    required: Requirement, effort: DesignEffort, seed: int, jobs: int | None, tell: Tell
+) -> dict[str, Any]:
     """Both controllers under the requirement; where neither holds it, what would have to be taken away."""
     region = Region(points=effort.points)
     plain = tune_robustly(
@@ -336,7 +338,7 @@ def _tuning_record(found: RobustTuning) -> dict[str, Any]:
 
 
 def _checked(
-    required: Requirement, controller: PI, effort: Effort, seed: int, jobs: int | None, tell: Tell
+    required: Requirement, controller: PI, effort: DesignEffort, seed: int, jobs: int | None, tell: Tell
 ) -> dict[str, Any]:
     """Fresh samples and the worst case found, neither of which took part in the tuning."""
     fresh = check(required, controller, effort.samples, 1000 + seed, jobs, lambda s, h: tell(s, 0.3 * h))

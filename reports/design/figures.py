@@ -42,15 +42,16 @@ def draw_prices(study: DesignStudy) -> "Figure":
             names = [f"{r['guarantee']}\n{r['controller']}" for r in m.prices]
             heights = [r["worst_iae_deg_s"] or 0.0 for r in m.prices]
             place = np.arange(len(names))[::-1]
-            at.barh(
-                place,
-                heights,
-                color=[ORANGE if r["guarantee"] == "worst case found" else GREY for r in m.prices],
-            )
+            held = [r["guarantee"] == "worst case found" and r["feasible"] for r in m.prices]
+            at.barh(place, heights, color=[ORANGE if h else GREY for h in held])
             for y, r in zip(place, m.prices, strict=True):
-                text = "open" if r["worst_iae_deg_s"] is None else f"{r['worst_iae_deg_s']:.3g}"
+                text = (
+                    "open"
+                    if r["worst_iae_deg_s"] is None
+                    else f"{r['worst_iae_deg_s']:.3g}{'' if r['feasible'] else ', not held'}"
+                )
                 at.text(r["worst_iae_deg_s"] or 0.0, y, f" {text}", va="center")
             at.set_yticks(place, labels=names)
-            at.set(title=m.motion, xlabel="worst IAE [deg s]", xlim=(0.0, 1.2 * max(heights)))
+            at.set(title=m.motion, xlabel="worst IAE [deg s]", xlim=(0.0, 1.35 * max(heights)))
             at.grid(False)
     return figure

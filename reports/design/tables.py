@@ -67,9 +67,11 @@ def price_table(study: DesignStudy) -> Table:
             gains = r["gains"] or dict.fromkeys(("Kp", "Ki", "b"))
             limit = study.requirements[m.motion]["limits"].get("overshoot_percent", float("inf"))
             over = r["worst_overshoot_percent"]
+            held = "" if r["feasible"] or not r["gains"] else ", not held"
             rows.append(
                 row(
-                    r["guarantee"], r["controller"], *(number(gains.get(n)) for n in ("Kp", "Ki", "b")),
+                    r["guarantee"] + held, r["controller"],
+                    *(number(gains.get(n)) for n in ("Kp", "Ki", "b")),
                     number(r["worst_iae_deg_s"]), number(r["worst_settling_s"]),
                     Cell(number(over), broken=over is not None and over > limit),
                     number(r["ratio_to_bound"]) if r["gains"] else "open",

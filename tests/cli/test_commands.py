@@ -28,7 +28,7 @@ def test_the_example_of_the_help_runs(wrist, name, monkeypatch, tmp_path):
     line = MODULES[name].EXAMPLE.removeprefix("Example: wrist ")
     arguments = shlex.split(line)
     if name == "tune":  # the same line on a coarser map
-        arguments += ["--points", "8", "--starts", "1"]
+        arguments += ["--plain", "--points", "8", "--starts", "1"]
     outcome = wrist(*arguments)
     assert outcome.code == 0, outcome.err
 
@@ -86,7 +86,7 @@ def test_fit_saves_a_set_that_the_other_commands_take(wrist, tmp_path):
 
 
 def test_tune_answers_with_the_keys_that_others_read(wrist):
-    result = wrist("tune", "--points", "8", "--starts", "1", "--json", "-").json
+    result = wrist("tune", "--plain", "--points", "8", "--starts", "1", "--json", "-").json
     metrics = {"settling_time_s", "overshoot_percent", "iae_deg_s", "itae_deg_s2", "Ms"}
     assert metrics <= set(result["metrics"])
     assert {"Kp", "Ki", "units", "worst_case", "active_constraint", "optimality"} <= set(result)
@@ -94,7 +94,7 @@ def test_tune_answers_with_the_keys_that_others_read(wrist):
 
 
 def test_tune_says_no_with_the_limit_and_the_scenario(wrist):
-    outcome = wrist("tune", "--points", "6", "--starts", "1", "--variation", "0.1", "--json", "-")
+    outcome = wrist("tune", "--plain", "--points", "6", "--starts", "1", "--variation", "0.1", "--json", "-")
     assert outcome.code == 1
     assert "total_variation_V" in outcome.json["refusal"]
     assert re.search(r"deg from (virgin|line1|line2|inside), .* plant", outcome.json["refusal"])
@@ -104,14 +104,16 @@ def test_tune_says_no_where_the_task_is_out_of_reach(wrist, tmp_path):
     text = (ROOT / "plants/parameters/flexion.toml").read_text().replace("value = 0.36", "value = 0.19")
     weak = tmp_path / "weak.toml"
     weak.write_text(text)
-    outcome = wrist("tune", "--plant", weak, "--points", "6", "--starts", "1")
+    outcome = wrist("tune", "--plain", "--plant", weak, "--points", "6", "--starts", "1")
     assert outcome.code == 1
     assert "command range" in outcome.out
 
 
 def test_corners_of_no_size_leave_only_the_nominal_plant(wrist):
-    wide = wrist("tune", "--points", "8", "--starts", "1", "--json", "-").json
-    none = wrist("tune", "--corners", "0,0,0", "--points", "8", "--starts", "1", "--json", "-").json
+    wide = wrist("tune", "--plain", "--points", "8", "--starts", "1", "--json", "-").json
+    none = wrist(
+        "tune", "--plain", "--corners", "0,0,0", "--points", "8", "--starts", "1", "--json", "-"
+    ).json
     worst = "each_metric_over_all_scenarios"
     assert none["worst_case"]["iae_deg_s"] < wide["worst_case"]["iae_deg_s"]
     assert none["worst_case"][worst]["overshoot_percent"] <= 5.0

@@ -80,7 +80,7 @@ def test_a_step_is_told_in_its_units(wrist, bender):
 
 def test_gains_are_tuned_on_its_own_task(wrist, bender, tmp_path):
     outcome = wrist(
-        "tune", "--plant", bender, "--points", "8", "--starts", "1", "--json", tmp_path / "t.json"
+        "tune", "--plain", "--plant", bender, "--points", "8", "--starts", "1", "--json", tmp_path / "t.json"
     )
     assert "nominal step of +10 mm" in outcome.out
     assert re.search(r"\bdeg\b", outcome.out) is None

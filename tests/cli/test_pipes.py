@@ -55,7 +55,7 @@ def test_json_is_all_there_is_on_stdout_and_words_go_to_stderr():
 
 
 def test_the_answer_no_is_json_too():
-    outcome = piped("tune", "--points", "6", "--starts", "1", "--variation", "0.1", "--json", "-")
+    outcome = piped("tune", "--plain", "--points", "6", "--starts", "1", "--variation", "0.1", "--json", "-")
     assert outcome.returncode == 1
     assert "total_variation_V" in json.loads(outcome.stdout)["refusal"]
 
@@ -67,6 +67,8 @@ def test_bad_input_leaves_stdout_empty():
 
 
 def test_letters_that_the_encoding_lacks_are_no_reason_to_stop():
-    outcome = piped("tune", "--points", "6", "--starts", "1", "--cost", "itae", PYTHONIOENCODING="ascii")
+    outcome = piped(
+        "tune", "--plain", "--points", "6", "--starts", "1", "--cost", "itae", PYTHONIOENCODING="ascii"
+    )
     assert outcome.returncode == 0, outcome.stderr
     assert "deg s?" in outcome.stdout  # deg s² elsewhere

@@ -44,9 +44,9 @@ def test_simulate_open_and_closed(wrist, revised):
 
 def test_tune_finds_gains_for_the_plant_as_it_is(wrist, revised):
     arguments = ("--points", "8", "--starts", "1", "--nominal", "--json", "-")
-    found = wrist("tune", "--plant", revised, *arguments)
+    found = wrist("tune", "--plain", "--plant", revised, *arguments)
     assert found.code == 0, found.out
-    declared = wrist("tune", *arguments).json
+    declared = wrist("tune", "--plain", *arguments).json
     assert found.json["feasible"]
     assert found.json["Ki"] < declared["Ki"]
 
@@ -55,7 +55,9 @@ def test_tune_says_no_behind_an_end_stop(wrist, tmp_path):
     path = tmp_path / "stopped.toml"
     values = {"end-stop.low": -90.0, "end-stop.high": 11.0}
     dump(built_in("flexion").revised([HardStop], values, {}, "p1"), path)
-    outcome = wrist("tune", "--plant", path, "--points", "5", "--starts", "1", "--corners", "0,0,0")
+    outcome = wrist(
+        "tune", "--plain", "--plant", path, "--points", "5", "--starts", "1", "--corners", "0,0,0"
+    )
     assert outcome.code == 1
     said = " ".join(outcome.out.split())
     assert said.startswith("no: the end stop at +11 deg keeps the wrist from holding 0 to +15 deg from ")

@@ -74,7 +74,7 @@ def test_trace_finds_nothing_missing_in_its_own_recordings(wrist, campaign, play
 
 
 def test_tune_answers_with_gains_that_hold_every_limit(wrist, plays):
-    outcome = wrist("tune", "--plant", plays, "--points", "8", "--starts", "1", "--json", "-")
+    outcome = wrist("tune", "--plain", "--plant", plays, "--points", "8", "--starts", "1", "--json", "-")
     assert outcome.code == 0, outcome.err
     assert outcome.json["worst_case"]["each_metric_over_all_scenarios"]["overshoot_percent"] <= 5.0
     assert outcome.json["Ki"] > 1.0

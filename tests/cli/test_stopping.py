@@ -15,7 +15,7 @@ EXAMPLE = ROOT / "plants/measured/examples/flexion"
 @pytest.mark.parametrize(
     ("arguments", "sign"),
     [
-        (("tune", "--starts", "100"), "local search"),
+        (("tune", "--plain", "--starts", "100"), "local search"),
         (("fit", EXAMPLE, "--starts", "50"), "fit flexion"),
         (("robust", "--gains", "2.3,6.4"), "certificates"),
     ],

@@ -6,7 +6,7 @@ import pytest
 
 from tests.cli.terminal import ROOT, on_terminal, piped
 
-QUICK = ("tune", "--points", "8", "--starts", "1")
+QUICK = ("tune", "--plain", "--points", "8", "--starts", "1")
 FIT = ("fit", ROOT / "plants/measured/examples/flexion", "--starts", "1")
 ESCAPE, BAR = "\x1b", "━"
 

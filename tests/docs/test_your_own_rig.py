@@ -17,7 +17,10 @@ from tests.docs.guide import DOCS, blocks, commands, missing, write
 GUIDE = DOCS / "your-own-rig.md"
 TEXT = GUIDE.read_text(encoding="utf-8")
 
-QUICKER = {"tune": ["--points", "12", "--starts", "2"], "robust": ["--samples", "100", "--budget", "200"]}
+QUICKER = {
+    "tune": ["--plain", "--points", "12", "--starts", "2"],
+    "robust": ["--samples", "100", "--budget", "200"],
+}
 """What is added to commands that take half a minute of one core as the guide gives them: fewer points, cases
 and tries.  Gains and margins, which the guide shows, do not hang on them."""
 

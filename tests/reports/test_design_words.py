@@ -4,7 +4,7 @@ import itertools
 
 import pytest
 
-from design.studies.design_study import DesignStudy, Effort, MotionDesign
+from design.studies.design_study import DesignEffort, DesignStudy, MotionDesign
 from reports.design import tables
 from reports.design.words import last_line, summary, title
 
@@ -34,7 +34,7 @@ def study(broken, proved, count):
     names = ("flexion", "deviation")[:count]
     about = {n: {"longest_dead_time_s": 0.05, "limits": {"overshoot_percent": 5.0}} for n in names}
     return DesignStudy(
-        tuple(motion(n, broken, proved) for n in names), about, {"overshoot_percent": 0.1}, Effort()
+        tuple(motion(n, broken, proved) for n in names), about, {"overshoot_percent": 0.1}, DesignEffort()
     )
 
 

@@ -52,7 +52,9 @@ def test_never_milder_than_as_many_random_draws(seed, objective):
     gains, space = PI(2.882, 8.798), Space(small_box(), 3, 0.03, 1.0, SHORT)
     x = np.random.default_rng(1000 + seed).random((space.size, 2000))
     drawn = np.where(
-        space.reachable(x), scores(play(space.batch(x), gains).values, LIMITS, objective), -np.inf
+        space.reachable(x),
+        scores(play(space.batch(x), gains, task_band=True).values, LIMITS, objective),
+        -np.inf,
     )
     found = worst_case(
         space.box, gains, objective, dead_time=0.03, load=1.0, seed=seed, budget=2000, duration=SHORT
@@ -76,7 +78,7 @@ KINDS = {
 def test_what_is_told_is_what_the_scenario_does_whatever_the_controller(kind):
     controller, effort = KINDS[kind]
     found = worst_case(small_box(), controller, dead_time=0.03, load=1.0, **effort)
-    played = play([found.sequence], found.controller)
+    played = play([found.sequence], found.controller, task_band=True)
     assert found.metrics == {n: float(v[0]) for n, v in vars(played.metrics).items()}
     broken = {n for n, v in excesses(played.values, LIMITS).items() if v[0] > 0.0}
     assert set(found.violated) == broken

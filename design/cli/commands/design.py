@@ -61,7 +61,7 @@ def command(
     json: JsonOption = None,
     jobs: JobsOption = None,
 ) -> None:
-    from design.studies.design_study import Effort, Taken, design_study
+    from design.studies.design_study import DesignEffort, Taken, design_study
     from reports.design.page import write_design
     from reports.design.record import design_record
     from reports.design.words import last_line, motion_lines
@@ -71,7 +71,7 @@ def command(
     said = console(json)
     given = _campaigns(campaigns, plant or [])
     taken = Taken(no_dead_time, no_load, no_noise, nominal)
-    effort = Effort(samples, budget, points)
+    effort = DesignEffort(samples, budget, points)
     out.mkdir(parents=True, exist_ok=True)
     with progress("design") as tell:
         study = design_study(given, out, effort, taken, seed, jobs, tell)
