@@ -6,7 +6,7 @@ Of the states and the moments of what is under way, w = (e, d, q; O), with Popov
 
 O and u as in `loop`.  One such function for every slope proves that the loop decays however the slope
 switches; `LineForm` knows how far the wrist is from the line that it left, and where it will meet it again.
-Passivity, Lyapunov functions and Popov's term were put together for hystereses by T. Paré, A. Hassibi, J. How,
+Passivity, Lyapunov functions and Popov's term were put together for hystereses by Paré, Hassibi & How,
 A KYP lemma and invariance principle for systems with multiple hysteresis non-linearities, Int. J. Control 74
 (2001) 1140-1157.
 """
