@@ -96,7 +96,7 @@ def test_a_solver_that_lies_is_not_believed(monkeypatch: pytest.MonkeyPatch) -> 
     def lies(self: Any) -> Any:
         return np.random.default_rng(3).normal(size=self.unknowns.count), 1.0, "LIAR"
 
-    monkeypatch.setattr(programme._Program, "solve", lies)
+    monkeypatch.setattr(programme.Program, "solve", lies)
     loop = FixedLawLoop.of(LOOP, 50)
     for found in (programme.line(loop, SLOPE, 0.1), programme.common(loop, 0.01)):
         assert found.form is None

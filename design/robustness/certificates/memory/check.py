@@ -11,6 +11,9 @@ A sample changes V exp(2 decay t) by at most D, a quadratic form of the vector, 
     sum_i (u[k - i] ..)^2 >= N sum_j O_j^2 / size_j                            (Bessel's inequality),
 
 and D + 2 multiplier psi ((high - low)/dt q - psi) < 0 makes it fall wherever the sector holds.
+
+Source: sampled functions with the integral of a law whose slope is bounded, K.-K. K. Kim and R. D. Braatz,
+arXiv 1509.01302; the moments, A. Seuret and F. Gouaisbaut, Systems & Control Letters 81 (2015) 1-7.
 """
 
 from dataclasses import dataclass

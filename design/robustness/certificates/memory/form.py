@@ -4,7 +4,11 @@ Of the states and the moments of what is under way, w = (e, d, q; O), with Popov
 
     V = w'P w + dt sum_i (S + R (N + 1 - i) dt) (exp(-decay dt i) u[k - i])^2 + 2 popov int_0^q psi,
 
-O and u as in `loop`.  One such function for every slope proves what `LineForm` proves of a loop with memory.
+O and u as in `loop`.  One such function for every slope proves that the loop decays however the slope
+switches; `LineForm` knows how far the wrist is from the line that it left, and where it will meet it again.
+Passivity, Lyapunov functions and Popov's term were put together for hystereses by Paré, Hassibi & How,
+A KYP lemma and invariance principle for systems with multiple hysteresis non-linearities, Int. J. Control 74
+(2001) 1140-1157.
 """
 
 from dataclasses import dataclass

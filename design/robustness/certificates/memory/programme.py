@@ -1,9 +1,7 @@
 """Functions of `form` as convex programs: the largest margin by which every inequality holds.
 
 The inequalities are those of `check`, in floats, over a vector scaled so that the loop's matrices are
-balanced.  Every unknown is a number, and a matrix that is linear in the unknowns an array (unknowns, m, m):
-cvxpy is handed the finished arrays, for its own algebra takes longer than the solver.  What a solver says is
-never the last word.
+balanced, as arrays that are linear in the `unknowns`.  What a solver says is never the last word.
 """
 
 from collections.abc import Callable
@@ -16,13 +14,11 @@ from numpy.typing import NDArray
 from design.robustness.certificates.memory.check import Confirmation, confirm_common, confirm_line
 from design.robustness.certificates.memory.form import CommonForm, LineForm, MemorySearch, WindowForm
 from design.robustness.certificates.memory.loop import FixedLawLoop, OneSample, growth_of
+from design.robustness.certificates.memory.unknowns import Program, UnknownForm, Unknowns
 from design.robustness.certificates.reasons import NoneOfThisKind, NoSolver, NotConfirmed
 from design.synthesis import convex
 
 Array = NDArray[np.float64]
-
-LEAST_MARGIN = 1e-6
-"""By how much every inequality has to hold, as a share of the function's size, where that is not the goal."""
 
 CLAIMED = 1e-7
 """Margin from which a solver's claim is believed for a while: some ten times what it leaves open."""
@@ -42,7 +38,7 @@ def common(loop: FixedLawLoop, decay: float, sure: bool = True) -> MemorySearch:
     """One function for slopes that change at every sample, with a decay [1/s], confirmed, or why not;
     where it need not be `sure`, as the solver claims it."""
     ends = loop.plants.extremes
-    u = _Unknowns(loop.states, forms=1, numbers=len(ends))
+    u = Unknowns(loop.states, forms=1, numbers=len(ends))
     form, multipliers = u.form(), [u.number() for _ in ends]
     falls = [
         _fall(loop, decay, form, step, m)
@@ -55,7 +51,7 @@ def common(loop: FixedLawLoop, decay: float, sure: bool = True) -> MemorySearch:
         numbers = tuple(_multiplier(loop, x @ m) for m in multipliers)
         return CommonForm(_unscaled(loop, form, x), ends, numbers, decay)
 
-    p = _Program(u, [*falls, least], size=_size(loop, form))
+    p = Program(u, [*falls, least], size=_size(loop, form))
     return _searched(p, found, (lambda f: confirm_common(f, loop)) if sure else None)
 
 
@@ -73,7 +69,7 @@ def line(
     tell as much of the static angle: V >= (h - r)^2.
     """
     n, inner = loop.states, loop.plants.inner
-    u = _Unknowns(n, forms=2, numbers=n + 4)
+    u = Unknowns(n, forms=2, numbers=n + 4)
     on, far, cross, gap = u.form(), u.form(), u.vector(n), u.number()
     multipliers = [u.number() for _ in range(3)]
     outside, inside = loop.steps(outer), loop.steps(inner)
@@ -100,101 +96,16 @@ def line(
     confirm = (lambda f: confirm_line(f, loop)) if sure else None
     size = _size(loop, on)
     if visited is None:
-        return _searched(_Program(u, matrices, apart, size), found, confirm)
+        return _searched(Program(u, matrices, apart, size), found, confirm)
     tells = np.zeros(n)
     tells[:2] = 1.0, -sizes(loop)[1] / sizes(loop)[0]
     at = _at(loop, on, visited, cross, gap), _at(loop, far, visited)
-    p = _Program(u, matrices, apart, size, floor=(least, np.outer(tells, tells)), at=at)
+    p = Program(u, matrices, apart, size, floor=(least, np.outer(tells, tells)), at=at)
     return _searched(p, found, confirm)
 
 
-@dataclass(frozen=True)
-class _Form:
-    """A `WindowForm` over the scaled vector, linear in the unknowns: P (unknowns, n, n), the rest
-    (unknowns,)."""
-
-    P: Array
-    popov: Array
-    S: Array
-    R: Array
-
-
-class _Unknowns:
-    """Numbers that are sought, handed out one after the other; `positive`: those not below 0."""
-
-    def __init__(self, n: int, forms: int, numbers: int) -> None:
-        self.n, self.count = n, forms * (n * (n + 1) // 2 + 3) + numbers
-        self.used, self.positive = 0, list[int]()
-
-    def vector(self, count: int) -> Array:
-        """Numbers of any sign, (unknowns, count)."""
-        found = np.zeros((self.count, count))
-        found[range(self.used, self.used + count), range(count)] = 1.0
-        self.used += count
-        return found
-
-    def number(self) -> Array:
-        """A number that is not negative, (unknowns,)."""
-        self.positive.append(self.used)
-        return self.vector(1)[:, 0]
-
-    def form(self) -> _Form:
-        """A function."""
-        P = np.zeros((self.count, self.n, self.n))
-        for i in range(self.n):
-            for j in range(i + 1):
-                P[self.used, i, j] = P[self.used, j, i] = 1.0
-                self.used += 1
-        return _Form(P, self.number(), self.number(), self.number())
-
-
-@dataclass(frozen=True)
-class _Program:
-    """Matrices (unknowns, m, m) that are to be positive by the margin, numbers (unknowns,) that are not to be
-    negative, the function's size.  Without `at` the margin is sought at the size n; else the least sum of the
-    larger of the values `at` states, two arrays (unknowns, states), the one matrix of `floor` being no less
-    than the other, and the margin a small share of the size."""
-
-    unknowns: _Unknowns
-    matrices: list[Array]
-    apart: list[Array] | None = None
-    size: Any = None
-    floor: tuple[Array, Array] | None = None
-    at: tuple[Array, Array] | None = None
-
-    def solve(self) -> tuple[Array, float, str]:
-        """The unknowns, the margin, the solver; raises `convex.Unsolved`."""
-        import cvxpy
-        from cvxpy.atoms.affine.sum import sum as total
-        from cvxpy.atoms.elementwise.maximum import maximum
-
-        u = self.unknowns
-        x, margin = cvxpy.Variable(u.count), cvxpy.Variable()
-        constraints: list[Any] = [x[u.positive] >= 0.0, x @ self.size >= 0.0]
-        constraints += [x @ a >= 0.0 for a in self.apart or []]
-        constraints += [_matrix(x, m) - margin * np.eye(m.shape[1]) >> 0.0 for m in self.matrices]
-        if self.at is None or self.floor is None:
-            goal = cvxpy.Maximize(margin)
-            constraints.append(x @ self.size == float(u.n))
-        else:
-            goal = cvxpy.Minimize(total(maximum(x @ self.at[0], x @ self.at[1])))
-            constraints.append(margin == LEAST_MARGIN / u.n * (x @ self.size))
-            constraints.append(_matrix(x, self.floor[0]) - self.floor[1] >> 0.0)
-        solver = convex.solve(cvxpy.Problem(goal, constraints))
-        return np.asarray(x.value, float), float(np.asarray(margin.value)), solver
-
-
-def _matrix(x: Any, of: Array) -> Any:
-    """The symmetric matrix sum_k x_k of_k."""
-    from cvxpy.atoms.affine.reshape import reshape
-
-    m = of.shape[1]
-    symmetric = 0.5 * (of + of.transpose(0, 2, 1))
-    return reshape(symmetric.reshape(len(of), -1).T @ x, (m, m), order="C")
-
-
 def _searched(
-    p: _Program, found: Callable[[Array], Any], confirm: Callable[[Any], Confirmation] | None
+    p: Program, found: Callable[[Array], Any], confirm: Callable[[Any], Confirmation] | None
 ) -> MemorySearch:
     try:
         x, claimed, solver = p.solve()
@@ -231,20 +142,20 @@ def _steep(loop: FixedLawLoop) -> float:
     return max(loop.sector, 1e-9)
 
 
-def _least(loop: FixedLawLoop, form: _Form) -> Array:
+def _least(loop: FixedLawLoop, form: UnknownForm) -> Array:
     """What the function is not below, as a quadratic form of w."""
     window = np.diag([0.0] * 3 + [1.0] * loop.moments)
     return form.P + loop.span * form.S[:, None, None] * window
 
 
-def _size(loop: FixedLawLoop, form: _Form) -> Array:
+def _size(loop: FixedLawLoop, form: UnknownForm) -> Array:
     """The trace of what a function is not below, and of what it has of the window."""
     trace = np.trace(_least(loop, form), axis1=1, axis2=2)
     return np.asarray(trace + loop.span * (form.S + loop.span * form.R))
 
 
 def _fall(
-    loop: FixedLawLoop, decay: float, form: _Form, step: OneSample, multiplier: Array,
+    loop: FixedLawLoop, decay: float, form: UnknownForm, step: OneSample, multiplier: Array,
     cross: Array | None = None, gap: Array | None = None,
 ) -> Array:  # fmt: skip
     """By how much the function falls in a sample, less the sector's share of it, as `check` has it."""
@@ -281,7 +192,11 @@ def _fall(
 
 
 def _at(
-    loop: FixedLawLoop, form: _Form, visited: Visited, cross: Array | None = None, gap: Array | None = None
+    loop: FixedLawLoop,
+    form: UnknownForm,
+    visited: Visited,
+    cross: Array | None = None,
+    gap: Array | None = None,
 ) -> Array:
     """The function at visited states, (unknowns, states), over the square of the size of e."""
     n, scale = loop.states, sizes(loop)
@@ -295,7 +210,7 @@ def _at(
     return np.asarray(total)
 
 
-def _unscaled(loop: FixedLawLoop, form: _Form, x: Array) -> WindowForm:
+def _unscaled(loop: FixedLawLoop, form: UnknownForm, x: Array) -> WindowForm:
     """A function in the loop's units; numbers that a solver leaves a hair below 0 are 0."""
     scale = sizes(loop)
     P = np.tensordot(x, form.P, 1) / np.outer(scale[: loop.states], scale[: loop.states])
