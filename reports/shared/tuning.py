@@ -76,7 +76,6 @@ def tuning_record(found: Answer, axis: str) -> dict[str, Any]:
             "on_edge_of_region": t.on_edge,
         },
         "scenarios": len(problem.scenarios),
-        "cases": len(problem.adverse),
-        "guard": dict(problem.guard),
+        **({"cases": len(problem.adverse), "guard": dict(problem.guard)} if problem.guard else {}),
         "set_aside": [s.name for s in problem.set_aside],
     }
