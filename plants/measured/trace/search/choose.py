@@ -43,6 +43,9 @@ BEAM, BEAM_REACH = 2, 5.0
 
 FOLDS = 2
 
+CERTAIN = 0.9
+"""Confidence that the error on rows left out falls."""
+
 ROUGH = 1e-4
 """Relative change of chi-square at which a candidate is fitted well enough to be compared."""
 
@@ -124,11 +127,17 @@ def left_out(model: Model, evaluations: int = 6) -> LeftOut:
 
 def falls(before: Candidate, after: Candidate) -> bool:
     """Whether the error of a free run from the command falls on rows left out: in total over all recordings,
-    and by more than the standard error of that total over blocks of ten seconds."""
+    and for certain: the lower bound of that total (Student's, one-sided) from its scatter over blocks of ten
+    seconds is above zero."""
+    from scipy.stats import t
+
     blocks = before.model.stage.blocks(BLOCK)
     gain = np.bincount(blocks, before.left_out.free**2 - after.left_out.free**2)
-    scatter = float(np.std(gain, ddof=1)) * len(gain) ** 0.5 if len(gain) > 1 else 0.0
-    return float(gain.sum()) > scatter
+    n = len(gain)
+    if n < 2:
+        return float(gain.sum()) > 0.0
+    scatter = float(np.std(gain, ddof=1)) * n**0.5
+    return float(gain.sum()) > float(t.ppf(CERTAIN, n - 1)) * scatter
 
 
 def search(
