@@ -137,7 +137,7 @@ def falls(before: Candidate, after: Candidate) -> bool:
     if n < 2:
         return float(gain.sum()) > 0.0
     scatter = float(np.std(gain, ddof=1)) * n**0.5
-    return float(gain.sum()) > float(t.ppf(CERTAIN, n - 1)) * scatter
+    return bool(gain.sum() > t.ppf(CERTAIN, n - 1) * scatter)
 
 
 def search(
