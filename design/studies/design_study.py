@@ -246,7 +246,7 @@ def _designed(
     _at("proof", tell)("proof", 0.0)
     evidence["proved"] = stages.done(
         f"proof-{motion}", mine,
-        lambda: proof(Wrist.of(plant), gains["Kp"], gains["Ki"], about["dead_time_s"][1]),
+        lambda: proof(wrist, controller, about["dead_time_s"][1], required.box),
     )  # fmt: skip
     prices = stages.done(
         f"prices-{motion}", {**mine, "designs": designs},

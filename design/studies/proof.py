@@ -1,10 +1,13 @@
 """What is proved of exactly the recommended gains: the certificates that there are, told as they are."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from design.controllers.pi import PI
+from design.robustness.box import Box
 from design.robustness.certificates.certificate import Certificate
 from design.robustness.certificates.continuous import ladder
+from design.robustness.certificates.memory.ladder import certify_memory
 from design.robustness.certificates.sampled import sampled_loop
 from design.robustness.loop_model import LoopModel
 from design.status import Status
@@ -12,49 +15,64 @@ from plants.errors import InputError
 from plants.wrist import Wrist
 
 
-def proof(wrist: Wrist, Kp: float, Ki: float, dead_time: float) -> dict[str, Any]:
-    """Whether the sampled loop behind a dead time [s] is proved to decay under gains, at which rate, and
-    whether the proof covers the task; beside it every rung.
+def proof(wrist: Wrist, controller: PI, dead_time: float, box: Box | None = None) -> dict[str, Any]:
+    """Whether the sampled loop behind a dead time [s] is proved to decay under a controller, at which rate,
+    and whether the proof covers the tasks; beside it every rung, also that for all plants in a box.
 
-    A reference weight changes no loop, so that what is proved of the gains holds whatever it is.  A proof for
-    the loop in continuous time, or without the dead time, is in the list and does not count.
+    A reference weight changes no loop, and a run from a task its own way; a filter of the angle changes the
+    loop, so that none of these certificates is about it.  A proof for the loop in continuous time, or without
+    the dead time, is in the list and does not count.
     """
-    controller = PI.of(wrist, Kp, Ki)
-    model = LoopModel.of(wrist, controller)
+    plain = PI.of(wrist, controller.Kp, controller.Ki)
+    model = LoopModel.of(wrist, plain)
     times = tuple(dict.fromkeys((0.0, dead_time)))
+    if getattr(controller, "Tf", 0.0) != 0.0:
+        return _record((), (), model, dead_time, "the loop has a filter of the angle")
     try:
-        rungs = ladder.certify(model, wrist, controller, wrist.rig.task.step, times)
-        sampled = sampled_loop.certify_sampled(model, times, sampled_loop.word_of(model))
+        rungs = ladder.certify(model, wrist, plain, wrist.rig.task.step, times)
+        sampled = [
+            *sampled_loop.certify_sampled(model, times, sampled_loop.word_of(model)),
+            *certify_memory(model, wrist, controller, times, box),
+        ]
     except (InputError, ArithmeticError, ValueError) as error:  # a loop that no certificate knows
-        return _record(None, (), (), model, dead_time, str(error))
-    good = [c for c in sampled if c.holds and c.dead_time == dead_time]
-    best = max(good, key=lambda c: c.decay or 0.0, default=None)
-    return _record(best, rungs, sampled, model, dead_time, "")
+        return _record((), (), model, dead_time, str(error))
+    return _record(rungs, sampled, model, dead_time, "")
 
 
 def _record(
-    best: Certificate | None,
-    rungs: Any,
-    sampled: Any,
-    model: LoopModel,
-    dead_time: float,
-    why: str,
+    rungs: Sequence[Certificate], sampled: Sequence[Certificate], model: LoopModel, dead_time: float, why: str
 ) -> dict[str, Any]:
+    """The best rung of the sampled loop with its dead time: one that covers the tasks before one that does
+    not, then the faster."""
+    good = [c for c in sampled if c.holds and c.dead_time == dead_time]
+    best = max(good, key=lambda c: (_covers(c), _rate(c)), default=None)
     proved = best is not None and not model.left_out
-    covers = bool(best is not None and best.evidence.get("region", {}).get("covers_task", False))
     told = [
         {
             "rung": c.rung, "sampled": c in sampled, "status": c.status.value, "dead_time_s": c.dead_time,
-            "rate_1_s": c.decay if c.holds else None,
+            "rate_1_s": c.decay if c.holds else None, "covers_task": _covers(c),
         }
         for c in (*rungs, *sampled)
     ]  # fmt: skip
     return {
         "status": (Status.PROVED if proved else Status.OPEN).value,
-        "rate_1_s": None if best is None else best.decay,
+        "rate_1_s": None if best is None else _rate(best),
+        "rung": None if best is None else best.rung,
         "dead_time_s": dead_time,
-        "covers_task": proved and covers,
+        "covers_task": proved and best is not None and _covers(best),
         "left_out": list(model.left_out),
         "why": why,
         "rungs": told,
     }
+
+
+def _covers(c: Certificate) -> bool:
+    """Whether the tasks come to what a certificate is about."""
+    tasks, region = c.evidence.get("tasks", {}), c.evidence.get("region", {})
+    return bool(tasks.get("covered", False) or region.get("covers_task", False))
+
+
+def _rate(c: Certificate) -> float:
+    """The decay [1/s]: the one to which the tasks come, where they do."""
+    tasks = c.evidence.get("tasks", {})
+    return float(tasks["decay"] if tasks.get("covered", False) else c.decay or 0.0)

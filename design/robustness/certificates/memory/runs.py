@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from design.controllers.pi import PI, PIState
-from design.controllers.pi import step as control
+from design.controllers.pi import PI
 from design.evaluation.tasks import Task
 from plants.hysteresis import STARTS, Start
 from plants.simulation.closed_loop import holding
+from plants.simulation.sensor import Measured
 from plants.wrist import State, Wrist
 from plants.wrist import step as move
 
@@ -51,7 +51,8 @@ class Runs:
 
 def run(wrist: Wrist, controller: PI, tasks: Sequence[Task], samples: int, dt: float) -> Runs:
     """The tasks, and their steps from `MEMORIES` memories between the lines too, behind so many samples of
-    dead time in all; dt [s]: sample time; effects of the plant are left out.
+    dead time in all; dt [s]: sample time; effects of the plant are left out.  A controller with a weight of
+    the reference is a PI once the reference holds, so that the functions for a PI are about it.
 
     Each lane begins at rest, its last command everywhere in the tube.
     """
@@ -62,7 +63,7 @@ def run(wrist: Wrist, controller: PI, tasks: Sequence[Task], samples: int, dt: f
     for lane, task in enumerate(profiles):
         for reference, moment, _ in task.stages:
             asked[round(moment / dt) :, lane] = reference
-    held: PIState = holding(plain, controller, state)
+    held = holding(plain, controller, state)
     coefficients, law = plain.sampled(dt), controller.sampled(dt)
     before = np.asarray(controller.command(held), float)
     pressure, static, angle, given = (np.empty((length, lanes)) for _ in range(4))
@@ -70,7 +71,7 @@ def run(wrist: Wrist, controller: PI, tasks: Sequence[Task], samples: int, dt: f
     for k in range(length):
         pressure[k], static[k], angle[k] = state.pressure, state.memory.h, state.angle
         left[k] = getattr(state.memory, "virgin", 0.0) == 0.0
-        held, given[k] = control(held, asked[k] - state.angle, law)
+        held, given[k] = law.act(held, Measured(asked[k] - state.angle, state.angle, state.pressure))
         state = move(state, given[k - samples] if k >= samples else before, coefficients)
     gain = float(wrist.regulator.gain)
     begins = np.array([round(t.moments[-1] / dt) for t in profiles])
