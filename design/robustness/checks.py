@@ -106,7 +106,7 @@ def worst_of(
     controller: Any,
     budget: int,
     seed: int,
-    begin: Array | None = None,
+    known: Array | None = None,
     jobs: int | None = None,
     guard: dict[str, float] | None = None,
     cost: bool = False,
@@ -121,7 +121,7 @@ def worst_of(
             high = np.where(space.of_task(x), values[COSTS[requirement.cost]], -np.inf)
         return np.where(space.reachable(x), high, -np.inf)
 
-    given = np.empty((space.size, 0)) if begin is None else begin
+    given = np.empty((space.size, 0)) if known is None else known
     return hunt(height, given, budget, seed, len(space.box.intervals), space.kind)
 
 

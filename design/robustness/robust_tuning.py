@@ -141,11 +141,11 @@ def tune_robustly(
     jobs: int | None = None,
     progress: Tell | None = None,
     two_dof: bool = False,
-    begin: Tuning | None = None,
+    base: Tuning | None = None,
 ) -> RobustTuning:
     """Gains of least worst cost that hold a requirement, as far as pool, search and fresh samples can tell.
 
-    two_dof: with a reference weight and a filter of the angle; begin: a tuning, such as of the PI, whose
+    two_dof: with a reference weight and a filter of the angle; base: a tuning, such as of the PI, whose
     gains and cases to begin with; starts: local searches of the last set, which show whether other valleys
     are as low, beside a map of the region; neither where 0; seed: of searches and samples.  Ends where no
     worse case is found, after `rounds`, or where no gains in the region hold the grown set: then the last
@@ -153,14 +153,14 @@ def tune_robustly(
     """
     tell, region = progress or (lambda stage, share: None), region or Region()
     problem = requirement.problem(dict(GUARD), jobs)
-    problem = problem if begin is None else replace(problem, adverse=begin.problem.adverse)
+    problem = problem if base is None else replace(problem, adverse=base.problem.adverse)
     if out_of_reach(problem) is not None:
         at = evaluate(replace(problem, screened=False), region.grid[0][:1], region.grid[1][:1])
         nothing = Tuning(problem, region, at, at, ())
         return RobustTuning(requirement, (Round(nothing, 0.0, "pool", 0, ()),), "out of reach", None)
     pool = _pool(requirement)
     done: list[Round] = []
-    known: Evaluation | None = None if begin is None else begin.at
+    known: Evaluation | None = None if base is None else base.at
     fresh: Check | None = None
     ended: Ended = "rounds used up"
     for number in range(max(rounds, 1)):

@@ -279,7 +279,7 @@ def _tuned(
     else:
         two = tune_robustly(
             required, region, 0, seed, effort.rounds, jobs,
-            lambda s, h: tell(f"{TWO_DOF}: {s}", 0.5 + 0.5 * h), two_dof=True, begin=plain.final,
+            lambda s, h: tell(f"{TWO_DOF}: {s}", 0.5 + 0.5 * h), two_dof=True, base=plain.final,
         )  # fmt: skip
         found[TWO_DOF] = _tuning_record(two)
         other = _forward(

@@ -192,6 +192,7 @@ def without_sensor(plant: ParameterSet) -> ParameterSet:
 
 
 def in_sensor(plant: ParameterSet) -> tuple[str, ...]:
+    """Names of the plant's effects that sit in its sensor."""
     return tuple(e.NAME for e in plant.effects if e.STAGE == "sensor")
 
 

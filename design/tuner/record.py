@@ -32,6 +32,8 @@ LIMITS: Mapping[str, Words] = {
     "delay_margin_s": Words("Delay margin", " ms", 1000.0, "≥"),
     "total_variation_V": Words("Total variation of the command", " V"),
     "steady_error_percent": Words("Left at the end of the run", " %"),
+    "Mt": Words("Mt, peak of the complementary sensitivity"),
+    "settling_time_s": Words("Settled after", " s"),
 }
 
 

@@ -214,6 +214,7 @@ def limit_words(limits: Limits) -> str:
     words = {
         "overshoot_percent": "overshoot at most {:g} %", "Ms": "Ms at most {:g}",
         "delay_margin_s": "delay margin at least {:g} s", "total_variation_V": "travel at most {:g} V",
-        "steady_error_percent": "error at the end at most {:g} %",
+        "steady_error_percent": "error at the end at most {:g} %", "Mt": "Mt at most {:g}",
+        "settling_time_s": "settled within {:g} s",
     }  # fmt: skip
     return ", ".join(words[n].format(v) for n, v in limits.named.items())

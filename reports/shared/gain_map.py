@@ -19,6 +19,8 @@ LIMIT_WORDS = {
     "delay_margin_s": "delay margin < {:g} s",
     "total_variation_V": "travel > {:g} V",
     "steady_error_percent": "steady error > {:g} %",
+    "Mt": "Mt > {:g}",
+    "settling_time_s": "not settled in {:g} s",
 }
 HATCHES = {
     "overshoot_percent": "///",
@@ -26,6 +28,8 @@ HATCHES = {
     "delay_margin_s": "xxx",
     "total_variation_V": "\\\\\\",
     "steady_error_percent": "---",
+    "Mt": "...",
+    "settling_time_s": "oo",
 }
 MARKS = {"SIMC": "s", "AMIGO": "^", "Ziegler-Nichols": "v"}
 

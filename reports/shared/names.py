@@ -18,6 +18,8 @@ LIMITS = {
     "delay_margin_s": ("Delay margin", "at least", "dead time that may come on top before the loop swings"),
     "total_variation_V": ("Total variation of the command", "at most", "up and down added up, in one step"),
     "steady_error_percent": ("Steady error", "at most", f"of the step, what is left after {WINDOW:g} s"),
+    "Mt": ("Mt", "at most", "peak of the complementary sensitivity on the same branches"),
+    "settling_time_s": ("Settled", "within", "that is, at all within the run"),
 }
 """Each limit's name for people, which side is allowed, and its meaning."""
 

@@ -129,7 +129,7 @@ def test_rounds_that_are_used_up_are_told():
 
 
 def test_a_second_degree_of_freedom_is_never_dearer(tuned):
-    two = tune_robustly(small(), COARSE, 0, two_dof=True, begin=tuned.final)
+    two = tune_robustly(small(), COARSE, 0, two_dof=True, base=tuned.final)
     assert two.holds
     assert float(two.final.at.cost[0]) <= 1.01 * float(tuned.final.at.cost[0])
 

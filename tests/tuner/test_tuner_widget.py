@@ -89,7 +89,7 @@ def test_limits_and_region_are_the_users():
     narrow = Tuner("flexion", replace(Limits.none(), Ms=1.3), Region((2.0, 4.0), (3.0, 9.0)))
     assert (narrow.Kp, narrow.Ki) == (2.0, 3.0)
     assert set(narrow.about["limits"]) == set(narrow.regions["limits"]) == {"Ms"}
-    assert [row["limit"] for row in narrow.picture["limits"]].count("none") == 4
+    assert [row["limit"] for row in narrow.picture["limits"]].count("none") == 6
 
 
 def test_the_button_keeps_the_gains_and_replaces_only_its_own_file(tuner, tmp_path):

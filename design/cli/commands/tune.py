@@ -161,7 +161,7 @@ def command(
             grown = tune_robustly(asked, region, min(starts, 3), seed, rounds, jobs, tell)
             if two_dof and grown.ended != "out of reach":
                 grown = tune_robustly(
-                    asked, region, 1, seed, rounds, jobs, tell, two_dof=True, begin=grown.final
+                    asked, region, 1, seed, rounds, jobs, tell, two_dof=True, base=grown.final
                 )
         found = grown.final
         for line in robust_words.lines(grown):

@@ -44,13 +44,13 @@ class Hunted:
 
 def hunt(
     height: Callable[[Array], Array],
-    begin: Array,
+    known: Array,
     budget: int,
     seed: int,
     corners: int = 0,
     kind: Callable[[Array], NDArray[np.intp]] | None = None,
 ) -> Hunted:
-    """Places of greatest height that were found in about `budget` tries, from those of `begin`, (size, n),
+    """Places of greatest height that were found in about `budget` tries, from those of `known`, (size, n),
     on.
 
     height: of places (size, lanes), minus infinity for those that do not count; corners: the first so many
@@ -59,10 +59,10 @@ def hunt(
     another that is worse in the end.
     """
     rng = np.random.default_rng(seed)
-    size = begin.shape[0]
-    fresh = rng.random((size, max(2 * ISLANDS * LANES - begin.shape[1], ISLANDS)))
+    size = known.shape[0]
+    fresh = rng.random((size, max(2 * ISLANDS * LANES - known.shape[1], ISLANDS)))
     fresh[:corners, ::2] = np.round(fresh[:corners, ::2])
-    places = [np.hstack([begin, fresh])]
+    places = [np.hstack([known, fresh])]
     heights = [height(places[0])]
     used, again = heights[0].size, False
     best, at = _islands(Hunted(places[0], heights[0]), kind)
