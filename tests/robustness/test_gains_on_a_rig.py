@@ -20,7 +20,7 @@ LATE = 0.05
 
 def rig_and_plant(axis, seed):
     """A rig with 50 ms of dead time, and the plant that a perfect fit without one would find."""
-    rig = make_rig(axis, ["dead-time"], seed, {"dead-time": 0})
+    rig = make_rig(axis, ["dead-time"], seed, {"dead-time": 1})
     dead = type(rig.hidden.dead_time)(transport_s=LATE)
     rig = replace(rig, hidden=rig.hidden._replace(dead_time=dead))
     plant = built_in(axis)
