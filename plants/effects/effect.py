@@ -89,7 +89,7 @@ class TrialHints(Protocol):
         ...
 
 
-class Asked(Protocol):
+class ExcitationHints(Protocol):
     """What was asked of a rig in the recordings at hand; `plants.measured.trace.search.excitation`.
 
     ramp: whether each command is one ramp; begins: time [s] up to which recordings only begin; longest: of
@@ -195,7 +195,7 @@ class Effect(ABC):
         """The effect with the parameters that `values` has of it, by their names in a wrist."""
         return cls(**{f.name: values[f"{cls.NAME}.{f.name}"] for f in fields(cls)})
 
-    def borrowed(self, asked: Asked) -> str | None:
+    def borrowed(self, asked: ExcitationHints) -> str | None:
         """Why the effect, with these values, may be nothing but what the model does not make of the command,
         and which recording would tell; None where it cannot."""
         return None

@@ -120,7 +120,7 @@ class FourSegment(HysteresisLaw):
 
         >>> crossed = FourSegment(a1=0.6, w1=6.0, a2=0.3, w2=6.0, s=0.4)
         >>> {n: (round(a, 2), round(b, 2)) for n, (a, b) in crossed.kept_apart(0.0, 200.0).items()}
-        {'a1': (0.44, 0.46), 'a2': (0.44, 0.46), 'w1': (1.5, 24.0), 'w2': (1.5, 24.0), 's': (0.0, 0.43)}
+        {'a1': (0.43, 0.46), 'a2': (0.43, 0.46), 'w1': (1.5, 24.0), 'w2': (1.5, 24.0), 's': (0.0, 0.43)}
         """
         slope = 0.5 * (self.a1 + self.a2)
         reach = max(abs(low - self.rest_pressure), abs(high - self.rest_pressure))

@@ -95,7 +95,7 @@ def corrected(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
 def renewals(values: Array) -> NDArray[np.bool_] | None:
     """Rows at which a channel was renewed, None for one that is renewed in every row.
 
-    >>> renewals(np.repeat(np.random.default_rng(0).normal(size=50), 4)).sum()
+    >>> int(renewals(np.repeat(np.random.default_rng(0).normal(size=50), 4)).sum())
     50
     """
     changed = np.append(True, np.diff(values) != 0.0)

@@ -8,6 +8,7 @@ import pytest
 
 from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
+from design.controllers.plausible import SensorLimits
 from design.evaluation.sequence import Sequence, play
 from design.evaluation.steps import run
 from design.export.part import of_controller
@@ -78,7 +79,10 @@ def test_the_weight_changes_no_margin_and_the_filter_does_as_python_control_says
 
 
 def test_it_becomes_c():
-    part = of_controller("two_dof", "a PI with two degrees of freedom", TwoDofPI(3.0, 8.0, b=0.7), 1e-3)
+    sensors = SensorLimits.of(Wrist.flexion())
+    part = of_controller(
+        "two_dof", "a PI with two degrees of freedom", TwoDofPI(3.0, 8.0, b=0.7), sensors, 1e-3
+    )
     assert part.settings["b"] == 0.7
     assert {m.member for m in part.members} >= {"integral_kPa", "angle_deg"}
 

@@ -25,7 +25,7 @@ def test_a_cross_stands_behind_what_breaks_a_limit_and_nothing_else():
     text = limits_table(problem, at, ("safe", "SIMC")).text
     head, _, safe, simc = ([c.strip() for c in line.split("|")[1:-1]] for line in text.splitlines())
     broken = {h for h, c in zip(head, simc, strict=True) if BROKEN in c}
-    assert broken == {"Overshoot [%]", "Ms [1]"}
+    assert broken == {"Overshoot [%]", "Ms [1]", "Mt [1]"}
     assert not [c for c in safe if BROKEN in c]
 
 

@@ -243,7 +243,7 @@ def test_numbers_that_make_no_sense_are_refused_in_one_line(given, words):
     assert "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize("given", [{"noise": -0.1}, {"load": float("nan")}, {"dead_time": 0.5}])
+@pytest.mark.parametrize("given", [{"noise": -0.1}, {"load": float("nan")}, {"dead_time": 1.5}])
 def test_conditions_that_make_no_sense_are_refused(given):
     with pytest.raises(InputError, match=next(iter(given))):
         Conditions(**given)

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Asked, Effect, Nothing, Number, parameter
+from plants.effects.effect import Around, Effect, ExcitationHints, Nothing, Number, parameter
 
 
 class SampledDrift(NamedTuple):
@@ -29,7 +29,7 @@ class _Drifting(Effect):
     WANDERS = True
     BOUND = "kept"
 
-    def borrowed(self, asked: Asked) -> str | None:
+    def borrowed(self, asked: ExcitationHints) -> str | None:
         """In one ramp of the command time and command are the same."""
         if asked.ramp:
             return "the command is one ramp, which goes with time as a drift does; record steps up and down"

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Asked, Effect, Nothing, Number, TrialHints, parameter
+from plants.effects.effect import Around, Effect, ExcitationHints, Nothing, Number, TrialHints, parameter
 
 
 class SampledHum(NamedTuple):
@@ -57,7 +57,7 @@ class _Humming(Effect):
             for f, a, b in log.spectral_lines()
         ]
 
-    def borrowed(self, asked: Asked) -> str | None:
+    def borrowed(self, asked: ExcitationHints) -> str | None:
         """A sinusoid at a multiple of the only sine that was asked, or too slow to come round twice."""
         order = asked.harmonic(float(self.frequency))
         if order is not None:

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Asked, Effect, Nothing, Number, TrialHints, parameter
+from plants.effects.effect import Around, Effect, ExcitationHints, Nothing, Number, TrialHints, parameter
 
 
 class SampledLoad(NamedTuple):
@@ -50,7 +50,7 @@ class _Loaded(Effect):
         first, size = next(cls.trials()), 3.0 * log.noise
         return [{**first, "moment": moment, "shift": size * sign} for moment, sign in log.steps()]
 
-    def borrowed(self, asked: Asked) -> str | None:
+    def borrowed(self, asked: ExcitationHints) -> str | None:
         """A load that comes as a recording begins shifts all of it."""
         if float(self.moment) < asked.begins:
             return (

@@ -11,7 +11,7 @@ from plants.measured.residual.examine import Examination
 from plants.measured.trace.law import LawChoice
 from plants.measured.trace.search.choose import EffectSearch
 from plants.measured.trace.search.learnt import Learnt
-from plants.measured.trace.size import Remainder, explained_share, remainder
+from plants.measured.trace.size import RemainderSize, explained_share, remainder
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.stage import Stage
 from plants.parameters.quantities import ParameterSet
@@ -100,7 +100,7 @@ class Trace:
         return {c: explained_share(self.before[c], self.after[c], self.noise[c]) for c in self.before}
 
     @property
-    def remainder(self) -> dict[str, Remainder | None]:
+    def remainder(self) -> dict[str, RemainderSize | None]:
         """What is left of each channel without the noise."""
         return {c: remainder(self.runs, c, self.noise[c] or 0.0) for c in self.before}
 

@@ -24,7 +24,7 @@ BANDS = (0.0, 0.1, 1.0, 10.0)
 
 
 @dataclass(frozen=True)
-class Remainder:
+class RemainderSize:
     """What is left of a channel on held-out recordings, without the noise: rms in the channel's unit, share
     of the range of what was measured; spectrum: share of its power in bands, by lower edge [Hz]."""
 
@@ -33,13 +33,13 @@ class Remainder:
     spectrum: dict[float, float]
 
 
-def remainder(runs: Sequence[FreeRun], channel: str, noise: float) -> Remainder | None:
+def remainder(runs: Sequence[FreeRun], channel: str, noise: float) -> RemainderSize | None:
     """What free runs leave of a channel; None where it was not logged."""
     errors = squares(runs, channel)
     if not errors:
         return None
     rms = float(np.sqrt(max(float(np.mean(np.concatenate(errors))) - noise**2, 0.0)))
-    return Remainder(rms, rms / max(span(runs, channel), 1e-12), _spectrum(runs, channel))
+    return RemainderSize(rms, rms / max(span(runs, channel), 1e-12), _spectrum(runs, channel))
 
 
 def span(runs: Sequence[FreeRun], channel: str) -> float:

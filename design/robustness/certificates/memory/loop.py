@@ -147,7 +147,7 @@ class OneSample:
 
 
 @dataclass(frozen=True)
-class Rows:
+class LoopRows:
     """Rows over the vector: state now (n + 1, size), the last being F; the same a sample later and times the
     growth; u now, u[k - N] times growth^-N, q, psi, and (q+ - q)/dt."""
 
@@ -212,7 +212,7 @@ class FixedLawLoop:
         keeps, afters = sorted({float(c.keep) for c in lags}), sorted({float(c.after) for c in lags})
         return [OneSample(*c) for c in product(slopes, keeps, afters, _ends(self.plants.gain))]
 
-    def rows(self, step: OneSample, growth: Fraction, floats: bool = False) -> Rows:
+    def rows(self, step: OneSample, growth: Fraction, floats: bool = False) -> LoopRows:
         """One sample, with what grows by `growth` in it taken out."""
         m, n = self.model, self.states
         numbers = [step.keep, step.after, m.dt, step.slope, m.Kp, m.Ki, step.gain]
@@ -236,7 +236,7 @@ class FixedLawLoop:
                 row = sum(shift[j, i] * one[3 + i] for i in range(self.moments))
                 after.append(row + (first[j] * sent - beyond[j] * arrived) / N)
         after.append(g * (F - phi))
-        return Rows(one[: n + 1], np.array(after), sent, arrived, q, psi, dq / dt)
+        return LoopRows(one[: n + 1], np.array(after), sent, arrived, q, psi, dq / dt)
 
 
 def growth_of(decay: float, dt: float) -> Fraction:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from design.robustness.certificates.memory.check import Confirmation, confirm_common, confirm_line
 from design.robustness.certificates.memory.form import CommonForm, LineForm, MemorySearch, WindowForm
 from design.robustness.certificates.memory.loop import FixedLawLoop, OneSample, growth_of
-from design.robustness.certificates.memory.unknowns import Program, UnknownForm, Unknowns
+from design.robustness.certificates.memory.unknowns import MemoryUnknowns, Program, UnknownForm
 from design.robustness.certificates.reasons import NoneOfThisKind, NoSolver, NotConfirmed
 from design.synthesis import convex
 
@@ -38,7 +38,7 @@ def common(loop: FixedLawLoop, decay: float, sure: bool = True) -> MemorySearch:
     """One function for slopes that change at every sample, with a decay [1/s], confirmed, or why not;
     where it need not be `sure`, as the solver claims it."""
     ends = loop.plants.extremes
-    u = Unknowns(loop.states, forms=1, numbers=len(ends))
+    u = MemoryUnknowns(loop.states, forms=1, numbers=len(ends))
     form, multipliers = u.form(), [u.number() for _ in ends]
     falls = [
         _fall(loop, decay, form, step, m)
@@ -69,7 +69,7 @@ def line(
     tell as much of the static angle: V >= (h - r)^2.
     """
     n, inner = loop.states, loop.plants.inner
-    u = Unknowns(n, forms=2, numbers=n + 4)
+    u = MemoryUnknowns(n, forms=2, numbers=n + 4)
     on, far, cross, gap = u.form(), u.form(), u.vector(n), u.number()
     multipliers = [u.number() for _ in range(3)]
     outside, inside = loop.steps(outer), loop.steps(inner)

@@ -29,7 +29,7 @@ class UnknownForm:
     R: Array
 
 
-class Unknowns:
+class MemoryUnknowns:
     """Numbers that are sought, handed out one after the other; `positive`: those not below 0."""
 
     def __init__(self, n: int, forms: int, numbers: int) -> None:
@@ -65,7 +65,7 @@ class Program:
     larger of the values `at` states, two arrays (unknowns, states), the one matrix of `floor` being no less
     than the other, and the margin a small share of the size."""
 
-    unknowns: Unknowns
+    unknowns: MemoryUnknowns
     matrices: list[Array]
     apart: list[Array] | None = None
     size: Any = None

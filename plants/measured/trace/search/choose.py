@@ -210,17 +210,15 @@ def reformed(now: Candidate, asked: Excitation) -> Candidate:
 def worth_it(before: Candidate, after: Candidate, declared: Candidate) -> bool:
     """Whether an effect earns its place.
 
-    The error of a free run from the command has to fall on rows left out, by more than its uncertainty, and
-    by enough: in a remainder that has structure, on the blocks that were left out.  One without may be slow
-    noise whose floor was taken too low, or an effect in recordings too short for the tests to see it: then it
-    has to take a good part away and to make the rest likelier as noise, of any colour, by more than
-    following slow noise for a while would.  Blocks left out say nothing there, since slow noise upsets
-    the declared parameters on half of the data as much as a missing effect.
+    In a remainder that has structure, the error of a free run from the command has to fall on rows left out,
+    by more than its uncertainty and by enough.  One without may be slow noise whose floor was taken too low,
+    or an effect in recordings too short for the tests to see it: then it has to take a good part away and
+    to make the rest likelier as noise, of any colour, by more than following slow noise for a while would.
+    Rows left out say nothing there, since slow noise upsets the declared parameters on half of the data as
+    much as a missing effect.
     """
-    if not falls(before, after):
-        return False
     if before.examined.structured:
-        return _enough(before.held_out, after.held_out, declared.held_out)
+        return falls(before, after) and _enough(before.held_out, after.held_out, declared.held_out)
     if not _enough(before.model.chi2, after.model.chi2, declared.model.chi2):
         return False
     more = max(1, len(after.model.names) - len(before.model.names))
