@@ -40,7 +40,7 @@ SLOW_NOISE = 100.0
 """Chi-square up to which a remainder without structure, of which no effect takes a good part away, is
 slow noise whose floor was taken too low."""
 
-REMAINS = 0.5
+REMAINS = 0.25
 """Share of its excess that an effect may leave and still be adopted where not all is explained."""
 
 
