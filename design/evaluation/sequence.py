@@ -112,7 +112,7 @@ class PlayedSequence:
         """What limits and cost are held against, by name, each (lanes,).
 
         A step of the rig's task is what the limits and the tuning set are made for, so
-        others are put on its footing: overshoot in percent of the step, of one of `SMALLEST` at least;
+        others are scaled to it: overshoot in percent of the step, of one of `SMALLEST` at least;
         steady error in percent of the task's step, since how exactly an angle is held is a matter of
         degrees; total variation of the command of a larger step as if scaled
         down to it (a smaller one must travel for the play of the loop all the same, and is not scaled up);

@@ -31,8 +31,8 @@ def title(a: Assessment) -> str:
             "one statement does not hold" if len(broken) == 1 else f"{len(broken)} statements do not hold"
         )
     if a.worst.violated:
-        return f"{gains}: holds what is asked, but for a scenario that was searched for"
-    return f"{gains}: holds what is asked"
+        return f"{gains}: meets all limits in random cases; the worst-case search finds a violation"
+    return f"{gains}: meets all limits"
 
 
 def summary(a: Assessment) -> list[str]:
@@ -231,9 +231,8 @@ def claims(a: Assessment) -> list[str]:
     said = [f"{_start(', '.join(rungs))}: {claim}." for claim, rungs in found.items()]
     if a.word is not None:
         said.append(
-            f"Against those in which the rate switches too speaks a word: {a.word}. It is of the class, "
-            "not of "
-            "the wrist, whose rate follows the error of the pressure."
+            f"Where the rate switches too, a destabilising switching sequence exists: {a.word}. It is of the "
+            "class, not of the wrist, whose rate follows the error of the pressure."
         )
     return said
 
