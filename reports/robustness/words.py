@@ -96,7 +96,7 @@ def proved(a: Assessment) -> str:
             else "though not with dead time on top"
         )
         words = (
-            "It is proved that, while the command is not clipped, what is left of a motion decays at "
+            "It is proved that, while the command is not clipped, the loop is exponentially stable with rate "
             f"{number(best.decay, 2)} 1/s or faster however the loop switches between the slopes of the "
             f"branches, {dead_time} ({best.rung})"
         )
