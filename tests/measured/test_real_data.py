@@ -9,7 +9,7 @@ import pytest
 
 from plants.measured.campaign import load_campaign, load_recording
 from plants.measured.fit import fit_campaign
-from plants.measured.tables import read_table
+from plants.measured.formats.tables import read_table
 from plants.parameters.quantities import built_in
 
 DATA = os.environ.get("WRIST_DATA")
