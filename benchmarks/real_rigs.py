@@ -26,7 +26,8 @@ from plants.measured.free_run import FreeRun
 from plants.measured.problem import measured
 from plants.measured.trace.result import Trace
 from plants.measured.trace.trace import trace_campaign
-from plants.parameters.quantities import Fitted, load
+from plants.parameters.files import load
+from plants.parameters.quantities import Fitted
 from reports.shared.style import save
 
 ROOT = Path(__file__).parent.parent

@@ -122,8 +122,8 @@ def _throttle(wrist: Wrist, state: State, command: float, samples: int, begin: f
     pressure, loop and angle are filled; and after the last."""
     given = {"command": np.full(samples, command), **surroundings(wrist, samples, begin)}
     last, rows = run_lanes(
-        law(tuple(given)), OpenLoop(state), SampledOpenLoop(wrist.sampled()), samples, given,
-        inputs=tuple(given), every=1,
+        law(tuple(given)), OpenLoop(state), SampledOpenLoop(wrist.sampled(), wrist.rig.sample_time), samples,
+        given, inputs=tuple(given), every=1,
         record=tuple(f"plant.{n}" for n in tree.names(state) if not n.startswith("effects")), jobs=1,
     )  # fmt: skip
     bare = state._replace(effects=())

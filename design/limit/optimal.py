@@ -30,11 +30,12 @@ from design.limit.monotone import prompt
 from design.limit.replay import CommandReplay, replay
 from plants import lag
 from plants.actuator import regulator
+from plants.dynamics import SampledWrist
 from plants.effects.effect import dead_time_of
 from plants.errors import InputError
 from plants.hysteresis import FourSegment
 from plants.kernel.graphs import graph
-from plants.wrist import SampledWrist, State, Wrist
+from plants.wrist import State, Wrist
 
 Goal = Literal["settling", "iae"]
 

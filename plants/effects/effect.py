@@ -2,7 +2,7 @@
 
 An effect's coefficients for one sample time are a NamedTuple whose methods are
 its laws; the method's name is the port of the wrist that it acts on.  The wrist
-(`plants.wrist.step`) calls, in this order, those that an effect has:
+(`plants.dynamics.step`) calls, in this order, those that an effect has:
 
     target(s, target, around)            -> s, target          commanded pressure [kPa]
     valve(s, pressure, error, around)    -> error, speed       pressure error [kPa], factor of the rate

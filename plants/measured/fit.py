@@ -19,10 +19,10 @@ from plants.measured.campaign import Campaign
 from plants.measured.determined import estimate_determined
 from plants.measured.estimate import Estimate
 from plants.measured.free_run import FreeRun, rmse
-from plants.measured.noise import noise_of_campaign
 from plants.measured.playback import Playback
 from plants.measured.problem import Begin, FitProblem, at_rest, first_begin, measured
 from plants.measured.recording import Recording
+from plants.measured.residual.stillness import noise_of_campaign
 from plants.parameters.quantities import REGULATOR_NAMES, ParameterSet, loop_names
 from plants.wrist import Wrist
 

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.dynamics import Number
 from plants.hysteresis import HysteresisLaw
 from plants.kernel.batches import default_jobs
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.parameters.quantities import ParameterSet
 from plants.rig import Rig
-from plants.wrist import Number, State, Wrist
+from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
 BLOCK = 2.0

@@ -8,19 +8,22 @@ the command that is late.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plants import wrist as plant
+from plants import dynamics as plant
 from plants.actuator.delay import arriving
+from plants.dynamics import QUIET, State
 from plants.effects.effect import Around
 from plants.errors import InputError
 from plants.simulation.closed_loop import ClosedLoop, SampledClosedLoop, advance
 from plants.simulation.reference_profile import ReferenceProfile
 from plants.simulation.sensor import HOLD, PERFECT, Measured, Sensor
-from plants.wrist import QUIET, State, Wrist
+
+if TYPE_CHECKING:
+    from plants.wrist import Wrist
 
 Number = Any
 Array = NDArray[np.float64]
@@ -76,13 +79,13 @@ class PeriodicLoop:
         return Around(self.begin + sample * self.dt, other)
 
 
-def prompt(wrist: Wrist) -> Wrist:
+def prompt(wrist: "Wrist") -> "Wrist":
     """The wrist with the transport of its dead time taken out."""
     return wrist.with_values(**{DELAY: 0.0 * wrist.values[DELAY]}) if DELAY in wrist.values else wrist
 
 
 def begin(
-    wrist: Wrist,
+    wrist: "Wrist",
     controller: Periodic,
     state: State,
     reference: ReferenceProfile,

@@ -17,7 +17,7 @@ from design.evaluation.steps import run as plain_run
 from design.evaluation.tasks import lasts, side_by_side, stairs
 from design.robustness.samples.conditions import Conditions
 from plants import InputError, Wrist
-from plants import wrist as plant
+from plants import dynamics as plant
 from plants.effects import Creep
 from plants.effects.effect import Around
 from plants.effects.wrist.cross_coupling import Coupling

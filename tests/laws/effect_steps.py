@@ -5,8 +5,8 @@ from itertools import pairwise
 import numpy as np
 
 from plants import Wrist
+from plants.dynamics import bend, read, step
 from plants.effects.effect import Around
-from plants.wrist import bend, read, step
 
 DT = 0.001
 WRIST = Wrist.flexion()

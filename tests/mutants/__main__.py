@@ -22,7 +22,7 @@ from tests.mutants.mutate import Mutant, drawn
 ROOT = Path(__file__).parents[2]
 ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "laws": (
-        ("plants/hysteresis", "plants/actuator", "plants/effects", "plants/lag.py", "plants/wrist.py",
+        ("plants/hysteresis", "plants/actuator", "plants/effects", "plants/lag.py", "plants/dynamics.py", "plants/wrist.py",
          "plants/simulation", "plants/equilibrium.py", "design/controllers"),
         ("tests/laws", "tests/oracles", "tests/control"),
     ),

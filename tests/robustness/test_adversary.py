@@ -18,7 +18,7 @@ from design.synthesis.requirements import Limits
 from plants import Wrist
 from plants.effects.wrist.end_stop import HardStop
 from plants.errors import InputError
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 
 LIMITS = Limits()
 SHORT = 4.0

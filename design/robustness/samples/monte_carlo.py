@@ -102,7 +102,7 @@ def monte_carlo(
     numbers that make no sense, and as `design.cluster.each` does.
 
     >>> from design.controllers.pi import PI
-    >>> from plants.parameters.quantities import built_in
+    >>> from plants.parameters.files import built_in
     >>> from design.robustness.box import box_of
     >>> found = monte_carlo(box_of(built_in("flexion")), PI(5.0, 9.0), samples=200)
     >>> len(found), [v.requirement for v in found.violations]

@@ -14,9 +14,9 @@ from plants.effects.regulator.fill_exhaust import PressureDependentRates
 from plants.measured.campaign import Campaign
 from plants.measured.guess import first_order, guessed_set
 from plants.measured.logger import Remark, recorded, shifted
-from plants.measured.noise import noise_of_campaign
 from plants.measured.playback import Playback
 from plants.measured.problem import first_begin
+from plants.measured.residual.stillness import noise_of_campaign
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.stage import Stage
 
