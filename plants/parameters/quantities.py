@@ -87,6 +87,7 @@ def kinds_of(names: Iterable[str], effects: "Sequence[type[Effect]]" = ()) -> di
     those of its effects, such as ``creep.gain``.
 
     >>> from plants.effects import Creep
+    >>> from plants.parameters.files import built_in
     >>> kinds_of(built_in("flexion").parameters, [Creep])["creep.time_constant"].unit
     's'
     """
@@ -160,6 +161,7 @@ class ParameterSet:
     def kinds(self) -> dict[str, Kind]:
         """Unit, meaning and bounds of each parameter: of the declared wrist, then of the effects.
 
+        >>> from plants.parameters.files import built_in
         >>> built_in("flexion").kinds["a1"].unit
         'deg/kPa'
         """
