@@ -24,7 +24,6 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from design.evaluation.metrics import SETTLING_BAND
 from design.limit.bound import Bound
 from design.limit.monotone import prompt
 from design.limit.replay import CommandReplay, replay
@@ -106,7 +105,7 @@ class TimeOptimalProblem:
     @property
     def band(self) -> float:
         """Half-width of the settling band [deg]."""
-        return float(SETTLING_BAND * abs(self.reference - self.state.angle))
+        return float(self.wrist.rig.task.band * abs(self.reference - self.state.angle))
 
     def ahead(self, pressure: Any) -> Any:
         """Static angle [deg] before the turn."""

@@ -54,9 +54,9 @@ class SampledClosedLoop(NamedTuple):
 
 
 class OutsideSignals(NamedTuple):
-    """What comes from outside in a sample: its index, its time [s], pressure of the other motion [kPa], noise
-    of standard deviation 1, the command [V] that is given where there is no controller, and the one that
-    reaches the valve where transport is kept outside the plant."""
+    """What comes from outside in a sample: its index, its time [s], how far the pressure of the other motion
+    is from rest [kPa], noise of standard deviation 1, the command [V] that is given where there is no
+    controller, and the one that reaches the valve where transport is kept outside the plant."""
 
     sample: Number
     time: Number = QUIET.time

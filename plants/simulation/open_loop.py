@@ -74,7 +74,7 @@ def surroundings(
     none."""
     if not wrist.effects:
         return {}
-    other = np.full(samples, QUIET.other_pressure) if other_pressure is None else other_pressure
+    other = np.zeros(samples) if other_pressure is None else other_pressure - wrist.rig.rest_pressure
     return {"other": other, "time": _times(samples, begin, wrist.rig.sample_time)}
 
 
@@ -146,7 +146,7 @@ def driven(
     """
     p = np.asarray(pressures, float)
     steps, dt = len(p) - 1, wrist.rig.sample_time if dt is None else dt
-    other = np.full(steps, QUIET.other_pressure) if other_pressure is None else other_pressure
+    other = np.zeros(steps) if other_pressure is None else other_pressure - wrist.rig.rest_pressure
     c, first = wrist.sampled(dt), Around(begin, other[0] if steps else QUIET.other_pressure)
     start = (settled(wrist.rest(), c, first) if state is None else state)._replace(pressure=p[0])
     signals = {"pressure": p[1:], "other": other, "time": _times(steps, begin, dt)}

@@ -75,7 +75,7 @@ class PeriodicLoop:
         return int(self.controller.problem.substeps)
 
     def around(self, sample: int, other: Number) -> Around:
-        """Surroundings at a sample; other: pressure of the other motion [kPa]."""
+        """Surroundings at a sample; other: how far the other motion's pressure is from rest [kPa]."""
         return Around(self.begin + sample * self.dt, other)
 
 
@@ -133,8 +133,8 @@ def shown(s: PeriodicLoop, sample: int, other: Number) -> Array:
 
 
 def decide(s: PeriodicLoop, first: int, other: Number = QUIET.other_pressure) -> PeriodicLoop:
-    """The loop with the commands of the period from a sample on; other: pressure of the other motion then
-    [kPa]."""
+    """The loop with the commands of the period from a sample on; other: how far the other motion's
+    pressure is from rest then [kPa]."""
     seen = shown(s, first, other)
     error = np.broadcast_to(s.c.reference.at(float(first)).reference, seen.shape) - seen
     pressure = np.broadcast_to(s.loop.plant.pressure, seen.shape)
@@ -152,8 +152,8 @@ def move(
     s: PeriodicLoop, first: int, other: Array | None = None, record: tuple[str, ...] = ("plant.pressure",)
 ) -> tuple[ClosedLoop, Array]:
     """Plants and judges after the period from a sample on, and what is recorded on the way, (signals,
-    substeps + 1, lanes); other: pressure of the other motion [kPa] at the start of each sample, (substeps,
-    lanes), at rest where not given."""
+    substeps + 1, lanes); other: how far the other motion's pressure is from rest [kPa] at the start of
+    each sample, (substeps, lanes), at rest where not given."""
     index = np.arange(first, first + s.substeps, dtype=float)
     own = {
         "command": s.commands[first : first + s.substeps],

@@ -31,7 +31,7 @@ class PowerLaw(NamedTuple):
     exponent: Number
 
     def at(self, rate: Number) -> Number:
-        """Widening [deg] of each half at a rate [100 kPa/s]."""
+        """Widening [deg] of each half at a rate, in half the range of the pressure a second."""
         return self.widening * np.maximum(rate, 1e-9) ** self.exponent
 
 
@@ -122,11 +122,13 @@ class PowerWidening(_Widening):
 
     FORM = "power of the rate"
 
-    widening: Number = parameter("deg", "widening of each half at 100 kPa/s", -10.0, 20.0, 0.0, (1.0,))
+    widening: Number = parameter(
+        "deg", "widening of each half at half the range a second", -10.0, 20.0, 0.0, (1.0,)
+    )
     exponent: Number = parameter("1", "exponent of the rate", 0.1, 2.0, 0.5, (0.3, 0.6, 1.4))
 
     def sampled(self, wrist: Any, dt: float) -> SampledWidening:
-        return SampledWidening(1.0 / (100.0 * dt), PowerLaw(self.widening, self.exponent))
+        return SampledWidening(1.0 / (wrist.rig.half_range * dt), PowerLaw(self.widening, self.exponent))
 
 
 @dataclass(frozen=True)
