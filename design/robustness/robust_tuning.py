@@ -69,8 +69,12 @@ COARSE = (8, 20)
 WEIGHTS = tuple(float(np.round(0.5 + 0.1 * k, 10)) for k in range(21))
 """Reference weights that are tried, 0.5 to 2.5: to a tenth, since the cost is flat along it."""
 
-FILTERS = (0.0, 0.005, 0.01, 0.02)
-"""Time constants [s] of the filter that are tried."""
+FILTERS = (0.01, 0.02, 0.005)
+"""Time constants [s] of the filter that are tried, as long as the first of them lowers the cost."""
+
+FILTER_PAYS = 0.02
+"""Share of the cost that a filter has to take away: it costs phase and a number more on the target, and no
+certificate knows it."""
 
 Ended = Literal["no worse case found", "rounds used up", "no gains hold the grown set", "out of reach"]
 
@@ -299,12 +303,22 @@ def _near(problem: Problem, region: Region, known: Evaluation, ratio: float, two
             if _rank(better) >= _rank(best):
                 break
             best, b = better, float(better.b[0])  # type: ignore[index]
-    for filtered in FILTERS if strides[0] > 1 else ():
-        other = at(b, filtered, best)
-        # A filter is taken where it pays: it costs phase, and one more number on the target.
-        if _rank(other) < _rank(best) and float(other.cost[0]) < 0.99 * float(best.cost[0]):
+    unfiltered = at(b, 0.0, best)
+    best = unfiltered if Tf == 0.0 or not _filter_pays(best, unfiltered) else best
+    for filtered in FILTERS if known.b is None else ():
+        other = at(b, filtered, unfiltered)
+        if _rank(other) >= _rank(unfiltered):
+            break
+        if _filter_pays(other, unfiltered) and _rank(other) < _rank(best):
             best = other
     return best
+
+
+def _filter_pays(filtered: Evaluation, without: Evaluation) -> bool:
+    """Whether a filter holds what nothing else does, or takes away enough of the cost."""
+    if not (filtered.feasible[0] and without.feasible[0]):
+        return bool(filtered.feasible[0])
+    return float(filtered.cost[0]) < (1.0 - FILTER_PAYS) * float(without.cost[0])
 
 
 def _rank(at: Evaluation) -> tuple[bool, float]:
