@@ -9,6 +9,7 @@ import numpy as np
 from design.comparison.on_tasks import METRICS
 
 TUNED = "tuned"
+WITHOUT_DEAD_TIME = "PI tuned without dead time"
 PAPER = "paper"
 FORWARD = "feedforward"
 

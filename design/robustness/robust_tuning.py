@@ -190,9 +190,8 @@ def tune_robustly(
         problem = replace(problem, adverse=(*problem.adverse, *worse.added))
     tell("map", 0.9)
     last = done[-1]
-    law = plain if last.tuning.at.b is None else weighted(last.tuning.b, last.tuning.Tf)
     if starts > 0:
-        done[-1] = replace(last, tuning=_with_evidence(last.tuning, law, starts))
+        done[-1] = replace(last, tuning=with_evidence(last.tuning, starts))
     tell("done", 1.0)
     return RobustTuning(requirement, tuple(done), ended, fresh)
 
@@ -379,8 +378,9 @@ def evaluate_law(problem: Problem, law: Law, Kp: Array, Ki: Array) -> Evaluation
     return evaluate_with(problem, law(problem, Kp, Ki), Kp, Ki)
 
 
-def _with_evidence(found: Tuning, law: Law, starts: int) -> Tuning:
-    """The tuning with a map of the whole region and local searches from cells drawn in it."""
+def with_evidence(found: Tuning, starts: int) -> Tuning:
+    """The tuning with a map of the whole region and so many local searches from cells drawn in it."""
+    law = plain if found.at.b is None else weighted(found.b, found.Tf)
     rows, columns = found.region.grid
     Kp, Ki = (g.ravel() for g in np.meshgrid(rows, columns, indexing="ij"))
     whole = evaluate_law(found.problem, law, Kp, Ki)
