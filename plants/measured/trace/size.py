@@ -1,14 +1,14 @@
 """How large what is left is: shares of the range and of the error, rather than multiples of a quiet sensor's
 noise, which no model of a real rig reaches."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.free_run import FreeRun, squares
 from plants.measured.problem import measured
+from plants.parameters.remainder import BANDS, CHANNELS, RemainderSize
 
 Array = NDArray[np.float64]
 MATTERS = 0.005
@@ -19,27 +19,35 @@ NAMED = 0.95
 """Share of what the declared model leaves beyond noise that must be explained for the rest not to matter: a
 rig whose errors are small and have no named cause is not explained."""
 
-BANDS = (0.0, 0.1, 1.0, 10.0)
-"""Edges [Hz] of the bands that a remainder's spectrum is told in; the last is open."""
 
-
-@dataclass(frozen=True)
-class RemainderSize:
-    """What is left of a channel on held-out recordings, without the noise: rms in the channel's unit, share
-    of the range of what was measured; spectrum: share of its power in bands, by lower edge [Hz]."""
-
-    rms: float
-    share_of_range: float
-    spectrum: dict[float, float]
+AVERAGED = 0.1
+"""Time [s] over which a remainder is averaged before its largest is taken, so that it is not the noise's."""
 
 
 def remainder(runs: Sequence[FreeRun], channel: str, noise: float) -> RemainderSize | None:
-    """What free runs leave of a channel; None where it was not logged."""
+    """What free runs leave of a channel on held-out recordings; None where it was not logged."""
+    from scipy.ndimage import uniform_filter1d
+
     errors = squares(runs, channel)
     if not errors:
         return None
     rms = float(np.sqrt(max(float(np.mean(np.concatenate(errors))) - noise**2, 0.0)))
-    return RemainderSize(rms, rms / max(span(runs, channel), 1e-12), _spectrum(runs, channel))
+    largest = 0.0
+    for left, dt in _left(runs, channel):
+        rows = max(1, round(AVERAGED / dt))
+        loudest = noise * float(np.sqrt(2.0 * np.log(len(left)) / rows))  # expected of white noise alone
+        smooth = uniform_filter1d(left, rows, mode="nearest")
+        largest = max(largest, float(np.abs(smooth).max()) - loudest)
+    return RemainderSize(
+        rms, max(largest, rms), _correlation_time(runs, channel), noise,
+        rms / max(span(runs, channel), 1e-12), _spectrum(runs, channel),
+    )  # fmt: skip
+
+
+def remainders_of(runs: Sequence[FreeRun], noise: Mapping[str, float | None]) -> dict[str, RemainderSize]:
+    """What free runs leave of every channel that was logged, by channel."""
+    found = {c: remainder(runs, c, noise.get(c) or 0.0) for c in CHANNELS}
+    return {c: left for c, left in found.items() if left is not None}
 
 
 def span(runs: Sequence[FreeRun], channel: str) -> float:
@@ -60,15 +68,31 @@ def explained_share(before: float | None, after: float | None, noise: float | No
     return (before**2 - max(after, noise) ** 2) / (before**2 - noise**2)
 
 
-def _spectrum(runs: Sequence[FreeRun], channel: str) -> dict[float, float]:
-    powers = np.zeros(len(BANDS))
+def _left(runs: Sequence[FreeRun], channel: str) -> Iterator[tuple[Array, float]]:
+    """What each held-out recording leaves of a channel, (n,), and its sample time [s]."""
     for run in runs:
         truth = measured(run.recording, channel)
         simulated = run.pressure if channel == "pressure_kPa" else run.angle
-        if run.role != "validate" or truth is None or simulated is None:
-            continue
-        left = truth - simulated
-        dt = float(np.median(np.diff(run.recording.time)))
+        if run.role == "validate" and truth is not None and simulated is not None:
+            yield truth - simulated, float(np.median(np.diff(run.recording.time)))
+
+
+def _correlation_time(runs: Sequence[FreeRun], channel: str) -> float:
+    """Lag [s] at which the autocovariance of what is left has fallen to 1/e of that between neighbouring
+    rows, which white noise does not share; one row where the neighbours share nothing."""
+    found, weights = [], []
+    for left, dt in _left(runs, channel):
+        spectrum = np.fft.rfft(left, 2 * len(left))
+        covariance = np.fft.irfft(np.abs(spectrum) ** 2)[: len(left)]
+        fallen = np.flatnonzero(covariance <= max(covariance[1], 0.0) / np.e)
+        found.append(dt * max(float(fallen[0]) if fallen.size else len(left), 1.0))
+        weights.append(max(covariance[1], 1e-12))
+    return float(np.average(found, weights=weights))
+
+
+def _spectrum(runs: Sequence[FreeRun], channel: str) -> dict[float, float]:
+    powers = np.zeros(len(BANDS))
+    for left, dt in _left(runs, channel):
         power = np.abs(np.fft.rfft(left)) ** 2
         band = np.searchsorted(BANDS, np.fft.rfftfreq(len(left), dt), side="right") - 1
         powers += np.bincount(band, power, len(BANDS))
