@@ -19,24 +19,21 @@ class RemainderSize:
     """What is left of a channel on held-out recordings, without the noise.
 
     rms, largest: in the channel's unit, the largest once the noise is averaged out; correlation_s [s]: lag at
-    which its autocovariance has fallen to 1/e; noise: floor of the channel, in its unit; share_of_range: rms
-    over the range of what was measured; spectrum: share of its power in bands, by lower edge [Hz].
+    which its autocovariance has fallen to 1/e; correlation_way: likewise, along the way that the simulated
+    channel goes, in its unit; noise: floor of the channel, in its unit; share_of_range: rms over the range
+    of what was measured; spectrum: share of its power in bands, by lower edge [Hz].
     """
 
     rms: float
     largest: float
     correlation_s: float
+    correlation_way: float
     noise: float
     share_of_range: float
     spectrum: Mapping[float, float]
 
-    @property
-    def total(self) -> float:
-        """Rms of remainder and noise together."""
-        return float((self.rms**2 + self.noise**2) ** 0.5)
 
-
-NUMBERS = ("rms", "largest", "correlation_s", "noise", "share_of_range")
+NUMBERS = ("rms", "largest", "correlation_s", "correlation_way", "noise", "share_of_range")
 
 
 def remainder_table(left: RemainderSize) -> dict[str, Any]:

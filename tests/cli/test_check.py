@@ -26,8 +26,8 @@ def plant_of(rig):
     }
     none = dict.fromkeys(BANDS, 0.25)
     left = {
-        "angle_deg": RemainderSize(0.0, 0.0, 0.01, loud.angle_deg, 0.0, none),
-        "pressure_kPa": RemainderSize(0.0, 0.0, 0.01, loud.pressure_kPa, 0.0, none),
+        "angle_deg": RemainderSize(0.0, 0.0, 0.01, 0.1, loud.angle_deg, 0.0, none),
+        "pressure_kPa": RemainderSize(0.0, 0.0, 0.01, 0.1, loud.pressure_kPa, 0.0, none),
     }
     return replace(plant, parameters=fitted, remainder=left)
 

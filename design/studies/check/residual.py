@@ -23,8 +23,10 @@ from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
 MARGIN = 1.3
-"""A residual is new above this many times the largest that the plants of the box would leave: what a model
-leaves depends on what is asked of it."""
+"""A residual is new above this many times the largest that the plants of the box would leave."""
+
+STRETCH = 1.5
+"""Factor of a remainder that may be left of another log: what a model leaves depends on what is asked."""
 
 PLANTS = 64
 """Plants of the box that are run from the logged command."""
@@ -92,9 +94,10 @@ def residual(playback: Playback, box: Box, seed: int) -> ResidualCheck:
             continue
         left = truth - nominal[i][:, 0]
         noise = noise_of_campaign([log], channel) or 0.0
-        before = noise if kept is None else max(kept.total, float(np.hypot(kept.rms, noise)))
+        before = noise if kept is None else float(np.hypot(kept.rms, noise))
+        stretched = STRETCH * (0.0 if kept is None else kept.rms)
         spread = np.mean((others[i] - nominal[i]) ** 2, axis=0)
-        allowed = MARGIN * float(np.sqrt(before**2 + spread.max()))
+        allowed = MARGIN * float(np.sqrt(noise**2 + stretched**2 + spread.max()))
         rms = float(np.sqrt(np.mean(left**2)))
         found.append(ChannelResidual(channel, left, rms, None if kept is None else before, allowed))
     channels = tuple(found)

@@ -33,13 +33,13 @@ def remainder(runs: Sequence[FreeRun], channel: str, noise: float) -> RemainderS
         return None
     rms = float(np.sqrt(max(float(np.mean(np.concatenate(errors))) - noise**2, 0.0)))
     largest = 0.0
-    for left, dt in _left(runs, channel):
+    for left, _, dt in _left(runs, channel):
         rows = max(1, round(AVERAGED / dt))
         loudest = noise * float(np.sqrt(2.0 * np.log(len(left)) / rows))  # expected of white noise alone
         smooth = uniform_filter1d(left, rows, mode="nearest")
         largest = max(largest, float(np.abs(smooth).max()) - loudest)
     return RemainderSize(
-        rms, max(largest, rms), _correlation_time(runs, channel), noise,
+        rms, max(largest, rms), *_correlation(runs, channel), noise,
         rms / max(span(runs, channel), 1e-12), _spectrum(runs, channel),
     )  # fmt: skip
 
@@ -68,31 +68,46 @@ def explained_share(before: float | None, after: float | None, noise: float | No
     return (before**2 - max(after, noise) ** 2) / (before**2 - noise**2)
 
 
-def _left(runs: Sequence[FreeRun], channel: str) -> Iterator[tuple[Array, float]]:
-    """What each held-out recording leaves of a channel, (n,), and its sample time [s]."""
+def _left(runs: Sequence[FreeRun], channel: str) -> Iterator[tuple[Array, Array, float]]:
+    """What each held-out recording leaves of a channel, (n,), what was simulated, and the sample time [s]."""
     for run in runs:
         truth = measured(run.recording, channel)
         simulated = run.pressure if channel == "pressure_kPa" else run.angle
         if run.role == "validate" and truth is not None and simulated is not None:
-            yield truth - simulated, float(np.median(np.diff(run.recording.time)))
+            yield truth - simulated, simulated, float(np.median(np.diff(run.recording.time)))
 
 
-def _correlation_time(runs: Sequence[FreeRun], channel: str) -> float:
-    """Lag [s] at which the autocovariance of what is left has fallen to 1/e of that between neighbouring
-    rows, which white noise does not share; one row where the neighbours share nothing."""
+def _correlation(runs: Sequence[FreeRun], channel: str) -> tuple[float, float]:
+    """Lag in time [s], and along the way that the simulated channel goes, in its unit, at which the
+    autocovariance of what is left has fallen to 1/e of that between neighbours, which white noise does not
+    share; means over recordings, weighted by that."""
+    from scipy.ndimage import uniform_filter1d
+
     found, weights = [], []
-    for left, dt in _left(runs, channel):
-        spectrum = np.fft.rfft(left, 2 * len(left))
-        covariance = np.fft.irfft(np.abs(spectrum) ** 2)[: len(left)]
-        fallen = np.flatnonzero(covariance <= max(covariance[1], 0.0) / np.e)
-        found.append(dt * max(float(fallen[0]) if fallen.size else len(left), 1.0))
-        weights.append(max(covariance[1], 1e-12))
-    return float(np.average(found, weights=weights))
+    for left, simulated, dt in _left(runs, channel):
+        smooth = uniform_filter1d(left, max(1, round(AVERAGED / dt)), mode="nearest")
+        way = np.append(0.0, np.cumsum(np.abs(np.diff(simulated))))
+        even = np.linspace(0.0, max(way[-1], 1e-9), len(way))
+        along, _ = _forgets(np.interp(even, way, smooth))
+        lag, weight = _forgets(left)
+        found.append((dt * lag, float(even[1]) * along))
+        weights.append(max(weight, 1e-12))
+    time, way_ = np.average(found, axis=0, weights=weights)
+    return float(time), float(way_)
+
+
+def _forgets(values: Array) -> tuple[float, float]:
+    """Rows after which the autocovariance of values has fallen to 1/e of that between neighbours, one at
+    least, and that of neighbours."""
+    spectrum = np.fft.rfft(values, 2 * len(values))
+    covariance = np.fft.irfft(np.abs(spectrum) ** 2)[: len(values)]
+    fallen = np.flatnonzero(covariance <= max(covariance[1], 0.0) / np.e)
+    return max(float(fallen[0]) if fallen.size else len(values), 1.0), float(covariance[1])
 
 
 def _spectrum(runs: Sequence[FreeRun], channel: str) -> dict[float, float]:
     powers = np.zeros(len(BANDS))
-    for left, dt in _left(runs, channel):
+    for left, _, dt in _left(runs, channel):
         power = np.abs(np.fft.rfft(left)) ** 2
         band = np.searchsorted(BANDS, np.fft.rfftfreq(len(left), dt), side="right") - 1
         powers += np.bincount(band, power, len(BANDS))
