@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from design.tuner.gains_file import write
-from plants.parameters.quantities import Fitted, built_in, dump
+from plants.parameters.files import built_in, dump
+from plants.parameters.quantities import Fitted
 from plants.parameters.remainder import BANDS, RemainderSize
 from tests.rig.campaign import logged_table, make_rig
 from tests.rig.core import Controller

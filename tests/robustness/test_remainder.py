@@ -15,7 +15,7 @@ from design.robustness.samples.scenario_file import load as load_scenario
 from design.robustness.samples.scenario_file import save
 from plants import Wrist
 from plants.effects.wrist.remainder import MULTIPLES, PEAK_OVER_RMS, WEIGHTS, ColouredRemainder
-from plants.parameters.quantities import built_in, dump, load
+from plants.parameters.files import built_in, dump, load
 from plants.parameters.remainder import BANDS, RemainderSize
 
 LEFT = RemainderSize(0.3, 2.0, 0.8, 6.0, 0.07, 0.01, dict.fromkeys(BANDS, 0.25))

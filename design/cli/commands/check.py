@@ -80,7 +80,7 @@ def _columns(log: Path) -> Any:
 def _designed(folder: Path, motion: str | None) -> "tuple[ParameterSet, Path]":
     """The plant of a motion of a design, and the file of its gains."""
     from plants.errors import InputError
-    from plants.parameters.quantities import load
+    from plants.parameters.files import load
 
     known = sorted(p.stem.removeprefix("plant-") for p in folder.glob("plant-*.toml"))
     if not known:

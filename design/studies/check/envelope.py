@@ -18,8 +18,8 @@ from design.evaluation.sequence import batch
 from design.robustness.requirement import Requirement
 from design.robustness.samples.draws import CASES, NOISE, generator
 from design.studies.check.stairs import FINEST, UNITS, Stair, figures
+from plants.measured.begin import at_rest
 from plants.measured.playback import Playback
-from plants.measured.problem import at_rest
 from plants.simulation.reference_profile import ReferenceProfile
 from plants.simulation.sensor import HOLD, sensor
 from plants.wrist import Start
@@ -130,7 +130,7 @@ def _played(
             space.load * (2.0 * u[2] - 1.0) if space.load > 0.0 else None,
         )  # fmt: skip
         shown = generator(seed, piece, NOISE).standard_normal((-(-count // HOLD) + 1, AT_ONCE))[:, :lanes]
-        judge = metrics.of_step(b.state.angle, asked[0] + 1.0, playback.dt)  # judges nothing: see `figures`
+        judge = metrics.of_step(b.state.angle, asked[0] + 1.0, wrist.rig)  # judges nothing: see `figures`
         run = Lanes(
             b.wrist, b.state, ReferenceProfile((0.0,)), judge, count * playback.dt, sensor(noise), shown,
             float(log.time[0]), logged=asked,

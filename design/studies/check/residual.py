@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 
 from design.robustness.box import Box
 from design.robustness.samples.draws import CASES, generator
-from plants.measured.noise import noise_of_campaign
+from plants.measured.begin import Begin, first_begin, measured
 from plants.measured.playback import Playback
-from plants.measured.problem import Begin, first_begin, measured
+from plants.measured.residual.stillness import noise_of_campaign
+from plants.measured.trace.stages.remainders import begun
 from plants.parameters.remainder import CHANNELS
 from plants.simulation.disturbance import burdened
-from plants.wrist import State, Wrist
+from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 MARGIN = 1.3
@@ -107,13 +108,8 @@ def residual(playback: Playback, box: Box, seed: int) -> ResidualCheck:
 
 def _free(playback: Playback, wrist: Wrist, begin: Begin) -> tuple[Array, Array]:
     """Readings of angle [deg] and pressure [kPa] of wrists at the rows, (n, lanes)."""
-    pressure, angle = playback.play(wrist, None if begin.virgin else _begun(wrist, begin))
+    pressure, angle = playback.play(wrist, begun(wrist, None if begin.virgin else begin))
     return tuple(np.reshape(x, (len(playback.rows), -1)) for x in (angle, pressure))  # type: ignore[return-value]
-
-
-def _begun(wrist: Wrist, begin: Begin) -> State:
-    at = begin.state(wrist.hysteresis)
-    return wrist.rest()._replace(pressure=at.pressure, memory=at.memory, angle=at.angle)
 
 
 def _change(

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.begin import measured
 from plants.measured.free_run import FreeRun, squares
-from plants.measured.problem import measured
 from plants.parameters.remainder import BANDS, CHANNELS, RemainderSize
 
 Array = NDArray[np.float64]
