@@ -154,7 +154,8 @@ def distance(r: Rival, command: Array) -> float:
 
 
 def shrinks(own: Sequence[Rival], command: Array) -> float:
-    """By what factor the standard errors of all models' parameters shrink, their geometric mean."""
+    """By what factor the standard errors of all models' parameters shrink under commands [V], their geometric
+    mean [1]."""
     total, count = 0.0, 0
     for r in own:
         _, slopes = _answers(r, command)
