@@ -58,15 +58,15 @@ class Wrist:
     rig: Rig = field(default_factory=built_in_rig, metadata={"static": True}, repr=False)
 
     def __add__(self, effect: Effect) -> "Wrist":
-        """The wrist with one more effect; raises ValueError for a second form of the same."""
+        """The wrist with one more effect, one that is not registered last; raises ValueError for a second
+        form of the same."""
         from plants.effects import EFFECTS
 
         if effect.NAME in (e.NAME for e in self.effects):
             raise ValueError(f"the wrist has an effect {effect.NAME} already")
-        order = list(EFFECTS)
-        return replace(
-            self, effects=tuple(sorted((*self.effects, effect), key=lambda e: order.index(e.NAME)))
-        )
+        order = {name: i for i, name in enumerate(EFFECTS)}
+        together = sorted((*self.effects, effect), key=lambda e: order.get(e.NAME, len(order)))
+        return replace(self, effects=tuple(together))
 
     @classmethod
     def from_values(

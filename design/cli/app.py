@@ -5,11 +5,11 @@ from typing import Annotated
 
 import typer
 
-from design.cli.commands import compare, design, export, fit, robust, show, simulate, trace, tune
+from design.cli.commands import check, compare, design, export, fit, plan, robust, show, simulate, trace, tune
 from design.cli.completion import files
 from design.cli.strict import StrictCommand
 
-MODULES = (show, simulate, fit, trace, tune, robust, design, compare, export)
+MODULES = (show, simulate, fit, trace, plan, tune, robust, design, check, compare, export)
 
 
 def _say_version(wanted: bool) -> None:

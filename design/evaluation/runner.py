@@ -39,7 +39,8 @@ class Lanes:
     """What is to be played, leaves floats or arrays (lanes,): wrists and the states that they start from,
     reference profiles, judge, duration [s], the sensor and its noise of standard deviation 1 (rows, lanes), a
     row for every 10 samples; time of the start [s], for effects that depend on it; pressure of the other
-    motion [kPa] (samples, lanes), at rest where not given."""
+    motion [kPa] (samples, lanes), at rest where not given; a reference that was logged [deg] (samples,), in
+    place of the profiles."""
 
     wrist: Wrist
     state: State
@@ -50,6 +51,7 @@ class Lanes:
     noise: Array | None = None
     begin: float = 0.0
     other_pressure: Array | None = None
+    logged: Array | None = None
 
     @property
     def dt(self) -> float:
@@ -126,6 +128,7 @@ def play(
         own = {n: np.repeat(x, HOLD, axis=0)[: lanes.samples] for n, x in own.items()}
         own["other_pressure"], hold = lanes.other_pressure - lanes.wrist.rig.rest_pressure, 1
     times = clock(lanes.wrist, lanes.samples, lanes.begin)
+    times |= {} if lanes.logged is None else {"reference": lanes.logged}
     last, rows = advance(first, c, lanes.samples, times, own, hold, every if names else 0, names, jobs)
     went = trajectory(rows, lanes.state, c.plant, lanes.dt, lanes.begin) if record else None
     return PlayedTask(c.judge.finish(last.judge, lanes.samples), last, last.controller, went, rows, [])

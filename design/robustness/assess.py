@@ -40,6 +40,7 @@ from design.robustness.samples.worst import Worst
 from design.robustness.statement import Reason, Statement
 from design.status import BY_PROOF, Status
 from design.synthesis.requirements import Limits
+from plants.effects.wrist.remainder import ColouredRemainder
 from plants.errors import InputError
 from plants.wrist import Wrist
 
@@ -146,10 +147,11 @@ def assess(
     )
     tell("constant parameters", 0.0)
     fixed = _constant(box, controller)
-    asked = Requirement(box, limits, conditions, duration=wrist.rig.task.duration)
+    left = ColouredRemainder.of(box.plant.remainder.get("angle_deg"))
+    asked = Requirement(box.leaving(left), limits, conditions, duration=wrist.rig.task.duration)
     space = asked.space  # a plant with a dead time or a load step of its own keeps it
     worst = worst_case(
-        box, controller, limits=limits, dead_time=space.dead_time, load=space.load, seed=seed,
+        asked.box, controller, limits=limits, dead_time=space.dead_time, load=space.load, seed=seed,
         jobs=jobs, progress=tell, budget=budget, kinds=space.kinds,
     )  # fmt: skip
     required = check(asked, controller, samples, seed, jobs, tell)

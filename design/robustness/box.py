@@ -5,7 +5,7 @@ worst case is searched for.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from design.evaluation.scenarios import Spread
 from design.status import Status
+from plants.effects.wrist.remainder import ColouredRemainder
 from plants.errors import InputError
 from plants.hysteresis import Role
 from plants.linearisation import branch_slopes
@@ -26,6 +27,9 @@ SIGMAS = 2.0
 RATES = 0.2
 """Half-width of the intervals of an assumed regulator (its rates and e0), as a share; assumed."""
 
+
+SHIFT = "remainder.shift"
+"""The interval that says which part of a remainder a wrist meets."""
 
 TOGETHER: Mapping[str, tuple[Role, ...]] = {"slopes": ("outer", "inner"), "widths": ("width",)}
 """Roles of parameters that, where nobody measured them, vary together by one factor: drawn apart, the
@@ -80,10 +84,15 @@ class Interval:
 
 @dataclass(frozen=True)
 class Box:
-    """Intervals of a plant's parameters; the others keep the values of `plant`."""
+    """Intervals of a plant's parameters; the others keep the values of `plant`.
+
+    remainder: what the plant leaves, as a disturbance of every wrist of the box; which part of it a wrist
+    meets is the last of the intervals.
+    """
 
     plant: ParameterSet
     intervals: tuple[Interval, ...]
+    remainder: ColouredRemainder | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -105,14 +114,24 @@ class Box:
         return found
 
     def at(self, shares: Array) -> Wrist:
-        """The wrist at a place in the box, or, with `shares` of shape (parameters, lanes), its lanes.
+        """The wrist at a place in the box, or, with `shares` of shape (intervals, lanes), its lanes.
 
         >>> from plants.parameters.files import built_in
         >>> box = box_of(built_in("flexion"))
         >>> float(box.at(np.full(len(box.names), 0.5)).Tw)
         0.16
         """
-        return self.wrist.with_values(**self.values(shares))
+        values = self.values(shares)
+        if self.remainder is None:
+            return self.wrist.with_values(**values)
+        met = replace(self.remainder, shift=values.pop(SHIFT))
+        return self.wrist.with_values(**values) + met
+
+    def leaving(self, left: ColouredRemainder | None) -> "Box":
+        """The same box of wrists that meet this remainder, or none."""
+        own = tuple(i for i in self.intervals if i.name != SHIFT)
+        part = () if left is None else (Interval(SHIFT, 0.0, 0.5, 1.0, "1", Given()),)
+        return replace(self, intervals=(*own, *part), remainder=left)
 
     def loops(self) -> list[Wrist]:
         """The wrists at the corners of the box that the loop's parameters span, the others in the middle."""

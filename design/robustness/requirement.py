@@ -29,6 +29,7 @@ from design.synthesis.requirements import Limits, Problem
 from plants.effects.effect import dead_time_of
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.wrist.load_step import LoadStep
+from plants.effects.wrist.remainder import ColouredRemainder
 from plants.kernel import pytrees
 from plants.parameters.quantities import ParameterSet
 from plants.simulation.disturbance import burdened
@@ -185,6 +186,7 @@ def requirement(
     sigmas: float = SIGMAS,
 ) -> Requirement:
     """The requirement that a plant's rig states: its limits, its box, its conditions; each may be given.
+    What the plant leaves of the angle disturbs every case.
 
     >>> from plants.parameters.files import built_in
     >>> stated = requirement(built_in("flexion"))
@@ -195,6 +197,7 @@ def requirement(
     """
     rig = plant.rig
     box = box_of(plant, spread or Spread.of(rig), sigmas, given)
+    box = box.leaving(ColouredRemainder.of(plant.remainder.get("angle_deg")))
     return Requirement(
         box, limits or Limits.of(rig), conditions or Conditions.of(rig), cost=cost,
         duration=rig.task.duration,
@@ -203,9 +206,10 @@ def requirement(
 
 def requirement_record(asked: Requirement) -> dict[str, Any]:
     """A requirement for JSON; longest_dead_time_s with the plant's own."""
-    late = asked.space.dead_time
+    late, left = asked.space.dead_time, asked.box.remainder
     return {
         "limits": asked.limits.named, "box": {i.name: [i.low, i.high] for i in asked.box.intervals},
+        "remainder": None if left is None else {"peak": left.peak, "length": left.length},
         "dead_time_s": [0.0, late], "longest_dead_time_s": late + float(dead_time_of(asked.wrist.effects)),
         "load": asked.space.load, "noise": asked.conditions.noise, "resolution": asked.conditions.quantum,
         "kinds": list(asked.space.kinds), "cost": asked.cost,

@@ -42,6 +42,8 @@ Array = NDArray[np.float64]
 Tell = Callable[[str, float], None]
 
 FORWARD = FORWARD_PI
+BARE = "PI, remainder left out"
+"""What a PI would be whose plant left nothing: told beside, to show what the remainder costs."""
 STAGES = ("trace", "tune", "check", "proof", "prices", "page")
 """Stages of a motion, in order; shares of the time that each takes."""
 
@@ -60,12 +62,14 @@ class DesignEffort:
 
 @dataclass(frozen=True)
 class Taken:
-    """Parts that are taken away from what the rig states: no dead time, no load, no noise, no box."""
+    """Parts that are taken away from what the rig states: no dead time, no load, no noise, no box; and what
+    the plant leaves."""
 
     dead_time: bool = False
     load: bool = False
     noise: bool = False
     box: bool = False
+    remainder: bool = False
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -170,11 +174,11 @@ def design_study(
 
 def required_of(plant: ParameterSet, taken: Taken) -> Requirement:
     """What a plant's rig states, less what is taken away."""
-    found = requirement(plant)
+    found = requirement(replace(plant, remainder={}) if taken.remainder else plant)
     gone = {n: 0.0 for n, away in (("dead_time", taken.dead_time), ("load", taken.load)) if away}
     gone |= {"noise": 0.0, "quantum": 0.0} if taken.noise else {}
     found = replace(found, conditions=replace(found.conditions, **gone))
-    return replace(found, box=Box(plant, ())) if taken.box else found
+    return replace(found, box=Box(plant, ()).leaving(found.box.remainder)) if taken.box else found
 
 
 def _at(stage: str, tell: Tell) -> Tell:
@@ -243,7 +247,7 @@ def _designed(
     _at("proof", tell)("proof", 0.0)
     evidence["proved"] = stages.done(
         f"proof-{motion}", mine,
-        lambda: proof(wrist, controller, about["dead_time_s"][1], required.box),
+        lambda: proof(wrist, controller, about["dead_time_s"][1], required.box.leaving(None)),
     )  # fmt: skip
     prices = stages.done(
         f"prices-{motion}", {**mine, "designs": designs},
@@ -275,7 +279,11 @@ def _tuned(
             required, plain.final.problem, seed, jobs, lambda s, h: tell(f"{FORWARD}: {s}", 0.98)
         )
         found |= {FORWARD: other} if other else {}
-    holds = any(f["holds"] for n, f in found.items() if n != FORWARD)
+    if required.box.remainder is not None:
+        bare = replace(required, box=required.box.leaving(None))
+        tell("without what the plant leaves", 0.99)
+        found[BARE] = _tuning_record(tune_robustly(bare, region, 0, seed, effort.rounds, jobs))
+    holds = any(found[n]["holds"] for n in (PLAIN, TWO_DOF))
     return {**found, "relaxed": None if holds else _would_have_to_go(required, seed, jobs, tell)}
 
 
@@ -307,7 +315,10 @@ def _would_have_to_go(required: Requirement, seed: int, jobs: int | None, tell: 
         "the dead time": replace(required, conditions=replace(own, dead_time=0.0)),
         "the load": replace(required, conditions=replace(own, load=0.0)),
         "steps before the last has settled": replace(required, kinds=("step",)),
-        "the box of parameters": replace(required, box=Box(required.box.plant, ())),
+        "the box of parameters": replace(
+            required, box=Box(required.box.plant, ()).leaving(required.box.remainder)
+        ),
+        "what the plant leaves": replace(required, box=required.box.leaving(None)),
     }
     for words, less in without.items():
         tell(f"without {words}", 0.99)
@@ -366,7 +377,8 @@ def _priced(
     tasks = Tasks.of(required)
     for name, found in designs.items():
         row = tasks.row(law(required.wrist, found["gains"]), jobs)
-        own = {"guarantee": "worst case found", "controller": name, "gains": found["gains"]}
+        guarantee = "without the remainder" if name == BARE else "worst case found"
+        own = {"guarantee": guarantee, "controller": name, "gains": found["gains"]}
         rows.append({**own, "feasible": found["holds"], "own_worst_iae_deg_s": found["cost"], **row})
     last = next(dict(r) for r in reversed(rows) if r["controller"] == best)
     if proved["status"] == "proved":

@@ -154,6 +154,7 @@ class Effect(ABC):
     - WANDERS: whether its sensor wanders besides, which no model foresees;
     - DELAY: the parameter that is its transport delay [s], for one that delays and smooths the command alone;
     - STOPS: whether it is a stop that the joint runs into;
+    - SILENT: whether it grows from nothing once a run begins, so that a wrist rests as it does without;
     - BOUND: what the performance bound makes of it: ``kept``, where the wrist is a monotone cascade with it,
       ``taken away``, where the wrist without it goes at least as far, or None, where no bound is known.
     """
@@ -167,6 +168,7 @@ class Effect(ABC):
     WANDERS: ClassVar[bool] = False
     DELAY: ClassVar[str | None] = None
     STOPS: ClassVar[bool] = False
+    SILENT: ClassVar[bool] = False
     BOUND: ClassVar[Literal["kept", "taken away"] | None] = None
 
     @classmethod

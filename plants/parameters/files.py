@@ -19,6 +19,7 @@ from plants.parameters.quantities import (
     declared_kinds,
     in_units,
 )
+from plants.parameters.remainder import parse_remainders, remainder_table
 from plants.parameters.spec import Kind
 from plants.rig import Rig, built_in_rig, parse_rig
 from plants.toml import Reader, check_keys, is_number, read_toml
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 EXAMPLE = "plants/parameters/flexion.toml"
 
-KEYS = ("axis", "title", "hysteresis", "rig", "parameters", "effects")
+KEYS = ("axis", "title", "hysteresis", "rig", "parameters", "effects", "remainder")
 """What a parameter set says."""
 
 OF_SCENARIOS = ("scenario", "controller", "metrics")
@@ -78,7 +79,8 @@ def load(path: str | Path) -> ParameterSet:
         )
         found |= {f"{form.NAME}.{name}": p for name, p in read_in.items()}
         effects.append(form)
-    result = ParameterSet(axis, title, found, tuple(effects), rig)
+    left = parse_remainders(text.get("remainder", {}), str(path))
+    result = ParameterSet(axis, title, found, tuple(effects), rig, left)
     _check_loop(path, result.values, rig)
     return result
 
@@ -221,6 +223,11 @@ def dump(parameters: ParameterSet, path: str | Path) -> None:
         effects[form.NAME] = table
     if parameters.effects:
         document["effects"] = effects
+    if parameters.remainder:
+        lefts = tomlkit.table(is_super_table=True)
+        for channel, left in parameters.remainder.items():
+            lefts[channel] = remainder_table(left)
+        document["remainder"] = lefts
     write_atomically(path, tomlkit.dumps(document))
 
 

@@ -11,6 +11,7 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from plants.hysteresis import HysteresisLaw, law_of
+from plants.parameters.remainder import RemainderSize
 from plants.parameters.spec import Kind
 from plants.rig import Rig, built_in_rig
 
@@ -138,7 +139,8 @@ class ParameterSet:
     axis: ``flexion``, ``deviation`` or a user's own name; title: one line for
     reports; parameters: of the declared wrist, then of the effects, by their names
     in a wrist; effects: the forms of the effects, in the order of `plants.effects.EFFECTS`; rig: whose
-    motion it is.
+    motion it is; remainder: what the plant leaves, by channel (``angle_deg``, ``pressure_kPa``), where it was
+    held against recordings that chose nothing.
     """
 
     axis: str
@@ -146,6 +148,7 @@ class ParameterSet:
     parameters: Mapping[str, Parameter]
     effects: tuple[type["Effect"], ...] = ()
     rig: Rig = field(default_factory=built_in_rig)
+    remainder: Mapping[str, RemainderSize] = field(default_factory=dict)
 
     @property
     def values(self) -> dict[str, float]:
@@ -205,7 +208,7 @@ class ParameterSet:
                 p, value=float(value), low=min(p.low, float(value)), high=max(p.high, float(value)),
                 provenance=Fitted(data, errors[name]),
             )  # fmt: skip
-        return replace(self, title=f"{self.axis}, fitted to {data}", parameters=changed)
+        return replace(self, title=f"{self.axis}, fitted to {data}", parameters=changed, remainder={})
 
     def revised(
         self,

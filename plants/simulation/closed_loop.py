@@ -56,7 +56,8 @@ class SampledClosedLoop(NamedTuple):
 class OutsideSignals(NamedTuple):
     """What comes from outside in a sample: its index, its time [s], how far the pressure of the other motion
     is from rest [kPa], noise of standard deviation 1, the command [V] that is given where there is no
-    controller, and the one that reaches the valve where transport is kept outside the plant."""
+    controller, the one that reaches the valve where transport is kept outside the plant, and the reference
+    [deg] where it was logged in place of a profile."""
 
     sample: Number
     time: Number = QUIET.time
@@ -64,12 +65,15 @@ class OutsideSignals(NamedTuple):
     noise: Number = 0.0
     command: Number | None = None
     arriving: Number | None = None
+    reference: Number | None = None
 
 
 def step(s: ClosedLoop, signals: OutsideSignals, c: SampledClosedLoop) -> ClosedLoop:
     """One sample: measure, control, move, judge by the true angle."""
     around = Around(signals.time, signals.other_pressure)
     asked = c.reference.at(signals.sample)
+    if signals.reference is not None:
+        asked = asked._replace(reference=signals.reference)
     controller, command = s.controller, signals.command
     if command is None:
         seen = c.sensor.shows(plant.read(s.plant, c.plant, around), signals.noise)

@@ -1,5 +1,6 @@
 """Disturbances of a loop as effects of its plant: a dead time and a load beside the plant's own."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -58,9 +59,9 @@ def at_rest(
     if start == "virgin":
         state = loaded.rest()
         return state if load is None else plant.settled(state, loaded.sampled(), Around())
-    if wrist.effects:
+    if not all(e.SILENT for e in wrist.effects):
         return loaded.rest(start, angle)
     # The same in closed form, since a search asks for it thousands of times: only the load bends it.
-    state = wrist.rest(start, angle if load is None else angle - load)
+    state = replace(wrist, effects=()).rest(start, angle if load is None else angle - load)
     effects = tuple(e.rest(loaded, state.pressure, state.memory.h) for e in loaded.effects)
     return state._replace(angle=angle, effects=effects)

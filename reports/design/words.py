@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from design.robustness.recommended import PLAIN
-from design.studies.design_study import DesignStudy, MotionDesign
+from design.studies.design_study import BARE, DesignStudy, MotionDesign
 from reports.shared.tables import listed, number
 
 
@@ -98,12 +98,29 @@ def remarks(study: DesignStudy) -> list[str]:
         f"Gains are tuned {number(share)} % below the limit on overshoot, which jumps from one case to the "
         "next, and judged by the limit itself. A search that finds nothing is no proof that there is nothing."
     ]
+    found += [remainder_words(m, study.requirements[m.motion]["remainder"]) for m in study.motions]
+    found = [words for words in found if words]
     found += [
         f"{m.motion}: designed without {listed(list(m.left_out))}, which sits in the sensor."
         for m in study.motions
         if m.left_out
     ]
     return found
+
+
+def remainder_words(m: MotionDesign, left: Mapping[str, float] | None) -> str:
+    """What the remainder of a motion's plant costs; nothing where it leaves none that shows."""
+    if left is None:
+        return ""
+    size = f"up to {number(left['peak'])} deg along {number(left['length'])} deg of way"
+    bare, plain = m.designs.get(BARE), m.designs[PLAIN]
+    words = f"{m.motion}: what the plant leaves unexplained ({size}) disturbs every case."
+    if bare is None or not plain["holds"]:
+        return words
+    return (
+        f"{words} Without it a PI would be {gains_words(bare['gains'])}; taking it in costs "
+        f"{number(100 * (plain['cost'] / bare['cost'] - 1), 2)} % of worst IAE."
+    )
 
 
 def step_caption(study: DesignStudy) -> str:

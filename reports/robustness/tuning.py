@@ -39,9 +39,11 @@ def requirement_words(asked: Requirement) -> str:
     )
     if any(e.NAME == "dead-time" for e in asked.wrist.effects):
         late = "the dead time that was found"
-    unit = rig.units.angle
+    unit, left = rig.units.angle, asked.box.remainder
+    count = len(asked.box.leaving(None).intervals)
+    met = "" if left is None else f"what the plant leaves (up to {left.peak:.3g} {unit}), "
     return (
-        f"required on {len(asked.box.intervals)} uncertain parameters, {late}, load up to "
+        f"required on {count} uncertain parameters, {late}, {met}load up to "
         f"{asked.space.load:g} {unit}, noise {c.noise:g} {unit}, resolution {c.quantum:g} {unit}: "
         f"{', '.join(asked.space.kinds)} cases"
     )

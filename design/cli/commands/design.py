@@ -53,6 +53,9 @@ def command(
     ] = False,
     no_load: Annotated[bool, typer.Option("--no-load", help="No load.")] = False,
     no_noise: Annotated[bool, typer.Option("--no-noise", help="A sensor without noise.")] = False,
+    no_remainder: Annotated[
+        bool, typer.Option("--no-remainder", help="As if the plant left nothing unexplained.")
+    ] = False,
     nominal: Annotated[bool, typer.Option("--nominal", help="The plant's parameters as they are.")] = False,
     samples: Annotated[int, typer.Option(help="Fresh samples.", min=100)] = 20_000,
     budget: Annotated[int, typer.Option(help="Runs of the search for the worst case.", min=1000)] = 50_000,
@@ -70,7 +73,7 @@ def command(
     check_places({"--json": json}, out)
     said = console(json)
     given = _campaigns(campaigns, plant or [])
-    taken = Taken(no_dead_time, no_load, no_noise, nominal)
+    taken = Taken(no_dead_time, no_load, no_noise, nominal, no_remainder)
     effort = DesignEffort(samples, budget, points)
     out.mkdir(parents=True, exist_ok=True)
     with progress("design") as tell:

@@ -205,7 +205,7 @@ def _requirement(
         *((0.0, 0.0) if no_noise else (own.noise, own.quantum)),
     )
     found = requirement(plant, limits, conditions, spread, cost=cost)
-    return replace(found, box=Box(plant, ())) if no_box else found
+    return replace(found, box=Box(plant, ()).leaving(found.box.remainder)) if no_box else found
 
 
 def lines(answered: "Answer") -> list[str]:

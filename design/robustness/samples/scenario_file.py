@@ -7,7 +7,7 @@ digits as give them back to the last bit.
 
 import tempfile
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,9 @@ from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
 from design.evaluation.metrics import UNITS, Metrics
 from design.evaluation.sequence import Sequence
+from design.robustness.box import SHIFT
 from design.robustness.samples.worst import Worst
+from plants.effects.wrist.remainder import ColouredRemainder
 from plants.errors import InputError
 from plants.files import write_atomically
 from plants.parameters import files as parameter_files
@@ -34,8 +36,14 @@ SETTINGS = {
 }
 """What a file says of the controller, by the names of `design.controllers.pi.PI`, with units."""
 
-KEYS = ("start", "angle", "references", "holds", "dead_time", "load", "plant", "violated")
+REMAINDER = "remainder_shift"
+"""Which part of the plant's remainder the run meets, where it meets one."""
+
+KEYS = (
+    "start", "angle", "references", "holds", "dead_time", "load", "load_at", REMAINDER, "plant", "violated",
+)  # fmt: skip
 """What a file says of the run."""
+
 MORE = {"b": "1", "Tf": "s"}
 """What it says beside of one with two degrees of freedom (`design.controllers.pi_two_dof`)."""
 
@@ -74,6 +82,9 @@ def save(worst: Worst, path: str | Path) -> None:
     scenario["dead_time"], scenario["load"], scenario["plant"] = s.dead_time, s.load, s.plant
     if s.load_at >= 0.0:
         scenario["load_at"] = s.load_at
+    met = s.wrist.values.get(SHIFT)
+    if met is not None:
+        scenario[REMAINDER] = float(met)
     scenario["violated"] = list(worst.violated)
     document["scenario"] = scenario
     controller = tomlkit.table()
@@ -117,10 +128,11 @@ def load(path: str | Path) -> Saved:
     if not all(0.0 <= v <= FASTEST for v in more.values()):
         raise InputError(f"{path}: controller.b and controller.Tf must be numbers of 0 to {FASTEST:g}")
     made = TwoDofPI(**controller, **more) if more else PI(**controller)
-    return Saved(_sequence(path, asked, Wrist.of(plant)), plant, made, metrics)
+    return Saved(_sequence(path, asked, plant), plant, made, metrics)
 
 
-def _sequence(path: str | Path, asked: Mapping[str, Any], wrist: Wrist) -> Sequence:
+def _sequence(path: str | Path, asked: Mapping[str, Any], plant_set: ParameterSet) -> Sequence:
+    wrist = Wrist.of(plant_set)
     start = asked.get("start")
     if start not in STARTS:
         raise InputError(f"{path}: scenario.start {start!r} is no memory; give one of {', '.join(STARTS)}")
@@ -144,6 +156,11 @@ def _sequence(path: str | Path, asked: Mapping[str, Any], wrist: Wrist) -> Seque
     load_at = _number(path, "scenario.load_at", asked.get("load_at", BEFORE))
     if load_at > LONGEST:
         raise InputError(f"{path}: scenario.load_at must be at most {LONGEST:g} s")
+    if REMAINDER in asked:
+        left = ColouredRemainder.of(plant_set.remainder.get("angle_deg"))
+        if left is None:
+            raise InputError(f"{path}: scenario.{REMAINDER} is of a remainder that [remainder] does not tell")
+        wrist = wrist + replace(left, shift=_number(path, f"scenario.{REMAINDER}", asked[REMAINDER]))
     return Sequence(start, angle, references, holds, wrist, dead_time, shift, str(plant), load_at)
 
 

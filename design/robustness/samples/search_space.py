@@ -134,7 +134,7 @@ class Space:
         dead_time, load = (0.0 if asked[n] is None else float(asked[n][0]) for n in ("dead_time", "load"))
         held = asked["holds"][:, 0] > 0.0
         references, holds = (tuple(map(float, asked[n][held, 0])) for n in ("references", "holds"))
-        wrist, plant = self.box.wrist.with_values(**values), "worst-case"
+        wrist, plant = self.box.at(x[: len(self.box.intervals)]), "worst-case"
         angle, load_at = float(asked["angle"][0]), float(asked["load_at"][0])
         start = asked["starts"][0]
         return Sequence(start, angle, references, holds, wrist, dead_time, load, plant, load_at), values

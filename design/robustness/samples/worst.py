@@ -11,7 +11,7 @@ from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
 from design.evaluation.scenarios import tuning_scenarios, within_reach
 from design.evaluation.sequence import PlayedSequence, Sequence, play
-from design.robustness.box import Box
+from design.robustness.box import SHIFT, Box
 from design.synthesis.requirements import Limits
 from plants.parameters.quantities import Assumed, Parameter, ParameterSet
 from plants.simulation.periodic import Periodic
@@ -128,6 +128,8 @@ def named_plant(box: Box, values: dict[str, float]) -> ParameterSet:
     """The box's plant with values of the search, each with the interval that it was found in."""
     parameters = dict(box.plant.parameters)
     for name, value in values.items():
+        if name == SHIFT:  # of the disturbance, not of the plant
+            continue
         p, (low, high) = parameters[name], box.bounds(name)
         why = f"worst case found by search within {low:.6g} to {high:.6g}"
         parameters[name] = Parameter(value, p.unit, min(p.low, value), max(p.high, value), Assumed(why))

@@ -12,9 +12,10 @@ from plants.measured.stage import Stage
 from plants.measured.trace.law import LawChoice
 from plants.measured.trace.search.choose import EffectSearch
 from plants.measured.trace.search.learnt import Learnt
-from plants.measured.trace.size import RemainderSize, explained_share, remainder
+from plants.measured.trace.size import explained_share
 from plants.measured.trace.stages.model import Model
 from plants.parameters.quantities import ParameterSet
+from plants.parameters.remainder import RemainderSize
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ class Trace:
     @property
     def remainder(self) -> dict[str, RemainderSize | None]:
         """What is left of each channel without the noise."""
-        return {c: remainder(self.runs, c, self.noise[c] or 0.0) for c in self.before}
+        return {c: self.revised.remainder.get(c) for c in self.before}
 
     @property
     def worse(self) -> bool:

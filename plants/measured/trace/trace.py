@@ -26,7 +26,7 @@ from plants.measured.trace.law import LawChoice, law_of_rig
 from plants.measured.trace.result import Named, StageTrace, Trace
 from plants.measured.trace.search.choose import search
 from plants.measured.trace.search.learnt import learn
-from plants.measured.trace.size import MATTERS, NAMED, span
+from plants.measured.trace.size import MATTERS, NAMED, remainders_of, span
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import begun, remainders
 from plants.measured.trace.start import starting
@@ -179,6 +179,7 @@ def _result(
     stages = tuple(s if s.explained else replace(s, explained=not _matters(s, fit)) for s in stages)
     whole = all(s.explained for s in stages)
     found = "explained" if effects or changed else "nothing-missing"
+    revised = replace(revised, remainder=remainders_of(runs, fit.noise))
     return Trace(
         campaign, fit, found if whole else "unexplained", stages, effects, revised, runs, before, after,
         intervals(runs, before=True), intervals(runs),

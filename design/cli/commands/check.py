@@ -1,0 +1,95 @@
+"""``wrist check``: a log of the rig under its exported controller, held against its design."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from design.cli.common import JobsOption, JsonOption, OutOption, SeedOption, command_line, shown, write_json
+from design.cli.completion import files
+from design.cli.places import check_places
+from design.cli.terminal.screen import console, progress
+
+if TYPE_CHECKING:
+    from plants.parameters.quantities import ParameterSet
+
+NAME = "check"
+HELP = (
+    "Hold a log of the closed loop against its design: inside the envelope of the samples or not, which "
+    "figure departs first, and whether the plant is still the one that was traced. Exit code 1 where the "
+    "log is outside."
+)
+EXAMPLE = "Example: wrist check plants/measured/examples/flexion/task.csv --design build/design"
+
+
+def command(
+    log: Annotated[
+        Path,
+        typer.Argument(
+            help="Recording of the closed loop, with reference_deg and angle_deg.", autocompletion=files
+        ),
+    ],
+    design: Annotated[
+        Path, typer.Option("--design", help="Folder that `wrist design` wrote.", autocompletion=files)
+    ],
+    motion: Annotated[
+        str | None, typer.Option(help="Motion of the log, where the design has several.")
+    ] = None,
+    samples: Annotated[int, typer.Option(help="Samples of the envelope.", min=50, max=5000)] = 200,
+    seed: SeedOption = 0,
+    json: JsonOption = None,
+    out: OutOption = None,
+    jobs: JobsOption = None,
+) -> None:
+    from design.studies.check.check import check_log
+    from design.studies.design_study import law
+    from design.tuner.gains_file import read, read_more
+    from plants.measured.campaign import load_recording
+    from plants.wrist import Wrist
+    from reports.check.page import write_check
+    from reports.check.record import check_record
+    from reports.check.words import title
+    from reports.shared.html import Made
+
+    check_places({"--json": json}, out)
+    plant, gains = _designed(design, motion)
+    recording = load_recording(log, _columns(log), rig=plant.rig)
+    (Kp, Ki), (b, Tf) = read(gains), read_more(gains)
+    controller = law(Wrist.of(plant), {"Kp": Kp, "Ki": Ki, "b": b, "Tf": Tf})
+    with progress("check"):
+        found = check_log(recording, plant, controller, samples, seed, jobs)
+    said = console(json)
+    if out is not None:
+        made = Made.now(command=command_line(), seed=seed, sets={plant.axis: plant})
+        said.print(f"page in {write_check(out, found, made)}", soft_wrap=True)
+    write_json(json, check_record(found))
+    said.print(title(found), soft_wrap=True)
+    if not found.kept:
+        raise typer.Exit(1)
+
+
+def _columns(log: Path) -> Any:
+    """The ``[columns]`` of the campaign that a log lies in; None where it lies in none."""
+    from plants.measured.campaign import FILE
+    from plants.toml import read_toml
+
+    declared = log.parent / FILE
+    return read_toml(declared, "campaign", FILE).get("columns") if declared.exists() else None
+
+
+def _designed(folder: Path, motion: str | None) -> "tuple[ParameterSet, Path]":
+    """The plant of a motion of a design, and the file of its gains."""
+    from plants.errors import InputError
+    from plants.parameters.files import load
+
+    known = sorted(p.stem.removeprefix("plant-") for p in folder.glob("plant-*.toml"))
+    if not known:
+        raise InputError(
+            f"--design: {folder} holds no plant-MOTION.toml; give a folder that `wrist design` wrote"
+        )
+    if motion is None and len(known) > 1:
+        raise InputError(f"--motion: {folder} has {', '.join(known)}; say which one the log is of")
+    chosen = known[0] if motion is None else motion
+    if chosen not in known:
+        raise InputError(f"--motion: {folder} has no {chosen!r}; it has {', '.join(known)}")
+    return shown(load(folder / f"plant-{chosen}.toml")), folder / f"gains-{chosen}.toml"

@@ -1,0 +1,148 @@
+"""The envelope: what the samples of a design do under the reference that a log has, and whether the log is
+one of them.
+
+A Monte Carlo test (Dwass, Modified randomization tests for nonparametric hypotheses, Annals of Mathematical
+Statistics 28, 1957, doi 10.1214/aoms/1177707045): the score of a run is how far the oddest of its figures
+lies from the samples' median, in units of their spread.  A rig that is one of the samples' kind scores above
+all n of them with probability 1 / (n + 1), however many figures there are.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.evaluation import metrics
+from design.evaluation.runner import Lanes, play
+from design.evaluation.sequence import batch
+from design.robustness.requirement import Requirement
+from design.robustness.samples.draws import CASES, NOISE, generator
+from design.studies.check.stairs import FINEST, UNITS, Stair, figures
+from plants.measured.begin import at_rest
+from plants.measured.playback import Playback
+from plants.simulation.reference_profile import ReferenceProfile
+from plants.simulation.sensor import HOLD, sensor
+from plants.wrist import Start
+
+Array = NDArray[np.float64]
+AT_ONCE = 32
+"""Samples run together: the signals of all are kept until they are thinned to the log's rows."""
+
+MOVED: tuple[Start, ...] = ("line1", "line2", "inside")
+"""Memories of a wrist that has moved before the log began."""
+
+
+@dataclass(frozen=True)
+class FigureCheck:
+    """A figure of a stair: its value in the log, the samples' least, median and largest, how far the value
+    lies from the median in units of their spread, and whether no sample lies as far."""
+
+    stair: int
+    name: str
+    unit: str
+    value: float
+    low: float
+    middle: float
+    high: float
+    score: float
+    departs: bool
+
+
+@dataclass(frozen=True)
+class SampledEnvelope:
+    """Samples under a logged reference: least and largest reading [deg] at each row, (n,), figures in the
+    order in which they are known, score of the log and the largest of the samples'."""
+
+    low: Array
+    high: Array
+    figures: tuple[FigureCheck, ...]
+    score: float
+    largest: float
+    samples: int
+
+    @property
+    def inside(self) -> bool:
+        """Whether the log is within what the samples do."""
+        return self.score <= self.largest
+
+    @property
+    def first(self) -> FigureCheck | None:
+        """The figure that departs first, None where none does."""
+        return next((f for f in self.figures if f.departs), None)
+
+
+def envelope(
+    playback: Playback, stairs: tuple[Stair, ...], required: Requirement, controller: object, samples: int,
+    seed: int, noise: float, jobs: int | None = None,
+) -> SampledEnvelope:  # fmt: skip
+    """Run samples of a requirement's plants, dead times and loads under a log's reference; noise [deg]: of
+    the sensor."""
+    log, step = playback.recording, required.wrist.rig.task.step
+    angle, command = _played(playback, required, controller, samples, seed, noise, jobs)
+    theirs = figures(stairs, log.time, angle, command, step)
+    assert log.angle is not None
+    own = figures(stairs, log.time, log.angle[:, None], log.command[:, None], step)
+    scores = {key: _scores(np.append(theirs[key], own[key]), key[1]) for key in own}
+    of_all = np.max(list(scores.values()), axis=0)
+    largest = float(of_all[:-1].max())
+    found = tuple(
+        FigureCheck(
+            i, name, UNITS[name], float(own[i, name][0]), float(theirs[i, name].min()),
+            float(np.median(theirs[i, name])), float(theirs[i, name].max()), float(scores[i, name][-1]),
+            bool(scores[i, name][-1] > largest),
+        )
+        for i, name in sorted(own, key=lambda k: (k[0], list(UNITS).index(k[1])))
+    )  # fmt: skip
+    return SampledEnvelope(
+        angle.min(axis=1), angle.max(axis=1), found, float(of_all[-1]), largest, angle.shape[1]
+    )
+
+
+def _scores(values: Array, name: str) -> Array:
+    """How far each value lies from the median, in units of the spread on its side."""
+    low, middle, high = np.quantile(values, (0.05, 0.5, 0.95))
+    off = values - middle
+    spread = np.where(off > 0.0, max(high - middle, FINEST[name]), max(middle - low, FINEST[name]))
+    return np.asarray(np.abs(off) / spread, float)
+
+
+def _played(
+    playback: Playback, required: Requirement, controller: object, samples: int, seed: int, noise: float,
+    jobs: int | None,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Readings of the angle [deg] and commands [V] of samples at the log's rows, (rows, samples)."""
+    log, space, wrist = playback.recording, required.space, required.wrist
+    assert log.reference is not None
+    assert log.angle is not None
+    count = int(playback.rows[-1]) + 1
+    asked = np.append(log.reference[_rows_of(playback)], log.reference[-1])
+    calm = at_rest(log, wrist.hysteresis.rest_pressure)
+    begin = 0.0 if calm else float(np.median(log.angle[:3]))
+    found = []
+    for piece in range(-(-samples // AT_ONCE)):
+        lanes = min(AT_ONCE, samples - piece * AT_ONCE)
+        u = generator(seed, piece, CASES).random((3 + len(space.box.intervals), AT_ONCE))[:, :lanes]
+        starts: list[Start] = ["virgin" if calm else MOVED[int(len(MOVED) * share)] for share in u[0]]
+        one = np.full((1, lanes), asked[0])
+        b = batch(
+            space.box.at(u[3:]), starts, begin, one, np.full((1, lanes), count * playback.dt),
+            space.dead_time * u[1] if space.dead_time > 0.0 else None,
+            space.load * (2.0 * u[2] - 1.0) if space.load > 0.0 else None,
+        )  # fmt: skip
+        shown = generator(seed, piece, NOISE).standard_normal((-(-count // HOLD) + 1, AT_ONCE))[:, :lanes]
+        judge = metrics.of_step(b.state.angle, asked[0] + 1.0, wrist.rig)  # judges nothing: see `figures`
+        run = Lanes(
+            b.wrist, b.state, ReferenceProfile((0.0,)), judge, count * playback.dt, sensor(noise), shown,
+            float(log.time[0]), logged=asked,
+        )  # fmt: skip
+        went = play(run, controller, record=True, jobs=jobs).trajectory  # type: ignore[arg-type]
+        assert went is not None
+        seen = noise * np.repeat(shown, HOLD, axis=0)[:count]
+        found.append(((went.measured[:count] + seen)[playback.rows], went.command[playback.rows]))
+    angle, command = (np.hstack(parts) for parts in zip(*found, strict=True))
+    return angle, command
+
+
+def _rows_of(playback: Playback) -> NDArray[np.intp]:
+    """The row whose reference holds at each sample."""
+    return np.searchsorted(playback.rows, np.arange(playback.rows[-1]), side="right") - 1

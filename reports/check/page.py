@@ -1,0 +1,112 @@
+"""A check as a page for a colleague, and beside it the same as JSON and pictures."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from design.studies.check.check import LogCheck
+from reports.check import words
+from reports.check.record import check_record
+from reports.shared.html import Made, Shown, markup, render
+from reports.shared.style import BLACK, GREY, ORANGE, new_figure, save, seen, styled, svg
+from reports.shared.tables import Cell, Column, Group, Table, number, row
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SECTIONS = {"envelope": "The log and what was predicted", "residual": "What the plant leaves"}
+"""Titles of the page's sections by their ids."""
+
+SMOOTHED = 0.5
+"""Time [s] over which a residual is averaged where it is drawn."""
+
+
+def write_check(folder: str | Path, check: LogCheck, made: Made) -> Path:
+    """Write check.html, check.json and the figures as PNG into a folder, each complete or not at all.
+    Returns the path of the page; raises InputError where it cannot be written."""
+    from plants.files import json_text, write_atomically
+
+    folder = Path(folder)
+    drawn = {"envelope": draw_envelope(check), "residual": draw_residual(check)}
+    captions = {"envelope": words.envelope_caption(check), "residual": words.residual_caption(check)}
+    page = render(
+        "check.html", made=made, title=words.title(check), kind=f"check of {check.plant.axis}",
+        sections=SECTIONS, summary=words.summary(check), remarks=words.remarks(check),
+        figures=figure_table(check), channels=channel_table(check),
+        **{n: Shown(markup(svg(f, n, captions[n])), captions[n]) for n, f in drawn.items()},
+    )  # fmt: skip
+    for name, figure in drawn.items():
+        save(figure, folder / f"{name}.png")
+    write_atomically(folder / "check.json", json_text(check_record(check)))
+    write_atomically(folder / "check.html", page)
+    return folder / "check.html"
+
+
+def draw_envelope(check: LogCheck) -> "Figure":
+    """The logged angle within the samples."""
+    log, e = check.log, check.envelope
+    assert log.reference is not None
+    assert log.angle is not None
+    with styled():
+        figure, (at,) = new_figure()
+        few = seen(len(log.time))
+        at.fill_between(log.time[few], e.low[few], e.high[few], color=GREY, alpha=0.35, lw=0, label="samples")
+        at.plot(log.time[few], log.reference[few], color=BLACK, lw=0.8, ls="--", label="reference")
+        at.plot(log.time[few], log.angle[few], color=ORANGE, lw=1.2, label="log")
+        at.set(xlabel="time [s]", ylabel="angle [deg]", xlim=(log.time[0], log.time[-1]))
+        at.legend()
+    return figure
+
+
+def draw_residual(check: LogCheck) -> "Figure":
+    """What the plant leaves of each channel, and what it may."""
+    from scipy.ndimage import uniform_filter1d
+
+    log, channels = check.log, check.residual.channels
+    rows = max(1, round(SMOOTHED / float(np.median(np.diff(log.time)))))
+    with styled():
+        figure, axes = new_figure(len(channels), 1, 1.9 * len(channels), sharex=True)
+        few = seen(len(log.time))
+        for at, c in zip(axes, channels, strict=True):
+            name, unit = c.channel.split("_")
+            smooth = uniform_filter1d(c.left, rows, mode="nearest")
+            at.plot(log.time[few], smooth[few], color=ORANGE if c.new else BLACK)
+            for side in (-c.allowed, c.allowed):
+                at.axhline(side, color=GREY, lw=0.8, ls=":")
+            at.set(ylabel=f"{name} [{unit}]", xlim=(log.time[0], log.time[-1]))
+        axes[-1].set_xlabel("time [s]")
+    return figure
+
+
+def figure_table(check: LogCheck) -> Table:
+    """Each stair's figures beside those of the samples."""
+    columns = (
+        Column("figure", number=False), Column("log"), Column("samples, median"), Column("least"),
+        Column("largest"), Column("distance over spread", "1"),
+    )  # fmt: skip
+    groups = []
+    for i, s in enumerate(check.stairs):
+        rows = tuple(
+            row(
+                f"{f.name} [{f.unit}]", Cell(number(f.value), broken=f.departs), number(f.middle),
+                number(f.low), number(f.high), number(f.score, 2),
+            )
+            for f in check.envelope.figures
+            if f.stair == i
+        )  # fmt: skip
+        groups.append(Group(f"to {number(s.reference)} deg at {number(s.begins)} s", rows))
+    return Table(columns, tuple(groups))
+
+
+def channel_table(check: LogCheck) -> Table:
+    """What is left of each channel, and what was left before."""
+    columns = (Column("channel", number=False), Column("left now"), Column("left before"), Column("may be"))
+    rows = tuple(
+        row(
+            c.channel.replace("_", " [") + "]", Cell(number(c.rms), broken=c.new), number(c.before),
+            number(c.allowed),
+        )
+        for c in check.residual.channels
+    )  # fmt: skip
+    return Table(columns, (Group("", rows),))

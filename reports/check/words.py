@@ -1,0 +1,97 @@
+"""What a check says in sentences."""
+
+from design.studies.check.check import LogCheck
+from design.studies.check.envelope import FigureCheck
+from design.studies.check.residual import RigChange
+from reports.shared.tables import listed, number
+
+
+def title(check: LogCheck) -> str:
+    """The answer in a line: the heading, and what the command says last."""
+    return f"{promise(check)}; {plant(check)}"
+
+
+def promise(check: LogCheck) -> str:
+    """Whether the log is within what the design predicted, and what departs first."""
+    e = check.envelope
+    if e.first is None:
+        return f"{check.log.name} is inside the envelope of {e.samples} samples"
+    f = e.first
+    return (
+        f"{check.log.name} is outside the envelope of {e.samples} samples: {departure(f)}, at the step to "
+        f"{number(check.stairs[f.stair].reference)} deg, {number(check.stairs[f.stair].begins)} s"
+    )
+
+
+def departure(f: FigureCheck) -> str:
+    """A figure beside what the samples have of it."""
+    unit = "" if f.unit == "1" else f" {f.unit}"
+    return f"{f.name} {number(f.value)}{unit} (samples {number(f.low)} to {number(f.high)}{unit})"
+
+
+def plant(check: LogCheck) -> str:
+    """Whether the residual is the one that was left."""
+    r = check.residual
+    if not r.new:
+        return "the plant is the one that was traced"
+    sizes = [
+        f"{number(c.rms)} {c.channel.split('_')[1]} of the {c.channel.split('_')[0]} where at most "
+        f"{number(c.allowed)} was to be expected"
+        for c in r.channels
+        if c.new
+    ]
+    cause = "no single change explains it" if r.change is None else change(r.change)
+    return f"the plant has changed, it leaves {listed(sizes)}: {cause}"
+
+
+def change(c: RigChange) -> str:
+    """What goes with a new residual."""
+    unit = "" if c.unit == "1" else f" {c.unit}"
+    return f"{c.name} {number(c.size)}{unit} takes away {number(100 * c.takes, 2)} % of it"
+
+
+def summary(check: LogCheck) -> list[str]:
+    """Three sentences: the promise, the plant, what to do."""
+    advice = {
+        "as promised": "Nothing is to be done.",
+        "changed": "The promise holds; record a campaign and trace it before more rests on the plant.",
+        "broken": "Record a campaign, trace it, and design again before this controller is trusted.",
+    }[check.verdict]
+    return [f"{promise(check)}.", f"{plant(check)[0].upper()}{plant(check)[1:]}.", advice]
+
+
+def remarks(check: LogCheck) -> list[str]:
+    """What a reader has to know beside."""
+    found = [
+        "Samples are plants of the design's box behind its dead times and under its loads, run under the "
+        "reference that was logged. A rig of their kind is taken for another in one case of "
+        f"{check.envelope.samples + 1}."
+    ]
+    if not check.own_controller:
+        found.append(
+            "The logged command is not what these gains give for the logged angle (off by "
+            f"{number(100 * check.command_off, 2)} % of the range): the log is of another controller, or "
+            "another rate; the envelope is that of the design's own."
+        )
+    if check.plant.remainder.get("angle_deg") is None:
+        found.append(
+            "The plant's file does not say what it leaves; the sensor's noise alone was taken. `wrist trace "
+            "--save` writes one that does."
+        )
+    return found
+
+
+def envelope_caption(check: LogCheck) -> str:
+    """Beneath the envelope."""
+    return (
+        f"The logged angle beside {check.envelope.samples} samples, from the lowest to the highest reading "
+        "at each moment; dashed: the reference."
+    )
+
+
+def residual_caption(check: LogCheck) -> str:
+    """Beneath the residual."""
+    return (
+        "Measured less simulated, the traced plant running freely from the logged command, averaged over "
+        "half a second. Dotted: what the rms may be, either way."
+    )

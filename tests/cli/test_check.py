@@ -1,0 +1,116 @@
+"""`wrist check`: a rig that did not change is as promised; a softer slope, a leak and a longer tube are seen.
+
+The rigs are the tests' own, logged at 100 Hz with noise, under a PI at 1 kHz that sees the noise.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from design.tuner.gains_file import write
+from plants.parameters.files import built_in, dump
+from plants.parameters.quantities import Fitted
+from plants.parameters.remainder import BANDS, RemainderSize
+from tests.rig.campaign import logged_table, make_rig
+from tests.rig.core import Controller
+
+GAINS = {"flexion": (4.28, 10.4), "deviation": (6.47, 18.4)}
+
+
+def plant_of(rig):
+    """The plant that a good trace of the rig would find, and how little it would leave."""
+    plant, values, loud = built_in(rig.axis), rig.declared._asdict(), rig.noise
+    fitted = {
+        n: replace(p, value=values[n], provenance=Fitted("the rig's own", 0.002 * abs(values[n])))
+        for n, p in plant.parameters.items()
+    }
+    none = dict.fromkeys(BANDS, 0.25)
+    left = {
+        "angle_deg": RemainderSize(0.0, 0.0, 0.01, 0.1, loud.angle_deg, 0.0, none),
+        "pressure_kPa": RemainderSize(0.0, 0.0, 0.01, 0.1, loud.pressure_kPa, 0.0, none),
+    }
+    return replace(plant, parameters=fitted, remainder=left)
+
+
+def changed(rig, what):
+    d, h = rig.declared, rig.hidden
+    if what == "slope":
+        soft = d._replace(a1=0.88 * d.a1, a2=0.88 * d.a2, s=0.88 * d.s)
+        return replace(rig, declared=soft)
+    if what == "leak":
+        return replace(rig, hidden=h._replace(open=h.open._replace(leak=type(h.open.leak)(0.05))))
+    if what == "tube":
+        return replace(rig, hidden=h._replace(dead_time=h.dead_time._replace(transport_s=0.05)))
+    return rig
+
+
+def log_of(rig, plant, path, salt=7):
+    """A log of the task, 20 s, written as the rig's logger does."""
+    time = np.arange(20001) * 0.001
+    asked = np.select([time < 1.0, time < 7.0, time < 12.0], [0.0, 15.0, 0.0], -10.0)
+    v = plant.values
+    run = rig.follow(asked, Controller(*GAINS[rig.axis], v["gain"], v["rest_pressure"]), salt)
+    logged_table(rig, "task", run, False).to_csv(path, index=False)
+    return path
+
+
+@pytest.fixture
+def designed(tmp_path):
+    """A folder as `wrist design` leaves one, of a rig by motion and seed; and the rig."""
+
+    def made(axis, seed):
+        rig = make_rig(axis, [], seed)
+        plant, folder = plant_of(rig), tmp_path / f"{axis}-{seed}"
+        dump(plant, folder / f"plant-{axis}.toml")
+        Kp, Ki = GAINS[axis]
+        write(folder / f"gains-{axis}.toml", {"Kp": Kp, "Ki": Ki})
+        return rig, plant, folder
+
+    return made
+
+
+def test_a_rig_that_did_not_change_and_one_whose_slope_softens(wrist, designed):
+    rig, plant, folder = designed("flexion", 2)
+    same = wrist("check", log_of(rig, plant, folder / "log.csv"), "--design", folder, "--json", "-")
+    assert same.code == 0, same.err
+    assert same.json["verdict"] == "as promised"
+    soft = log_of(changed(rig, "slope"), plant, folder / "soft.csv")
+    found = wrist("check", soft, "--design", folder, "--out", folder / "page")
+    assert found.code == 1
+    assert "outside the envelope" in found.out
+    assert "slopes" in found.out.splitlines()[-1]
+    for name in ("check.html", "check.json", "envelope.png", "residual.png"):
+        assert (folder / "page" / name).stat().st_size > 500
+
+
+def test_what_cannot_be_checked_is_told_in_a_line(wrist, designed, tmp_path):
+    rig, plant, folder = designed("flexion", 2)
+    log = log_of(rig, plant, folder / "log.csv")
+    rows = [line.rsplit(",", 1)[0] for line in log.read_text().splitlines()]
+    (folder / "open.csv").write_text("\n".join(rows) + "\n")
+    cases = {
+        "has no reference_deg": (folder / "open.csv", "--design", folder),
+        "holds no plant-MOTION.toml": (log, "--design", tmp_path),
+        "--motion": (log, "--design", folder, "--motion", "yaw"),
+    }
+    for words, arguments in cases.items():
+        outcome = wrist("check", *arguments)
+        assert outcome.code == 2
+        assert outcome.err.count("\n") == 1
+        assert words in outcome.err
+
+
+@pytest.mark.suite
+@pytest.mark.parametrize(("axis", "seed"), [("flexion", 12), ("deviation", 13), ("flexion", 14)])
+def test_what_changed_is_seen_and_what_did_not_is_left_alone(wrist, designed, axis, seed):
+    rig, plant, folder = designed(axis, seed)
+    for salt in (7, 8):
+        log = log_of(rig, plant, folder / f"same-{salt}.csv", salt)
+        assert wrist("check", log, "--design", folder, "--json", "-").json["verdict"] == "as promised"
+    words = {"slope": "slopes", "leak": "less pressure", "tube": "later"}
+    for what, cause in words.items():
+        log = log_of(changed(rig, what), plant, folder / f"{what}.csv")
+        record = wrist("check", log, "--design", folder, "--json", "-").json
+        assert record["residual"]["new"], what
+        assert cause in record["residual"]["change"]["name"], what
