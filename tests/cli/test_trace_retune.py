@@ -20,6 +20,7 @@ from reports.trace.words import control_sentence
 from tests.rig.campaign import make_rig, record
 
 COARSE = Region(points=8)
+TASK = built_in("flexion").rig.task
 
 
 def with_effect(form, **values):
@@ -95,7 +96,7 @@ def test_a_step_is_judged_as_the_tuner_judges_it(gains):
     pi = PI(*gains, wrist.regulator.gain, wrist.hysteresis.rest_pressure)
     metrics, _, _ = run(wrist, pi, 15.0)
     held = wrist.hysteresis.rest_pressure / wrist.regulator.gain
-    found = judged(simulated(wrist)(*gains).run, Limits(), held)
+    found = judged(simulated(wrist)(*gains).run, Limits(), held, wrist.rig.task)
     assert found.iae_deg_s == pytest.approx(float(metrics.iae_deg_s[0]))
     assert found.overshoot_percent == pytest.approx(float(metrics.overshoot_percent[0]))
     assert found.settling_time_s == pytest.approx(float(metrics.settling_time_s[0]))
@@ -107,7 +108,7 @@ def test_a_loop_that_goes_on_swinging_oscillates_and_one_that_rings_down_does_no
     time = np.arange(10_000) * 1e-3
     swing = np.sin(2.0 * np.pi * time)
     for angle, oscillates in ((15.0 + swing, True), (15.0 + 5.0 * swing * np.exp(-time), False)):
-        found = judged(RetunedResponse(time, angle, np.full(10_000, 2.0)), Limits(), 2.0)
+        found = judged(RetunedResponse(time, angle, np.full(10_000, 2.0)), Limits(), 2.0, TASK)
         assert found.oscillates is oscillates
         assert bool(np.isinf(found.settling_time_s)) is oscillates
 
