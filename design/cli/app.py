@@ -4,10 +4,10 @@ from typing import Annotated
 
 import typer
 
-from design.cli.commands import compare, design, export, fit, robust, show, simulate, trace, tune
+from design.cli.commands import compare, design, export, fit, importing, robust, show, simulate, trace, tune
 from design.cli.strict import StrictCommand
 
-MODULES = (show, simulate, fit, trace, tune, robust, design, compare, export)
+MODULES = (show, simulate, importing, fit, trace, tune, robust, design, compare, export)
 
 
 def _say_version(wanted: bool) -> None:

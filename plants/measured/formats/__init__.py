@@ -1,0 +1,1 @@
+"""Files of a recorder, read into columns or channels: one format a file."""
