@@ -1,6 +1,7 @@
 """``wrist export``: a controller as C99 for the target, with a test vector."""
 
 import math
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -25,11 +26,18 @@ HELP = "Write a controller as C99 without allocation or global state, with a hea
 EXAMPLE = "Example: wrist export pi --gains 3.1,10.4 --out build/c"
 
 
+class PrecisionName(StrEnum):
+    """Precisions of the C."""
+
+    double = "double"
+    single = "single"
+
+
 def command(
     controller: Annotated[
         str,
         typer.Argument(
-            help="pi, lqi, feedforward, feedforward-pi, observer, mpc or mpc-robust.",
+            help="pi, pi-2dof, lqi, feedforward, feedforward-pi, observer, mpc or mpc-robust.",
             autocompletion=controllers,
         ),
     ],
@@ -40,11 +48,14 @@ def command(
     gains: Annotated[
         str | None,
         typer.Option(
-            help="pi: Kp,Ki. lqi: Ke,Kd,Kq,jump,bandwidth. feedforward: speed. feedforward-pi: Kp,Ki,dead "
-            "time. observer: bandwidth. Needed by pi, lqi and feedforward-pi. "
+            help="pi: Kp,Ki. pi-2dof: Kp,Ki,b,Tf. lqi: Ke,Kd,Kq,jump,bandwidth. feedforward: speed. "
+            "feedforward-pi: Kp,Ki,dead time. observer: bandwidth. Needed by pi, pi-2dof, lqi and feedforward-pi. "
             "pi: a TOML file with them, too."
         ),
     ] = None,
+    precision: Annotated[
+        PrecisionName, typer.Option(help="double, or single: float throughout, for a target without double.")
+    ] = PrecisionName.double,
     axis: AxisOption = Axis.flexion,
     plant: PlantOption = None,
     json: JsonOption = None,
@@ -58,6 +69,7 @@ def command(
     wrist = Wrist.of(chosen)
     with progress("export") as tell:
         made = part(controller, chosen.axis, wrist, None if gains is None else numbers(gains))
+        made = made.at(precision.value)
         tell("test vector", 0.0)
         written = write(made, wrist, out)
     said = console(json)
