@@ -1,9 +1,9 @@
 """A PI for plants of python-control: one pair of gains for a list of them, with margins on each.
 
-Among the gains that hold the limits on every plant, those with the largest integral gain: it is the reciprocal
-of the integrated error after a step of load, and maximising it under a bound on the sensitivity is the design
-of Astrom, Panagopoulos & Hagglund, Automatica 34 (1998) 585, doi 10.1016/S0005-1098(98)00011-9, here for several
-plants at once.
+Among the gains that hold the limits on every plant, those with the largest integral gain: its reciprocal is the
+integrated error after a step of load, and maximising it under a bound on the sensitivity is the design
+of Astrom, Panagopoulos & Hagglund, Automatica 34 (1998) 585, doi 10.1016/S0005-1098(98)00011-9, for
+several plants at once.
 """
 
 from collections.abc import Sequence
@@ -70,8 +70,8 @@ class TunedPI:
 
 @dataclass(frozen=True)
 class _Plant:
-    """State matrices, frequencies [rad/s], s or z there, response with the dead time, integrator, dt [s] (0 for
-    continuous time) and dead time [s]."""
+    """State matrices, frequencies [rad/s], s or z there, response with the dead time, integrator, dt [s] (0
+    for continuous time) and dead time [s]."""
 
     a: Array
     b: Array
@@ -91,8 +91,8 @@ def tune_pi(
 ) -> TunedPI:
     """The PI with the largest integral gain that holds limits on every one of some plants.
 
-    systems: single-input single-output systems of python-control, continuous or discrete, such as the branches
-    of a hysteresis or operating points; dead_times [s]: of all of them, or of each, beside their own.
+    systems: single-input single-output systems of python-control, continuous or discrete, such as the
+    branches of a hysteresis or operating points; dead_times [s]: of all of them, or of each, beside their own.
     Raises InputError for a list that is empty, systems that are none of these or whose gains differ in sign,
     and where no gains hold the limits.
 
@@ -140,7 +140,8 @@ def _plant(system: Any, dead_time: float, place: int) -> _Plant:
     response = np.asarray(system(point), complex).ravel() * np.exp(-1j * omega * dead_time)
     return _Plant(
         np.asarray(states.A, float), np.asarray(states.B, float)[:, 0], np.asarray(states.C, float)[0],
-        float(np.ravel(states.D)[0]), omega, response, dt / (point - 1.0) if dt else 1.0 / point, dt, dead_time,
+        float(np.ravel(states.D)[0]), omega, response, dt / (point - 1.0) if dt else 1.0 / point, dt,
+        dead_time,
     )  # fmt: skip
 
 
@@ -166,9 +167,8 @@ def _searched(plants: Sequence[_Plant], limits: MarginLimits, sign: float) -> tu
     """Gains with the largest integral gain that hold the limits, by grids that close in on it."""
     steady = max(float(np.median(np.abs(p.response[:50]))) for p in plants)
     # The integral gain at which the slowest plant would cross gain one where its phase begins to fall.
-    corner = min(
-        float(p.omega[np.argmax(np.abs(np.angle(p.response / p.response[0])) > 0.5)]) for p in plants
-    )
+    turned = [np.argmax(np.abs(np.angle(p.response / p.response[0])) > 0.5) for p in plants]
+    corner = min(float(p.omega[t]) for p, t in zip(plants, turned, strict=True))
     centre = np.log10(1.0 / steady), np.log10(max(corner, plants[0].omega[0]) / steady)
     width = DECADES
     best: tuple[float, float] | None = None
@@ -191,9 +191,7 @@ def _searched(plants: Sequence[_Plant], limits: MarginLimits, sign: float) -> tu
         centre = np.log10(max(abs(best[0]), 1e-12)), np.log10(abs(best[1]))
         width /= 5.0
     if best is None:
-        raise InputError(
-            "limits: no gains hold them on every system; ask for less, or tune for fewer systems"
-        )
+        raise InputError("limits: no gains hold them on every system; ask for less, or give fewer systems")
     return best
 
 

@@ -49,8 +49,8 @@ def command(
         str | None,
         typer.Option(
             help="pi: Kp,Ki. pi-2dof: Kp,Ki,b,Tf. lqi: Ke,Kd,Kq,jump,bandwidth. feedforward: speed. "
-            "feedforward-pi: Kp,Ki,dead time. observer: bandwidth. Needed by pi, pi-2dof, lqi and feedforward-pi. "
-            "pi: a TOML file with them, too."
+            "feedforward-pi: Kp,Ki,dead time. observer: bandwidth. Needed by pi, pi-2dof, lqi and "
+            "feedforward-pi. pi: a TOML file with them, too."
         ),
     ] = None,
     precision: Annotated[
