@@ -1,7 +1,7 @@
 """A PI for plants of python-control: one pair of gains for a list of them, with margins on each.
 
-Among the gains that hold the limits on every plant, those with the largest integral gain: its reciprocal is the
-integrated error after a step of load, and maximising it under a bound on the sensitivity is the design
+Among the gains that hold the limits on every plant, those with the largest integral gain: its reciprocal is
+the integrated error after a step of load, and maximising it under a bound on the sensitivity is the design
 of Astrom, Panagopoulos & Hagglund, Automatica 34 (1998) 585, doi 10.1016/S0005-1098(98)00011-9, for
 several plants at once.
 """
@@ -92,7 +92,7 @@ def tune_pi(
     """The PI with the largest integral gain that holds limits on every one of some plants.
 
     systems: single-input single-output systems of python-control, continuous or discrete, such as the
-    branches of a hysteresis or operating points; dead_times [s]: of all of them, or of each, beside their own.
+    branches of a hysteresis or operating points; dead_times [s]: of all, or of each, beside their own.
     Raises InputError for a list that is empty, systems that are none of these or whose gains differ in sign,
     and where no gains hold the limits.
 

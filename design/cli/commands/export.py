@@ -22,8 +22,18 @@ from design.cli.strict import LARGEST
 from design.cli.terminal.screen import console, progress
 
 NAME = "export"
-HELP = "Write a controller as C99 without allocation or global state, with a header, README and test vector."
+HELP = (
+    "Write a controller for its target: C99 with a test vector, functional mock-up units, or structured text."
+)
 EXAMPLE = "Example: wrist export pi --gains 3.1,10.4 --out build/c"
+
+
+class Target(StrEnum):
+    """What is written."""
+
+    c = "c"
+    fmu = "fmu"
+    st = "st"
 
 
 class PrecisionName(StrEnum):
@@ -53,6 +63,12 @@ def command(
             "feedforward-pi. pi: a TOML file with them, too."
         ),
     ] = None,
+    target: Annotated[
+        Target,
+        typer.Option(
+            help="c: C99. fmu: units of FMI 2.0 and 3.0 for co-simulation. st: IEC 61131-3 function block."
+        ),
+    ] = Target.c,
     precision: Annotated[
         PrecisionName, typer.Option(help="double, or single: float throughout, for a target without double.")
     ] = PrecisionName.double,
@@ -61,7 +77,7 @@ def command(
     json: JsonOption = None,
 ) -> None:
     from design.export.catalogue import part, record
-    from design.export.folder import write
+    from design.export.targets import TARGETS
     from plants.wrist import Wrist
 
     check_places({"--json": json}, out)
@@ -71,12 +87,13 @@ def command(
         made = part(controller, chosen.axis, wrist, None if gains is None else numbers(gains))
         made = made.at(precision.value)
         tell("test vector", 0.0)
-        written = write(made, wrist, out)
+        written = TARGETS[target.value](made, wrist, out)
     said = console(json)
     said.print(f"{made.title}: {made.name}_init and {made.name}_step, every {1000 * made.period:g} ms")
     for path in written:
         said.print(f"  {path}", soft_wrap=True)
-    said.print(f"replay the test vector with: make -C {out} check", soft_wrap=True)
+    if target is Target.c:
+        said.print(f"replay the test vector with: make -C {out} check", soft_wrap=True)
     write_json(json, record(made, controller, [p.name for p in written]))
 
 
