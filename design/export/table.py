@@ -17,11 +17,22 @@ from design.export.folder import contents
 from design.export.part import Part
 from design.export.targets import VERSIONS
 from design.export.vectors import vector
-from plants.parameters.quantities import built_in
 from plants.wrist import Wrist
 
 UNIT_STEPS = 2_000
 """Samples that a unit is run over: each is some calls through FMPy."""
+
+PAGE = """# Targets, controllers, and how far each is from Python
+
+Made by `python -m design.export.table`. Largest difference of the output from what Python computes, over
+10,000 samples (units of FMI: {steps}) with noise, spikes, lost samples and references out of reach.
+
+{table}
+
+Structured text (`--target st`: all but the MPCs) is translated to Python statement by statement and run over
+the vector by `tests/control/test_export_st.py`, to 1e-9: no free tool that runs it was at hand. An MPC solves
+a programme and is no function block. The nonlinear MPC by real-time iteration is not exported.
+"""
 
 
 def difference_in_c(made: Part, wrist: Wrist) -> float:
@@ -79,23 +90,14 @@ def page(wrist: Wrist) -> str:
     head = ["controller", "unit", "C, double", "C, single", "FMI 2.0", "FMI 3.0"]
     lines = [head, ["---"] * len(head), *rows(wrist)]
     table = "\n".join("| " + " | ".join(line) + " |" for line in lines)
-    return (
-        "# Targets, controllers, and how far each is from Python\n\n"
-        "Made by `python -m design.export.table`. Largest difference of the output from what Python computes, over\n"
-        f"10,000 samples (units of FMI: {UNIT_STEPS:,}) with noise, spikes, lost samples and references out of reach.\n\n"
-        f"{table}\n\n"
-        "Structured text (`--target st`: pi, pi-2dof, lqi, feedforward, feedforward-pi, observer) is translated to\n"
-        "Python statement by statement and run over the vector by `tests/control/test_export_st.py`, to 1e-9: no free\n"
-        "tool that runs it was at hand. An MPC solves a programme and is no function block. The nonlinear MPC by\n"
-        "real-time iteration is not exported.\n"
-    )
+    return PAGE.format(steps=f"{UNIT_STEPS:,}", table=table)
 
 
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(prog="python -m design.export.table", description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("docs/targets.md"), help="the page")
-    parser.parse_args().out.write_text(page(Wrist.of(built_in("flexion"))), encoding="utf-8")
+    parser.parse_args().out.write_text(page(Wrist.flexion()), encoding="utf-8")
 
 
 if __name__ == "__main__":

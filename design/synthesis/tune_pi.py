@@ -137,10 +137,11 @@ def _plant(system: Any, dead_time: float, place: int) -> _Plant:
     states = control.ss(system)
     omega = _frequencies(system, dt, dead_time)
     point = np.exp(1j * omega * dt) if dt else 1j * omega
+    integrator = np.asarray(dt / (point - 1.0) if dt else 1.0 / point, complex)
     response = np.asarray(system(point), complex).ravel() * np.exp(-1j * omega * dead_time)
     return _Plant(
         np.asarray(states.A, float), np.asarray(states.B, float)[:, 0], np.asarray(states.C, float)[0],
-        float(np.ravel(states.D)[0]), omega, response, dt / (point - 1.0) if dt else 1.0 / point, dt,
+        float(np.ravel(states.D)[0]), omega, response, integrator, dt,
         dead_time,
     )  # fmt: skip
 

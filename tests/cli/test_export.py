@@ -97,10 +97,15 @@ def test_another_target_is_written_with_its_vector(wrist, tmp_path, target, made
     assert {p.name for p in tmp_path.iterdir()} == made | {"flexion_pi_vector.csv"}
 
 
-def test_a_target_that_cannot_be_is_refused(wrist, tmp_path):
-    for words, said in ((["mpc", "--target", "st"], "no function block"),
-                        (["observer", "--target", "fmu", "--precision", "single"], "double precision")):  # fmt: skip
-        told = wrist("export", *words, "--out", tmp_path / "x")
-        assert told.code == 2
-        assert said in told.err
-        assert not (tmp_path / "x").exists()
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["mpc", "--target", "st"], "no function block"),
+        (["observer", "--target", "fmu", "--precision", "single"], "double precision"),
+    ],
+)
+def test_a_target_that_cannot_be_is_refused(wrist, tmp_path, words, said):
+    told = wrist("export", *words, "--out", tmp_path / "x")
+    assert told.code == 2
+    assert said in told.err
+    assert not (tmp_path / "x").exists()

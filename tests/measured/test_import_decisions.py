@@ -10,9 +10,9 @@ import pytest
 from plants.errors import InputError
 from plants.measured.campaign import load_campaign, load_recording
 from plants.measured.formats.channel import LoggedChannel
+from plants.measured.formats.units import factor
 from plants.measured.importing.importing import import_logs, write_campaign
 from plants.measured.importing.roles import roles
-from plants.measured.importing.units import factor
 from plants.toml import parse_toml
 
 EXAMPLE = Path(__file__).parents[2] / "plants/measured/examples/flexion"

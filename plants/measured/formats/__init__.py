@@ -1,1 +1,1 @@
-"""Files of a recorder, read into columns or channels: one format a file."""
+"""Reading files of any known format: columns by name, their units, and a campaign file to start from."""

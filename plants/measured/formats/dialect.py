@@ -15,6 +15,7 @@ import numpy as np
 
 from plants.errors import InputError
 from plants.measured.formats.channel import Array, LoggedSeries
+from plants.measured.formats.units import quantity
 
 SEPARATORS = (";", "\t", ",", "|", None)
 """What may stand between cells, the first that makes a table: a comma may also be a decimal sign, which the
@@ -132,8 +133,6 @@ def _heading(head: list[list[str]], width: int) -> tuple[list[str], list[str]]:
 
 def _are_units(cells: list[str]) -> bool:
     """Whether a row above a table holds units: all short, one at least that is known."""
-    from plants.measured.importing.units import quantity
-
     said = [_unit(c) for c in cells if c]
     known = sum(quantity(u) is not None for u in said)
     return bool(said) and all(len(u) <= 12 for u in said) and 2 * known >= len(said)

@@ -87,14 +87,16 @@ def _axis(mapped: Sequence[LoggedChannel], base: LoggedChannel, step: float) -> 
     distances = np.diff(own)
     jumps = distances[distances < GAP * base.step]
     if abs(base.step - step) <= 0.02 * step and len(jumps) and np.all(np.abs(jumps - step) < step):
-        return own
-    return np.asarray(np.arange(first, last + 0.5 * step, step), float)
+        return np.array(own)
+    even: Array = np.arange(first, last + 0.5 * step, step, dtype=np.float64)
+    return even
 
 
 def _held(channel: LoggedChannel, time: Array) -> Array:
     """Values of a channel at some times, each the last before it."""
     at = np.searchsorted(channel.time, time * (1.0 + 1e-12) + 1e-9, side="right") - 1
-    return np.asarray(channel.values[np.maximum(at, 0)])
+    found: Array = channel.values[np.maximum(at, 0)]
+    return found
 
 
 def _gaps(mapped: Sequence[LoggedChannel], time: Array) -> list[tuple[int, str]]:
