@@ -36,7 +36,10 @@ a programme and is no function block. The nonlinear MPC by real-time iteration i
 
 
 def difference_in_c(made: Part, wrist: Wrist) -> float:
-    """Largest difference of the compiled C from Python over the test vector, in the unit of the output."""
+    """Largest difference of the compiled C from Python over the test vector, in the unit of the output.
+
+    Raises RuntimeError, with what the compiler said, where it does not compile.
+    """
     with tempfile.TemporaryDirectory() as place:
         for name, text in contents(made, wrist).items():
             (Path(place) / name).write_text(text, encoding="utf-8")
