@@ -21,6 +21,7 @@ _HOMES = {  # the module of each name, and what it is called there where that is
     "FeedforwardPI": "design.controllers.feedforward",
     "Limits": "design.synthesis.requirements",
     "LoopModel": "design.robustness.loop_model",
+    "MarginLimits": "design.synthesis.tune_pi",
     "Metrics": "design.evaluation.metrics",
     "Problem": "design.synthesis.requirements",
     "Question": "design.studies.study",
@@ -59,6 +60,7 @@ _HOMES = {  # the module of each name, and what it is called there where that is
     "stack": "design.evaluation.scenarios",
     "study": "design.studies.study",
     "tune": "design.synthesis.tuning",
+    "tune_pi": "design.synthesis.tune_pi:tune_pi",
     "tuning_scenarios": "design.evaluation.scenarios",
     "worst_run": "design.studies.robustness_study",
 }

@@ -5,11 +5,13 @@ from typing import Annotated
 
 import typer
 
-from design.cli.commands import check, compare, design, export, fit, plan, robust, show, simulate, trace, tune
+from design.cli.commands import (
+    check, compare, design, export, fit, importing, plan, robust, show, simulate, trace, tune,
+)  # fmt: skip
 from design.cli.completion import files
 from design.cli.strict import StrictCommand
 
-MODULES = (show, simulate, fit, trace, plan, tune, robust, design, check, compare, export)
+MODULES = (show, simulate, importing, fit, trace, plan, tune, robust, design, check, compare, export)
 
 
 def _say_version(wanted: bool) -> None:

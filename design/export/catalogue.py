@@ -10,6 +10,7 @@ from design.controllers.feedforward import Feedforward, FeedforwardPI
 from design.controllers.lqi import LQI
 from design.controllers.memory_estimator import MemoryObserver
 from design.controllers.pi import PI
+from design.controllers.pi_two_dof import TwoDofPI
 from design.controllers.plausible import SensorLimits
 from design.controllers.registry import REGISTERED
 from design.export.mpc import of_linear_mpc
@@ -41,6 +42,13 @@ def _pi(wrist: Wrist, g: Numbers) -> Controller:
     if Kp == Ki == 0.0:
         raise ValueError("Kp and Ki are both 0, which controls nothing")
     return PI.of(wrist, Kp, Ki)
+
+
+def _pi_two_dof(wrist: Wrist, g: Numbers) -> Controller:
+    Kp, Ki, b, Tf = g
+    if Kp == Ki == 0.0:
+        raise ValueError("Kp and Ki are both 0, which controls nothing")
+    return TwoDofPI.of(wrist, Kp, Ki, b, Tf)
 
 
 def _lqi(wrist: Wrist, g: Numbers) -> Controller:
@@ -107,6 +115,11 @@ CATALOGUE: Mapping[str, Entry] = {
     "pi": Entry(
         "PI controller with anti-windup", ("Kp [kPa/deg]", "Ki [kPa/(deg s)]"), "3.1,10.4", None,
         _controlled(_pi), STANDS_STILL,
+    ),
+    "pi-2dof": Entry(
+        "PI controller with a reference weight and a filter of the angle",
+        ("Kp [kPa/deg]", "Ki [kPa/(deg s)]", "b [1]", "Tf [s]"), "3.1,10.4,0.7,0.01", None,
+        _controlled(_pi_two_dof), STANDS_STILL,
     ),
     "lqi": Entry(
         "State feedback with integral action and an observer",
@@ -191,7 +204,7 @@ def record(made: Part, kind: str, files: list[str]) -> dict[str, Any]:
 
     def layout(fields: Any) -> list[dict[str, Any]]:
         return [
-            {"name": f.member, "type": "int" if f.counts else "double", "count": f.size, "unit": f.unit,
+            {"name": f.member, "type": "int" if f.counts else made.real, "count": f.size, "unit": f.unit,
              "meaning": f.meaning} for f in fields
         ]  # fmt: skip
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from design.export.part import Part
+from design.export.precision import in_single
 from design.export.rendering import render
 from design.export.vectors import STEPS, csv, vector
 from plants.errors import InputError
@@ -19,11 +20,12 @@ def contents(part: Part, wrist: Wrist, steps: int = STEPS) -> dict[str, str]:
     """Files by name: header, sources, README, test vector of so many steps and what replays it.  The same,
     to the byte, for the same law.  The loop of the vector runs around the wrist without its effects."""
     n = part.name
+    written = in_single if part.precision == "single" else str
     found = vector(part, replace(wrist, effects=()), steps)
     files = {
-        f"{n}.h": render("law.h.jinja", part),
-        f"{n}.c": render(part.template, part, **part.constants),
-        f"{n}_law.c": part.code,
+        f"{n}.h": written(render("law.h.jinja", part)),
+        f"{n}.c": written(render(part.template, part, **part.constants)),
+        f"{n}_law.c": written(part.code),
         f"{n}_vector.csv": csv(part, found),
         "test_vector.c": render("test_vector.c.jinja", part, found=found),
         "Makefile": render("Makefile.jinja", part),

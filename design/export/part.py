@@ -6,7 +6,7 @@ are another export.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +16,7 @@ from design.controllers.memory_estimator import MemoryObserver, init
 from design.controllers.memory_estimator import step as observe
 from design.controllers.plausible import Channel, SensorLimits
 from design.export.fields import ANGLE, COMMAND, PRESSURE, REFERENCE, Quantity, described, lines_of
+from design.export.precision import TOLERANCE, Precision
 from plants.actuator.delay import SampledDelay
 from plants.kernel import pytrees
 from plants.kernel.graphs import baked, c_source, graph, used
@@ -113,7 +114,7 @@ class Part:
     delays: where in the state's leaves each delay line begins, and of how many whole samples it is; notes
     for people; tolerance: how far C may be from Python, in the unit of the output; template: of NAME.c, and
     constants: what it needs; lost: what happens where a measurement is not believed, in words; takes_lost:
-    whether `step` is given such a measurement, as no number, rather than held.
+    whether `step` is given such a measurement, as no number, rather than held; precision: of the C.
     """
 
     name: str
@@ -136,6 +137,17 @@ class Part:
     constants: Mapping[str, Any] = field(default_factory=dict)
     lost: str = "the state is left as it was and the output is that of the last good sample"
     takes_lost: bool = False
+    precision: Precision = "double"
+
+    def at(self, precision: Precision) -> "Part":
+        """The same part in a precision, held to what that can do."""
+        tolerance = TOLERANCE[self.template] if precision == "single" else self.tolerance
+        return replace(self, precision=precision, tolerance=tolerance)
+
+    @property
+    def real(self) -> str:
+        """The type of its numbers in C."""
+        return "float" if self.precision == "single" else "double"
 
     @property
     def kept(self) -> list[tuple[int, Quantity]]:

@@ -16,6 +16,7 @@ def render(template: str, part: Part, **values: Any) -> str:
     common = {
         "part": part, "n": name, "N": name.upper(), "out": part.output.member, "version": VERSION,
         "a": part.sensors.angle, "p": part.sensors.pressure, "UNSEEN": UNSEEN,
+        "real": part.real, "single": part.precision == "single",
     }  # fmt: skip
     return str(_environment().get_template(template).render(**common, **values))
 

@@ -83,3 +83,29 @@ def test_a_folder_that_cannot_be_written_to_is_refused_first(wrist, tmp_path):
     assert told.code == 2
     assert "--out" in told.err
     assert (tmp_path / "file").read_text() == ""
+
+
+@pytest.mark.parametrize(
+    ("target", "made"),
+    [("fmu", {"flexion_pi_fmi2.fmu", "flexion_pi_fmi3.fmu"}), ("st", {"flexion_pi.st"})],
+)
+def test_another_target_is_written_with_its_vector(wrist, tmp_path, target, made):
+    if target == "fmu" and not CC:
+        pytest.skip("no C compiler on this machine")
+    told = wrist("export", "pi", "--gains", "3.1,10.4", "--target", target, "--out", tmp_path)
+    assert told.code == 0, told.err
+    assert {p.name for p in tmp_path.iterdir()} == made | {"flexion_pi_vector.csv"}
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["mpc", "--target", "st"], "no function block"),
+        (["observer", "--target", "fmu", "--precision", "single"], "double precision"),
+    ],
+)
+def test_a_target_that_cannot_be_is_refused(wrist, tmp_path, words, said):
+    told = wrist("export", *words, "--out", tmp_path / "x")
+    assert told.code == 2
+    assert said in told.err
+    assert not (tmp_path / "x").exists()

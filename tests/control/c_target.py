@@ -15,17 +15,19 @@ from design.export.part import Part
 from plants import Wrist
 
 CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-OWN = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2", "-ffp-contract=off")
-MADE = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-O2", "-ffp-contract=off")
+MADE = ("-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-O2", "-ffp-contract=off")
+OWN = (*MADE, "-pedantic")
 WRIST = Wrist.flexion()
 
 GAINS = {
     "pi": (3.1, 10.4),
+    "pi-2dof": (3.1, 10.4, 0.7, 0.01),
     "lqi": (600.0, -640.0, -70.0, 8.0, 45.0),
     "feedforward": (25.0,),
     "feedforward-pi": (1.2, 2.2, 0.0305),  # a delay between samples
     "observer": (15.0,),
     "mpc": (),
+    "mpc-robust": (),
 }
 STEPS = {"feedforward": 2000}  # the inverse runs its 10,000 steps with the PI
 

@@ -6,7 +6,19 @@ import re
 import numpy as np
 import pytest
 
-from tests.control.c_target import GAINS, STEPS, WRIST, exported, needs_compiler, program, run
+from design.export.folder import contents
+from tests.control.c_target import (
+    CC,
+    GAINS,
+    MADE,
+    STEPS,
+    WRIST,
+    compiled,
+    exported,
+    needs_compiler,
+    program,
+    run,
+)
 
 pytestmark = needs_compiler
 
@@ -29,7 +41,7 @@ def test_the_vector_is_replayed_to_1e_9_and_that_of_an_MPC_to_1e_6(kind):
     assert said.returncode == 0
     assert int(steps) == STEPS.get(kind, 10_000)
     assert int(held) >= 1
-    assert float(worst) <= (1e-6 if kind == "mpc" else 1e-9)
+    assert float(worst) <= (1e-6 if kind.startswith("mpc") else 1e-9)
 
 
 @pytest.mark.parametrize("kind", ["pi", "feedforward"])
@@ -85,3 +97,30 @@ def test_the_vector_of_the_observer_leads_the_memory_through_the_whole_loop():
     assert (h[seen] <= high[seen] + 1e-9).all()
     for line in (low, high):
         assert np.mean(np.abs(h[seen] - line[seen]) < 1e-9) > 0.01
+
+
+@pytest.mark.parametrize(
+    ("kind", "most"),
+    [
+        ("pi", 1e-5),
+        ("pi-2dof", 1e-5),
+        ("lqi", 1e-4),
+        ("feedforward-pi", 5e-3),
+        ("observer", 5e-4),
+        ("mpc", 2e-2),
+    ],
+)
+def test_single_precision_compiles_without_a_double_and_stays_by_what_it_is_told(kind, most, tmp_path):
+    made = exported(kind)[0].at("single")
+    for name, text in contents(made, WRIST, 2000).items():
+        (tmp_path / name).write_text(text)
+    sources = [f"{made.name}.c", f"{made.name}_law.c"]
+    for source in sources:
+        compiled(source, (*MADE, "-Wdouble-promotion"), tmp_path)
+        assert "double" not in re.sub(r"/\*.*?\*/", "", (tmp_path / source).read_text(), flags=re.DOTALL)
+    objects = [name.replace(".c", ".o") for name in [*sources, "test_vector.c"]]
+    compiled("test_vector.c", MADE, tmp_path)
+    assert run(CC, *objects, "-lm", "-o", "test_vector", folder=tmp_path).returncode == 0
+    said = run(tmp_path / "test_vector", folder=tmp_path)
+    assert said.returncode == 0
+    assert 0.0 < float(re.search(r"difference (\S+)", said.stdout)[1]) <= most

@@ -10,6 +10,7 @@ import scipy.io
 
 from plants.errors import InputError
 from plants.measured.campaign import load_recording
+from plants.measured.formats.apart import apart
 from plants.measured.formats.tables import read_table
 
 ROWS = 6
@@ -225,7 +226,12 @@ def save_with_object(path: Path, version: str, variables: dict[str, object]) -> 
             del file["unused"]
 
 
-ADVICE = 'MATLAB objects (timeseries, Dataset) cannot be read: export as "Structure With Time" or as an array'
+ADVICE = (
+    "MATLAB objects (timeseries, Dataset) cannot be read; in MATLAB, of a timeseries ts: "
+    "time = ts.Time; y = ts.Data; save('log.mat', 'time', 'y'); of a Dataset logsout: "
+    "for k = 1:logsout.numElements, e = logsout{k}; s.(matlab.lang.makeValidName(e.Name)) = e.Values.Data; "
+    "s.time = e.Values.Time; end, save('log.mat', '-struct', 's')"
+)
 
 
 @pytest.mark.parametrize("version", ["v7", "v7.3"])
@@ -243,3 +249,35 @@ def test_what_stands_beside_a_matlab_object_is_read(tmp_path: Path, version):
     said = refusal(path)
     assert said.startswith(f"{path}: no column 'angle_deg'; the file has 'command_V', 'time_s'; ")
     assert said.endswith(ADVICE)
+
+
+@pytest.mark.parametrize("version", ["v7", "v7 compressed", "v7.3"])
+def test_flipped_bits_are_refused_or_read_and_never_end_the_process(tmp_path: Path, version):
+    path = tmp_path / "log.mat"
+    variables = {"time": TIME, "log": {"theta": ANGLE, "p": PRESSURE}, "u": COMMAND}
+    if version == "v7.3":
+        hdf5storage.savemat(str(path), variables, format="7.3", store_python_metadata=False)
+    else:
+        scipy.io.savemat(path, variables, do_compression=version == "v7 compressed")
+    whole, draw = path.read_bytes(), np.random.default_rng(7)
+    refused = []
+    for _ in range(40):
+        spoiled = bytearray(whole)
+        spoiled[int(draw.integers(len(whole)))] ^= 1 << int(draw.integers(8))
+        path.write_bytes(spoiled)
+        try:
+            read_table(path)
+        except InputError as error:
+            refused.append(str(error))
+    assert refused
+    assert not any("\n" in line for line in refused)
+    path.write_bytes(whole)
+    assert "log.theta" in read_table(path).columns
+
+
+def test_a_reader_that_breaks_down_is_told_and_replaced(tmp_path: Path):
+    with pytest.raises(InputError, match="its reader broke down over it; the file is damaged"):
+        apart("os", "_exit", 3)
+    path = tmp_path / "log.mat"
+    scipy.io.savemat(path, {"time": TIME})
+    assert "time" in read_table(path).columns

@@ -1,6 +1,7 @@
 """``wrist export``: a controller as C99 for the target, with a test vector."""
 
 import math
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -21,15 +22,32 @@ from design.cli.strict import LARGEST
 from design.cli.terminal.screen import console, progress
 
 NAME = "export"
-HELP = "Write a controller as C99 without allocation or global state, with a header, README and test vector."
+HELP = (
+    "Write a controller for its target: C99 with a test vector, functional mock-up units, or structured text."
+)
 EXAMPLE = "Example: wrist export pi --gains 3.1,10.4 --out build/c"
+
+
+class Target(StrEnum):
+    """What is written."""
+
+    c = "c"
+    fmu = "fmu"
+    st = "st"
+
+
+class PrecisionName(StrEnum):
+    """Precisions of the C."""
+
+    double = "double"
+    single = "single"
 
 
 def command(
     controller: Annotated[
         str,
         typer.Argument(
-            help="pi, lqi, feedforward, feedforward-pi, observer, mpc or mpc-robust.",
+            help="pi, pi-2dof, lqi, feedforward, feedforward-pi, observer, mpc or mpc-robust.",
             autocompletion=controllers,
         ),
     ],
@@ -40,17 +58,26 @@ def command(
     gains: Annotated[
         str | None,
         typer.Option(
-            help="pi: Kp,Ki. lqi: Ke,Kd,Kq,jump,bandwidth. feedforward: speed. feedforward-pi: Kp,Ki,dead "
-            "time. observer: bandwidth. Needed by pi, lqi and feedforward-pi. "
-            "pi: a TOML file with them, too."
+            help="pi: Kp,Ki. pi-2dof: Kp,Ki,b,Tf. lqi: Ke,Kd,Kq,jump,bandwidth. feedforward: speed. "
+            "feedforward-pi: Kp,Ki,dead time. observer: bandwidth. Needed by pi, pi-2dof, lqi and "
+            "feedforward-pi. pi: a TOML file with them, too."
         ),
     ] = None,
+    target: Annotated[
+        Target,
+        typer.Option(
+            help="c: C99. fmu: units of FMI 2.0 and 3.0 for co-simulation. st: IEC 61131-3 function block."
+        ),
+    ] = Target.c,
+    precision: Annotated[
+        PrecisionName, typer.Option(help="double, or single: float throughout, for a target without double.")
+    ] = PrecisionName.double,
     axis: AxisOption = Axis.flexion,
     plant: PlantOption = None,
     json: JsonOption = None,
 ) -> None:
     from design.export.catalogue import part, record
-    from design.export.folder import write
+    from design.export.targets import TARGETS
     from plants.wrist import Wrist
 
     check_places({"--json": json}, out)
@@ -58,13 +85,15 @@ def command(
     wrist = Wrist.of(chosen)
     with progress("export") as tell:
         made = part(controller, chosen.axis, wrist, None if gains is None else numbers(gains))
+        made = made.at(precision.value)
         tell("test vector", 0.0)
-        written = write(made, wrist, out)
+        written = TARGETS[target.value](made, wrist, out)
     said = console(json)
     said.print(f"{made.title}: {made.name}_init and {made.name}_step, every {1000 * made.period:g} ms")
     for path in written:
         said.print(f"  {path}", soft_wrap=True)
-    said.print(f"replay the test vector with: make -C {out} check", soft_wrap=True)
+    if target is Target.c:
+        said.print(f"replay the test vector with: make -C {out} check", soft_wrap=True)
     write_json(json, record(made, controller, [p.name for p in written]))
 
 

@@ -22,13 +22,19 @@ from typing import Any
 import numpy as np
 
 from plants.errors import InputError
+from plants.measured.formats.apart import apart
 from plants.measured.formats.cells import Array, Column, one_line, shorten
 
 READABLE = {
     "cell", "char", "double", "function", "int8", "int16", "int32", "int64", "logical", "single", "sparse",
     "struct", "uint8", "uint16", "uint32", "uint64", "unknown",
 }  # fmt: skip
-ADVICE = 'MATLAB objects (timeseries, Dataset) cannot be read: export as "Structure With Time" or as an array'
+ADVICE = (
+    "MATLAB objects (timeseries, Dataset) cannot be read; in MATLAB, of a timeseries ts: "
+    "time = ts.Time; y = ts.Data; save('log.mat', 'time', 'y'); of a Dataset logsout: "
+    "for k = 1:logsout.numElements, e = logsout{k}; s.(matlab.lang.makeValidName(e.Name)) = e.Values.Data; "
+    "s.time = e.Values.Time; end, save('log.mat', '-struct', 's')"
+)
 
 
 def read_mat(path: Path) -> tuple[dict[str, Column], str]:
@@ -37,7 +43,7 @@ def read_mat(path: Path) -> tuple[dict[str, Column], str]:
     Vectors may differ in length: a file also holds constants.
     Raises InputError for a damaged file and for one that holds nothing but MATLAB objects.
     """
-    variables, objects = _load(path)
+    variables, objects = apart(__name__, "load_mat", path)
     found = [item for name, value in variables.items() for item in _walk(name, value)]
     columns = {name: values for name, values in _named(found) if values.size}
     if objects and not columns:
@@ -47,8 +53,12 @@ def read_mat(path: Path) -> tuple[dict[str, Column], str]:
     return dict(columns), ADVICE if objects else ""
 
 
-def _load(path: Path) -> tuple[dict[str, Any], bool]:
-    """Variables by name, and whether the file holds objects, at the top or inside a structure."""
+def load_mat(path: Path) -> tuple[dict[str, Any], bool]:
+    """Variables by name, and whether the file holds objects, at the top or inside a structure.
+
+    Runs apart: a damaged file may end the process that reads it.
+    Raises InputError for a damaged file.
+    """
     import pymatreader
 
     with warnings.catch_warnings(record=True) as caught:

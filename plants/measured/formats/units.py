@@ -1,0 +1,73 @@
+"""Units as recorders write them, into those of the rig: by pint."""
+
+from functools import cache
+from typing import Any
+
+from plants.errors import InputError
+
+SPELLED = {
+    "°": "deg", "º": "deg", "grad": "deg", "mbar": "mbar", "hpa": "hPa", "kg/cm²": "kgf/cm**2", "sec": "s",
+    "sek": "s", "%": "percent", "volt": "V", "volts": "V", "bar(g)": "bar", "barg": "bar", "bar g": "bar",
+    "kpag": "kPa", "kpa": "kPa", "mpa": "MPa", "psig": "psi", "rad": "rad", "degrees": "deg", "°c": "degC",
+}  # fmt: skip
+"""What recorders write, and pint does not take as it is meant: ``grad`` is degrees to a German logger, and
+gons to pint."""
+
+KINDS = {"command": "V", "pressure": "kPa", "angle": "deg", "reference": "deg", "time": "s"}
+"""Units that a campaign is kept in."""
+
+
+@cache
+def _registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry()
+
+
+@cache
+def quantity(unit: str) -> str | None:
+    """What a unit measures: ``command``, ``pressure``, ``angle``, ``time`` or ``other``; None for one that is
+    not known.
+
+    >>> quantity("mbar"), quantity("°"), quantity("mV"), quantity("ms"), quantity("°C"), quantity("counts7")
+    ('pressure', 'angle', 'command', 'time', 'other', None)
+    """
+    parsed = _parsed(unit)
+    if parsed is None:
+        return None
+    for kind, standard in KINDS.items():
+        if kind != "reference" and parsed.is_compatible_with(standard):
+            # To pint an angle has no dimension, as a share has none.
+            return kind if kind != "angle" or "radian" in str(_base(parsed)) else "other"
+    return "other"
+
+
+def factor(unit: str, role: str, where: str) -> float:
+    """What a number in a unit is to be multiplied with, to be in that of a role.
+
+    Raises InputError for a unit that is unknown and for one of another quantity.
+
+    >>> factor("bar", "pressure", "log"), round(factor("rad", "angle", "log"), 5)
+    (100.0, 57.29578)
+    """
+    wanted = KINDS[role]
+    kind = quantity(unit)
+    if kind is None or kind != ("angle" if role == "reference" else role):
+        raise InputError(f"{where}: the unit {unit!r} is none of {role}; give one such as {wanted}")
+    parsed = _parsed(unit)
+    return float(f"{_registry().Quantity(1.0, parsed).to(wanted).magnitude:.12g}")
+
+
+def _base(parsed: Any) -> Any:
+    return _registry().Quantity(1.0, parsed).to_base_units().units
+
+
+@cache
+def _parsed(unit: str) -> Any:
+    said = unit.strip()
+    if not said:
+        return None
+    try:
+        return _registry().Unit(SPELLED.get(said.lower(), said))
+    except Exception:  # pint raises of many kinds for what is no unit, down to the tokenizer's
+        return None

@@ -1,0 +1,187 @@
+"""Channels of a log of any known format."""
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from plants.errors import InputError
+from plants.measured.formats.apart import apart
+from plants.measured.formats.bags import read_bag, read_mcap
+from plants.measured.formats.cells import Text, one_line, shorten
+from plants.measured.formats.channel import Array, LoggedChannel, LoggedSeries
+from plants.measured.formats.dialect import read_text
+from plants.measured.formats.draft import HINTS
+from plants.measured.formats.mdf4 import read_mdf
+from plants.measured.formats.tables import read_table
+from plants.measured.formats.tdms import read_tdms
+from plants.measured.formats.units import factor, quantity
+
+TEXTS = (".csv", ".tsv", ".txt", ".asc", ".dat")
+HDF5 = (".h5", ".hdf5", ".hdf")
+TABLES = (".mat", ".parquet", ".pq")
+
+MILLISECONDS, NANOSECONDS = 0.7, 1e4
+"""Steps from which a time without a unit is in ms, and from which in ns."""
+
+
+class Log(NamedTuple):
+    """The channels of a file, and what was taken for granted in reading it."""
+
+    path: Path
+    channels: tuple[LoggedChannel, ...]
+    notes: tuple[str, ...]
+
+
+def read_log(path: Path, sample_time: float | None = None) -> Log:
+    """All numeric channels of a file, or of the folder of a ROS 2 bag.
+
+    sample_time [s]: of files without a time; else a column of time is looked for.
+    Raises InputError, in one line, for a file that cannot be read, is of an unknown kind, or has no time.
+    """
+    if not path.exists():
+        raise InputError(f"{path}: no such file; give a log that exists")
+    reader, groups = _reader(path)
+    try:
+        read = reader(path)
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:  # damaged bytes make readers raise nearly anything
+        raise InputError(
+            f"{path}: cannot be read ({one_line(error)[:200]}); it may be cut off: export it again"
+        ) from None
+    notes: list[str] = []
+    channels = list(_timed(path, read, sample_time, notes)) if groups else list(read)
+    usable = [c for c in map(_clean, channels) if len(c.time) > 1]
+    if not usable:
+        raise InputError(f"{path}: holds no series of numbers; export the log with its signals")
+    return Log(path, tuple(_named_apart(usable)), tuple(notes))
+
+
+def _reader(path: Path) -> tuple[Callable[[Path], list], bool]:  # type: ignore[type-arg]
+    """What reads a file, and whether it gives groups of series, which have no time yet."""
+    suffix = path.suffix.lower()
+    if path.is_dir() or suffix in (".bag", ".db3"):
+        return (lambda p: read_bag(p.parent if suffix == ".db3" else p)), False
+    if suffix in (".mf4", ".mdf"):
+        return read_mdf, False
+    if suffix == ".mcap":
+        return read_mcap, False
+    if suffix == ".tdms":
+        return read_tdms, True
+    if suffix in HDF5:
+        return (lambda p: apart("plants.measured.formats.hdf5", "read_hdf5", p)), True
+    if suffix in TABLES:
+        return _of_table, True
+    if suffix in TEXTS:
+        return (lambda p: [read_text(p)]), True
+    known = (*TEXTS, *TABLES, *HDF5, ".mf4", ".mdf", ".tdms", ".mcap", ".bag", ".db3")
+    raise InputError(
+        f"{path}: unknown kind of file; logs are {', '.join(known)}, or the folder of a ROS 2 bag"
+    )
+
+
+def _of_table(path: Path) -> list[list[LoggedSeries]]:
+    """Columns of a MATLAB or Parquet file, those of one length together."""
+    found: dict[int, list[LoggedSeries]] = {}
+    for name, column in read_table(path).columns.items():
+        if not isinstance(column, Text) and len(column) > 1:
+            found.setdefault(len(column), []).append(LoggedSeries(name, "", column))
+    return list(found.values())
+
+
+def _timed(
+    path: Path, groups: Iterable[list[LoggedSeries]], sample_time: float | None, notes: list[str]
+) -> Iterable[LoggedChannel]:
+    """LoggedSeries on their time: a column of their group, or the distance that the file tells for each."""
+    without = []
+    for group in groups:
+        own = next((s for s in group if _is_time(s)), None)
+        for s in group:
+            if s is own:
+                continue
+            if own is not None and len(own.values) == len(s.values) and not s.step:
+                yield LoggedChannel(s.name, s.unit, _seconds(own, notes), s.values)
+            elif step := s.step or sample_time:
+                yield LoggedChannel(s.name, s.unit, np.arange(len(s.values), dtype=float) * step, s.values)
+            else:
+                without.append(s.name)
+    if without and not sample_time:
+        said = f"{path}: no time for {shorten(without, 5)}; give --sample-time in seconds, or log the time"
+        if not notes:
+            notes.append(said)
+
+
+def unit_in(name: str) -> str:
+    """The unit at the end of a name, "" where there is none.
+
+    >>> unit_in("angle_deg"), unit_in("p [bar]"), unit_in("u"), unit_in("wrist_p")
+    ('deg', 'bar', '', '')
+    """
+    found = re.search(r"[_ .]\(?\[?([A-Za-z°%]{1,5})\]?\)?$", name)
+    unit = found[1] if found else ""
+    return unit if len(unit) + (unit in "VAs") > 1 and quantity(unit) not in (None, "other") else ""
+
+
+def _unit(named: LoggedSeries | LoggedChannel) -> str:
+    return safe_name(named.unit) or unit_in(named.name)
+
+
+def _is_time(series: LoggedSeries) -> bool:
+    """Whether a series counts time: by its name or unit, and it never runs backwards."""
+    named = re.search(HINTS["time_s"], series.name.lower()) or quantity(_unit(series)) == "time"
+    steps = np.diff(series.values)
+    return bool(named and np.all(steps >= 0.0) and np.median(steps) > 0.0)
+
+
+def _seconds(time: LoggedSeries, notes: list[str]) -> Array:
+    """A column of time in seconds from its first value; its unit guessed from its step where it has none."""
+    values: Array = time.values - time.values[0]
+    if quantity(_unit(time)) == "time":
+        return np.asarray(values * factor(_unit(time), "time", time.name))
+    step = float(np.median(np.diff(values)))
+    unit = "s" if step < MILLISECONDS else "ms" if step < NANOSECONDS else "ns"
+    note = f"time {time.name!r} has no unit and steps of {step:g}: taken for {unit}"
+    if unit != "s" and note not in notes:
+        notes.append(note)
+    return np.asarray(values * factor(unit, "time", time.name))
+
+
+def _clean(channel: LoggedChannel) -> LoggedChannel:
+    """Without samples that are no numbers, and those whose time does not increase."""
+    kept = np.isfinite(channel.values) & np.isfinite(channel.time)
+    time, values = channel.time[kept], channel.values[kept]
+    if len(time):
+        later = np.append(True, time[1:] > np.maximum.accumulate(time)[:-1])
+        time, values = time[later], values[later]
+    return channel._replace(time=time, values=values)
+
+
+def _named_apart(channels: list[LoggedChannel]) -> Iterable[LoggedChannel]:
+    """Names in one line without control characters, numbered where two are the same."""
+    seen: dict[str, int] = {}
+    for c in channels:
+        name = safe_name(c.name)
+        seen[name] = seen.get(name, 0) + 1
+        yield c._replace(name=name if seen[name] == 1 else f"{name} ({seen[name]})", unit=_unit(c))
+
+
+def safe_name(text: str) -> str:
+    """A name as one line of a CSV header and of a terminal can hold it.
+
+    >>> safe_name('a\\x1b[31m"b"\\nc')
+    "a [31m'b' c"
+    """
+    return " ".join("".join(c if c.isprintable() else " " for c in text).replace('"', "'").split())[:200]
+
+
+def listed(channels: Iterable[LoggedChannel]) -> list[Mapping[str, str | float]]:
+    """Name, unit, lowest and highest value, rate [Hz] and number of samples of each channel."""
+    return [
+        {
+            "name": c.name, "unit": c.unit, "low": float(c.values.min()), "high": float(c.values.max()),
+            "rate_Hz": 1.0 / c.step if c.step else 0.0, "samples": len(c.values),
+        } for c in channels
+    ]  # fmt: skip

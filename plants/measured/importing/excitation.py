@@ -1,0 +1,111 @@
+"""Which runs are fitted on and which are held out: not one excitation twice."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from plants.measured.formats.channel import Array
+from plants.measured.formats.draft import VALIDATE
+
+ALIKE = 0.6
+"""Distance of two excitations below which they are one and the same."""
+
+
+class Excited(NamedTuple):
+    """How a run's command moves: low and high [V], typical frequency [Hz], share of rows in which it changes,
+    and the largest part of its changes that one row holds; what it looks like, in a word."""
+
+    low: float
+    high: float
+    frequency: float
+    moving: float
+    jump: float
+    word: str
+
+
+class Chosen(NamedTuple):
+    """Places of the runs to fit on and of those to hold out, and why."""
+
+    fit: tuple[int, ...]
+    validate: tuple[int, ...]
+    why: str
+
+
+def excited(time: Array, command: Array) -> Excited:
+    """How a command (n,) moves over time [s] (n,).
+
+    >>> t = np.arange(3000) / 100
+    >>> excited(t, 2.0 + np.sin(t)).word, excited(t, 1.0 + np.floor(t / 5.0) % 2).word
+    ('sine', 'steps')
+    """
+    low, high = float(command.min()), float(command.max())
+    moved = np.diff(command)
+    total = float(np.abs(moved).sum()) or 1.0
+    power = np.abs(np.fft.rfft((command - command.mean()) * np.hanning(len(command)))) ** 2
+    frequencies = np.fft.rfftfreq(len(command), float(np.median(np.diff(time))))
+    centre = float((power * frequencies).sum() / max(power.sum(), 1e-300))
+    share, jump = float(np.mean(moved != 0.0)), float(np.abs(moved).max()) / total
+    line = int(np.argmax(power))
+    concentrated = power[max(0, line - 2) : line + 3].sum() / max(power.sum(), 1e-300)
+    levels = len(np.unique(np.round(command, 6)))
+    if share < 0.1:
+        word = "staircase" if levels > 8 else "steps"
+    elif concentrated > 0.9 and line > 1:
+        word = "sine"
+    else:
+        word = "sweep or noise"
+    return Excited(low, high, centre, share, jump, word)
+
+
+def choose(asked: Sequence[Excited]) -> Chosen:
+    """Fit on the widest excitation, hold out what differs most from it within its range, about a third.
+
+    >>> staircase = Excited(0.0, 4.0, 0.02, 0.01, 0.05, "staircase")
+    >>> sine = Excited(0.5, 3.5, 0.1, 1.0, 0.001, "sine")
+    >>> choose([sine, sine, staircase])[:2]
+    ((2,), (0, 1))
+    """
+    if len(asked) == 1:
+        return Chosen((0,), (), "one run: its first part is fitted on and the rest is held out")
+    groups = _groups(asked)
+    if len(groups) == 1:
+        held = max(1, round(VALIDATE * len(asked)))
+        fit, last = tuple(range(len(asked) - held)), tuple(range(len(asked) - held, len(asked)))
+        why = "all runs ask the same of the rig: the last are held out, and say little of other motion"
+        return Chosen(fit, last, why)
+    span = (
+        np.array([min(asked[i].low for i in g) for g in groups]),
+        np.array([max(asked[i].high for i in g) for g in groups]),
+    )
+    widths = span[1] - span[0]
+    held_out: list[list[int]] = []
+    left = sorted(groups, key=lambda g: (widths[groups.index(g)], -len(g)))
+    # From the narrowest on, so that what is held out lies within what was fitted on.
+    while len(left) > 1 and sum(map(len, held_out)) + len(left[0]) <= max(1, round(0.5 * len(asked))):
+        if held_out and sum(map(len, held_out)) >= VALIDATE * len(asked):
+            break
+        held_out.append(left.pop(0))
+    if not held_out:
+        held_out.append(left.pop(0))
+    validate = tuple(sorted(i for g in held_out for i in g))
+    fit = tuple(i for i in range(len(asked)) if i not in validate)
+    words = [" and ".join(sorted({asked[i].word for i in part})) for part in (fit, validate)]
+    return Chosen(
+        fit, validate, f"fitted on {words[0]}, held out {words[1]}: another excitation, in a narrower range"
+    )
+
+
+def _groups(asked: Sequence[Excited]) -> list[list[int]]:
+    """Runs whose commands are alike, together."""
+    from scipy.cluster.hierarchy import fcluster, linkage
+
+    full = max(a.high for a in asked) - min(a.low for a in asked) or 1.0
+    features = np.array(
+        [
+            (a.low / full, a.high / full, np.log(max(a.frequency, 1e-4)), 2.0 * a.moving, 2.0 * a.jump)
+            for a in asked
+        ]
+    )
+    labels = fcluster(linkage(features, "complete"), ALIKE, "distance")
+    return [[i for i in range(len(asked)) if labels[i] == k] for k in dict.fromkeys(labels.tolist())]

@@ -1,0 +1,157 @@
+"""A campaign from the logs of a recorder: runs as CSV, and a campaign.toml that says why it is so."""
+
+import csv
+import io
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import tomlkit
+
+from plants.errors import InputError
+from plants.files import file_name, replaced_folder, write_atomically
+from plants.measured.campaign import FILE
+from plants.measured.importing.channels import Log, listed, read_log
+from plants.measured.importing.excitation import Chosen, Excited, choose, excited
+from plants.measured.importing.roles import ROLES, Role, roles
+from plants.measured.importing.runs import Run, runs, steps_of
+
+TIME = "time_s"
+
+
+@dataclass(frozen=True)
+class Imported:
+    """What logs became: the logs as read; role to channel; sample time [s]; the runs, how their commands
+    move, and which are held out."""
+
+    logs: tuple[Log, ...]
+    roles: Mapping[str, Role]
+    step: float
+    runs: tuple[Run, ...]
+    excitation: tuple[Excited, ...]
+    chosen: Chosen
+
+
+def import_logs(
+    files: Sequence[Path], given: Mapping[str, tuple[str, str]], sample_time: float | None = None
+) -> Imported:
+    """Logs of one rig, read, named and cut; given: role to channel and unit, as the user says.
+
+    Raises InputError, in one line, for a log that cannot be read, and where channels cannot be told.
+    """
+    logs = tuple(read_log(f, sample_time) for f in files)
+    for log in logs:
+        for note in log.notes:
+            if "no time for" in note and not any(len(c.time) for c in log.channels):
+                raise InputError(note)
+    fullest = max(logs, key=lambda log: len(log.channels))
+    found = roles(fullest.channels, given)
+    needed = [r.channel for name, r in found.items() if name != "reference"]
+    for log in logs:
+        missing = [n for n in needed if n not in {c.name for c in log.channels}]
+        if missing:
+            raise InputError(
+                f"{log.path}: has no channel {missing[0]!r}, which {fullest.path} has; import it apart"
+            )
+    step = float(f"{max(steps_of(log, found) for log in logs):.4g}")
+    made: list[Run] = []
+    for log in logs:
+        own = runs(log, {n: r for n, r in found.items() if r.channel in {c.name for c in log.channels}}, step)
+        stem = file_name(log.path.resolve().stem)
+        made += [
+            replace(r, name=f"{stem}-{i}.csv" if len(own) > 1 else f"{stem}.csv")
+            for i, r in enumerate(own, 1)
+        ]
+    made = _named_apart(made)
+    asked = tuple(excited(r.time, found["command"].factor * r.values[found["command"].channel]) for r in made)
+    return Imported(logs, found, step, tuple(made), asked, choose(asked))
+
+
+def _named_apart(made: list[Run]) -> list[Run]:
+    """Names of files that no two runs share."""
+    seen: dict[str, int] = {}
+    named = []
+    for r in made:
+        seen[r.name.lower()] = seen.get(r.name.lower(), 0) + 1
+        again = seen[r.name.lower()]
+        named.append(r if again == 1 else replace(r, name=f"{r.name.removesuffix('.csv')} ({again}).csv"))
+    return named
+
+
+def write_campaign(made: Imported, axis: str, folder: Path) -> list[Path]:
+    """Write runs and campaign.toml into a new or empty folder, all of them or none; the paths.
+
+    Raises InputError for a folder with something in it, and one that cannot be written to.
+    """
+    if folder.is_dir() and any(folder.iterdir()):
+        raise InputError(f"--out: {folder} is not empty; choose a new folder")
+    files = {r.name: table(r) for r in made.runs} | {FILE: declaration(made, axis)}
+    with replaced_folder(folder.resolve()) as beside:
+        for name, text in files.items():
+            write_atomically(beside / name, text)
+    return [folder / name for name in files]
+
+
+def table(run: Run) -> str:
+    """A run as CSV: the time, and every channel by its own name in its own unit."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n", quoting=csv.QUOTE_MINIMAL)
+    others = {n: v for n, v in run.values.items() if n != TIME}
+    # A header whose names hold other separators is quoted, which the reader of campaigns passes over.
+    heads = [TIME, *others]
+    out.write(",".join(f'"{h}"' if re.search(r'[,;\t"]', h) or not h else h for h in heads) + "\n")
+    digits = np.column_stack([np.round(run.time, 9), *others.values()])
+    writer.writerows([repr(float(x)) for x in row] for row in digits)
+    return out.getvalue()
+
+
+def declaration(made: Imported, axis: str) -> str:
+    """campaign.toml, each decision with its reason in a comment."""
+    document = tomlkit.document()
+    for line in _told(made):
+        document.add(tomlkit.comment(line))
+    document["axis"] = axis
+    if "angle" not in made.roles:
+        document["stage"] = "regulator"
+        document.add(tomlkit.comment("regulator: no angle was logged, or none was recognised"))
+    document["start"] = "unknown"
+    document.add(tomlkit.comment('say "rest" if every run begins at rest, before the wrist has moved'))
+    document["sample_time_s"] = made.step
+    document.add(tomlkit.comment(made.chosen.why))
+    document["fit"] = [made.runs[i].name for i in made.chosen.fit]
+    if made.chosen.validate:
+        document["validate"] = [made.runs[i].name for i in made.chosen.validate]
+    columns = tomlkit.table()
+    for role, found in made.roles.items():
+        entry: object = found.channel
+        if found.factor != 1.0:
+            scaled = tomlkit.inline_table()
+            scaled.update({"name": found.channel, "scale": found.factor})
+            entry = scaled
+        item = tomlkit.item(entry)
+        item.comment(found.why)
+        columns[ROLES[role]] = item
+    document["columns"] = columns
+    return tomlkit.dumps(document)
+
+
+def _told(made: Imported) -> list[str]:
+    """What was read, for the top of the file."""
+    lines = ["Made by wrist import; every line may be corrected, and a comment says why it is as it is.", ""]
+    for log in made.logs:
+        lines.append(f"{file_name(log.path.name)}: channel, unit, from, to, rate")
+        for c in listed(log.channels):
+            lines.append(
+                f"  {c['name']}, {c['unit'] or 'no unit'}, {c['low']:.6g}, {c['high']:.6g}, "
+                f"{c['rate_Hz']:.4g} Hz"
+            )
+        lines += [f"  {note}" for note in log.notes]
+    lines.append("")
+    for run, asked in zip(made.runs, made.excitation, strict=True):
+        lines.append(
+            f"{run.name}: {asked.word}, {asked.low:.3g} to {asked.high:.3g} V, {run.time[-1]:.4g} s; "
+            f"ends where {run.ends}"
+        )
+    return lines

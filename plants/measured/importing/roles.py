@@ -1,0 +1,194 @@
+"""Which channel is the command, the pressure, the angle, the reference: by name, by unit, by what leads.
+
+A name or a unit says what a channel may be.  Where several may be the same, the physics decides: a command
+moves before the pressure, the pressure before the angle, and what a computer writes has no noise.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+from plants.errors import InputError
+from plants.measured.formats.cells import shorten
+from plants.measured.formats.channel import Array, LoggedChannel
+from plants.measured.formats.draft import HINTS
+from plants.measured.formats.units import KINDS, factor, quantity
+from plants.measured.noise import noise_floor
+
+ROLES = {
+    "reference": "reference_deg", "command": "command_V", "pressure": "pressure_kPa", "angle": "angle_deg",
+}  # fmt: skip
+"""Roles, and the standard columns that they fill."""
+
+NAMED, ALSO_NAMED, OF_UNIT, OF_OTHER, QUIET, LEADS = 3.0, 1.0, 2.0, -4.0, 1.0, 1.5
+"""Points: for a name, for one that fits another role before, for a unit and for one of another quantity, for
+a command without noise, for each pair in which cause comes before effect."""
+
+OPTIONAL = 2.0
+"""Points that a channel needs to be taken for one that a campaign may lack."""
+
+CANDIDATES = 5
+LONGEST_LEAD = 3.0
+"""Longest time [s] by which one channel is looked for in another."""
+
+RADIANS, BARS, PASCALS = 1.2, 16.0, 5000.0
+"""An angle that stays below is in rad; a pressure that stays below is in bar, one that exceeds this in Pa."""
+
+PAIRS = (("command", "pressure"), ("command", "angle"), ("pressure", "angle"), ("reference", "angle"))
+
+
+class Role(NamedTuple):
+    """What fills a role: the channel's name, its unit as taken, factor to the standard unit, and why."""
+
+    channel: str
+    unit: str
+    factor: float
+    why: str
+
+
+def roles(channels: Sequence[LoggedChannel], given: Mapping[str, tuple[str, str]]) -> dict[str, Role]:
+    """The channel of each role, by role.
+
+    given: what the user says, role to name and unit ("" for the channel's own).
+    Raises InputError for a name that no channel has, and where the command, or what it moves, cannot be told.
+    """
+    named = {c.name: c for c in channels}
+    for role, (name, _) in given.items():
+        if name not in named:
+            raise InputError(f"--map {role}={name}: no such channel; the log has {shorten(list(named))}")
+    chosen = {role: named[name] for role, (name, _) in given.items()}
+    free = [c for c in channels if c not in chosen.values() and np.ptp(c.values) > 0.0]
+    left = [r for r in ROLES if r not in chosen]
+    points = {r: {c.name: _points(r, c) for c in free} for r in left}
+    options = {r: _options(points[r], r) for r in left}
+    best, most = chosen, -np.inf
+    for names in product(*options.values()):
+        taken = [n for n in names if n is not None]
+        if len(set(taken)) < len(taken):
+            continue
+        trial = chosen | {r: named[n] for r, n in zip(left, names, strict=True) if n is not None}
+        total = sum(points[r][n] for r, n in zip(left, names, strict=True) if n is not None)
+        total += sum(_led(trial[a], trial[b]) for a, b in PAIRS if a in trial and b in trial)
+        if "command" in trial and ("angle" in trial or "pressure" in trial) and total > most:
+            best, most = trial, total
+    if "command" not in best or not {"angle", "pressure"} & set(best):
+        raise InputError(
+            "the command and the angle, or the pressure, cannot be told among the channels "
+            f"{shorten(list(named))}; say --map command=NAME --map angle=NAME"
+        )
+    return {r: _role(r, best[r], given.get(r), points.get(r, {}), best) for r in ROLES if r in best}
+
+
+def _options(points: Mapping[str, float], role: str) -> list[str | None]:
+    """Channels that may fill a role, the likeliest first, and none."""
+    least = OPTIONAL if role in ("reference", "pressure") else OF_OTHER + OF_UNIT
+    likely = sorted(
+        (n for n in points if points[n] > least or points[n] == least == OPTIONAL), key=lambda n: -points[n]
+    )
+    return [*likely[:CANDIDATES], None]
+
+
+def _points(role: str, channel: LoggedChannel) -> float:
+    """How much name, unit and noise of a channel speak for a role."""
+    points = 0.0
+    hinted = [r for r, column in ROLES.items() if re.search(HINTS[column], channel.name.lower())]
+    if role in hinted:
+        points += NAMED if hinted[0] == role else ALSO_NAMED
+    kind = quantity(channel.unit) if channel.unit else None
+    if kind is not None:
+        points += OF_UNIT if kind == ("angle" if role == "reference" else role) else OF_OTHER
+    if role in ("command", "reference") and _is_written(channel.values):
+        points += QUIET
+    return points
+
+
+def _is_written(values: Array) -> bool:
+    """Whether a series has no noise, as one that a computer made."""
+    thin = values[:20_000]
+    return len(thin) > 8 and noise_floor(thin) < 1e-3 * float(np.ptp(values))
+
+
+def _led(cause: LoggedChannel, effect: LoggedChannel) -> float:
+    """Points for a pair, in the order of cause and effect."""
+    lag, likeness = lead(cause, effect)
+    return LEADS * float(np.sign(lag)) if likeness > 0.2 else 0.0
+
+
+def lead(a: LoggedChannel, b: LoggedChannel) -> tuple[float, float]:
+    """Time [s] by which `a` moves before `b`, and how like they then move, 0 to 1.
+
+    >>> t = np.arange(4000) * 0.01
+    >>> u, late = np.sign(np.sin(t)), np.sign(np.sin(t - 0.2))
+    >>> lag, likeness = lead(LoggedChannel("u", "", t, u), LoggedChannel("p", "", t, late))
+    >>> round(lag, 2), likeness > 0.9
+    (0.2, True)
+    """
+    from scipy.signal import correlate, correlation_lags
+
+    step = max(a.step, b.step)
+    first, last = max(a.time[0], b.time[0]), min(a.time[-1], b.time[-1])
+    grid = np.arange(first, min(last, first + 30_000 * step), step)
+    if len(grid) < 16:
+        return 0.0, 0.0
+    # Rates of change, smoothed over some samples, so that noise does not count and levels do not either.
+    moved = [np.gradient(_smooth(np.interp(grid, c.time, c.values))) for c in (a, b)]
+    x, y = (m - m.mean() for m in moved)
+    size = float(np.linalg.norm(x) * np.linalg.norm(y))
+    if not size:
+        return 0.0, 0.0
+    like = np.abs(correlate(y, x, method="fft")) / size
+    lags = correlation_lags(len(y), len(x))
+    near = np.abs(lags) * step <= LONGEST_LEAD
+    at = int(np.argmax(like[near]))
+    return float(lags[near][at] * step), float(like[near][at])
+
+
+def _smooth(values: Array) -> Array:
+    kernel = np.ones(5) / 5.0
+    return np.convolve(np.pad(values, 2, mode="edge"), kernel, mode="valid")
+
+
+def _role(
+    role: str, channel: LoggedChannel, given: tuple[str, str] | None, points: Mapping[str, float],
+    all_of: Mapping[str, LoggedChannel],
+) -> Role:  # fmt: skip
+    """A channel in its role: unit, factor and reasons."""
+    unit, why = channel.unit, []
+    if given is not None:
+        unit = given[1] or unit
+        why.append("given by --map")
+    else:
+        if re.search(HINTS[ROLES[role]], channel.name.lower()):
+            why.append("by its name")
+        for a, b in PAIRS:
+            if role in (a, b) and a in all_of and b in all_of:
+                lag, like = lead(all_of[a], all_of[b])
+                if like > 0.2 and lag > 0.0:
+                    other = b if role == a else a
+                    why.append(f"{'leads' if role == a else 'follows'} the {other} by {lag:.2g} s")
+    kind = quantity(unit) if unit else None
+    wanted = "angle" if role == "reference" else role
+    if given is not None and given[1] and kind != wanted:
+        factor(unit, role, f"--map {role}={channel.name}")  # which raises, and says why
+    if kind == wanted:
+        why.append(f"unit {unit}")
+        return Role(channel.name, unit, factor(unit, role, channel.name), ", ".join(why))
+    guessed = _unit_by_range(role, channel.values)
+    if role == "command":
+        why.append("its unit is not told: taken for V" if not unit else f"its unit {unit} is taken for V")
+    else:
+        why.append(f"its unit is not told: {guessed} by its range")
+    return Role(channel.name, guessed, factor(guessed, role, channel.name), ", ".join(why))
+
+
+def _unit_by_range(role: str, values: Array) -> str:
+    """A unit in which values of this size can be meant."""
+    most = float(np.max(np.abs(values)))
+    if role in ("angle", "reference"):
+        return "rad" if most < RADIANS else "deg"
+    if role == "pressure":
+        return "bar" if most < BARS else "Pa" if most > PASCALS else "kPa"
+    return KINDS[role]

@@ -1,0 +1,129 @@
+"""A log on one time axis, and where it is cut into runs."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from plants.errors import InputError
+from plants.measured.formats.channel import Array, LoggedChannel
+from plants.measured.importing.channels import Log
+from plants.measured.importing.roles import Role
+from plants.measured.recording import GAP
+
+REST = 2.0
+"""Time [s] for which the command stands at where it began, that a run may end there."""
+
+LONGER = 1.5
+"""How much longer a rest has to be than those at other values."""
+
+SHORTEST, FEWEST = 3.0, 100
+"""Length [s] and rows that a run has to have."""
+
+HELD = ("command", "reference")
+"""Roles that a computer holds between its samples; what is measured goes on in between."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """A part of a log without a gap: name; time [s] from its beginning, (n,); the channels by name, (n,), in
+    the units of the file; why it ends where it does."""
+
+    name: str
+    time: Array
+    values: Mapping[str, Array]
+    ends: str
+
+
+def runs(log: Log, found: Mapping[str, Role], step: float) -> list[Run]:
+    """The runs of a log: cut at gaps, and where the command rests at the value that it began with.
+
+    step [s]: sample time of the campaign.
+    Raises InputError for channels that were not logged at the same time, and where no run is long enough.
+    """
+    named = {c.name: c for c in log.channels}
+    mapped = [named[r.channel] for r in found.values()]
+    time = _axis(mapped, named[_base(found)], step)
+    if len(time) < FEWEST:
+        raise InputError(f"{log.path}: command and what is measured were not logged together for long enough")
+    held = {found[r].channel for r in HELD if r in found}
+    values = {
+        c.name: _held(c, time) if c.name in held else np.interp(time, c.time, c.values)
+        for c in log.channels
+        if c in mapped or (c.time[0] <= time[0] and c.time[-1] >= time[-1])
+    }
+    cuts = _gaps(mapped, time) + _rests(values[found["command"].channel], time)
+    made = []
+    edges = [(0, ""), *sorted(cuts), (len(time), "the log ends")]
+    for (first, _), (last, why) in pairwise(edges):
+        asked = values[found["command"].channel][first:last]
+        if last - first < FEWEST or time[last - 1] - time[first] < SHORTEST or not np.ptp(asked):
+            continue
+        part = {n: v[first:last] for n, v in values.items()}
+        made.append(Run("", time[first:last] - time[first], part, why))
+    if not made:
+        raise InputError(
+            f"{log.path}: no run of {SHORTEST:g} s and {FEWEST} rows in which the command moves; log more"
+        )
+    return made
+
+
+def _base(found: Mapping[str, Role]) -> str:
+    """The channel whose samples are the rows: that which the model is to follow."""
+    return found.get("angle", found.get("pressure", found["command"])).channel
+
+
+def steps_of(log: Log, found: Mapping[str, Role]) -> float:
+    """Sample time [s] of the channel whose samples are the rows."""
+    return next(c.step for c in log.channels if c.name == _base(found))
+
+
+def _axis(mapped: Sequence[LoggedChannel], base: LoggedChannel, step: float) -> Array:
+    """Times [s] at which all channels are there: the samples of one, or evenly spaced where these are not
+    those of the campaign."""
+    first, last = max(c.time[0] for c in mapped), min(c.time[-1] for c in mapped)
+    own = base.time[(base.time >= first) & (base.time <= last)]
+    distances = np.diff(own)
+    jumps = distances[distances < GAP * base.step]
+    if abs(base.step - step) <= 0.02 * step and len(jumps) and np.all(np.abs(jumps - step) < step):
+        return np.array(own)
+    even: Array = np.arange(first, last + 0.5 * step, step, dtype=np.float64)
+    return even
+
+
+def _held(channel: LoggedChannel, time: Array) -> Array:
+    """Values of a channel at some times, each the last before it."""
+    at = np.searchsorted(channel.time, time * (1.0 + 1e-12) + 1e-9, side="right") - 1
+    found: Array = channel.values[np.maximum(at, 0)]
+    return found
+
+
+def _gaps(mapped: Sequence[LoggedChannel], time: Array) -> list[tuple[int, str]]:
+    """Rows before which a channel was not logged for a while."""
+    found = []
+    for c in [*mapped, LoggedChannel("the time", "", time, time)]:
+        distances = np.diff(c.time)
+        for i in np.flatnonzero(distances > max(GAP * c.step, 1e-9)):
+            row = int(np.searchsorted(time, c.time[i + 1] - 1e-9))
+            if 0 < row < len(time):
+                found.append((row, f"{c.name} was not logged for {distances[i]:.3g} s"))
+    return found
+
+
+def _rests(command: Array, time: Array) -> list[tuple[int, str]]:
+    """Rows within the rests of the command at the value that it began with: the next run begins there, with
+    half of the rest before it.  Treads of a staircase are rests too: one at home is no longer than others."""
+    near = np.abs(np.diff(command)) <= 1e-3 * np.ptp(command)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], near.astype(np.int8), [0]])))
+    spans = [
+        (int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True) if time[b] - time[a] >= 0.5
+    ]
+    home = [s for s in spans if np.all(np.abs(command[s[0] : s[1]] - command[0]) <= 0.01 * np.ptp(command))]
+    away = [time[b] - time[a] for a, b in spans if (a, b) not in home]
+    least = max(REST, LONGER * float(np.median(away)) if away else 0.0)
+    return [
+        ((a + b) // 2, "the command rests where it began")
+        for a, b in home
+        if a > 0 and b < len(time) - 1 and time[b] - time[a] >= least
+    ]

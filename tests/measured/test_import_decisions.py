@@ -1,0 +1,182 @@
+"""What an import decides: which channel is what, where a log is cut, what is held out, what it refuses."""
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from plants.errors import InputError
+from plants.measured.campaign import load_campaign, load_recording
+from plants.measured.formats.channel import LoggedChannel
+from plants.measured.formats.units import factor
+from plants.measured.importing.importing import import_logs, write_campaign
+from plants.measured.importing.roles import roles
+from plants.toml import parse_toml
+
+EXAMPLE = Path(__file__).parents[2] / "plants/measured/examples/flexion"
+STEPS, SINE, TASK = (load_recording(EXAMPLE / f"{n}.csv") for n in ("steps", "sine", "task"))
+
+
+def csv(path: Path, columns: dict[str, np.ndarray]) -> Path:
+    pd.DataFrame(columns).to_csv(path, index=False)
+    return path
+
+
+def imported(files, out, **options):
+    made = import_logs(files, options.pop("given", {}), **options)
+    write_campaign(made, "flexion", out)
+    return made, tomllib.loads((out / "campaign.toml").read_text())
+
+
+def test_channels_without_names_and_units_are_told_by_what_leads(tmp_path):
+    log = csv(
+        tmp_path / "log.csv",
+        {"time": STEPS.time, "ai2": STEPS.angle, "ai0": STEPS.command, "ai1": STEPS.pressure},
+    )
+    found = import_logs([log], {}).roles
+    assert (found["command"].channel, found["angle"].channel) == ("ai0", "ai2")
+    assert "leads the angle" in found["command"].why
+
+
+def test_of_two_angles_the_reference_is_that_which_leads_and_has_no_noise():
+    channels = [LoggedChannel(n, u, TASK.time, v) for n, u, v in (
+        ("a", "deg", TASK.angle), ("b", "deg", TASK.reference), ("c", "V", TASK.command))]  # fmt: skip
+    found = roles(channels, {})
+    assert (found["angle"].channel, found["reference"].channel, found["command"].channel) == ("a", "b", "c")
+
+
+def test_a_map_is_obeyed_with_its_unit_and_a_wrong_one_refused(tmp_path):
+    log = csv(
+        tmp_path / "log.csv",
+        {"time": STEPS.time, "angle": STEPS.angle, "u": STEPS.command, "x": STEPS.pressure * 10},
+    )
+    _, told = imported([log], tmp_path / "c", given={"pressure": ("x", "mbar")})
+    assert told["columns"]["pressure_kPa"] == {"name": "x", "scale": 0.1}
+    for given, said in (
+        ({"pressure": ("y", "")}, "no such channel"),
+        ({"pressure": ("x", "mm")}, "none of pressure"),
+    ):
+        with pytest.raises(InputError, match=said):
+            import_logs([log], given)
+
+
+@pytest.mark.parametrize(
+    ("unit", "role", "expected"),
+    [("psi", "pressure", 6.894757293168), ("mbar", "pressure", 0.1), ("MPa", "pressure", 1000.0),
+     ("rad", "angle", 180.0 / np.pi), ("mV", "command", 1e-3), ("us", "time", 1e-6)],
+)  # fmt: skip
+def test_units_are_those_of_the_international_system(unit, role, expected):
+    assert factor(unit, role, "log") == pytest.approx(expected, rel=1e-11)
+
+
+def test_a_log_is_cut_where_the_command_comes_home_and_at_gaps_and_not_within_a_staircase(tmp_path):
+    stairs = load_recording(EXAMPLE / "staircase.csv")
+    assert len(import_logs([EXAMPLE / "staircase.csv"], {}).runs) == 1
+    still = np.full(800, stairs.command[0])
+    command = np.concatenate([stairs.command, still, stairs.command])
+    angle = np.concatenate([stairs.angle, np.full(800, stairs.angle[-1]), stairs.angle])
+    time = 0.01 * np.arange(len(command))
+    time[-2000:] += 5.0  # the logger stood still
+    made = import_logs([csv(tmp_path / "log.csv", {"time": time, "u": command, "angle": angle})], {})
+    ends = [r.ends for r in made.runs]
+    assert ends[0] == "the command rests where it began"
+    assert "was not logged for 5.01 s" in ends[1]
+    assert [len(r.time) > 1000 for r in made.runs] == [True] * 3
+
+
+def test_channels_of_several_rates_meet_on_the_samples_of_the_angle(tmp_path):
+    import h5py
+
+    fast = np.arange(0.0, 30.0, 0.001)
+    with h5py.File(tmp_path / "log.h5", "w") as file:
+        for name, time, values, unit in (
+            ("command", fast, np.interp(fast, STEPS.time, STEPS.command), "V"),
+            ("angle", STEPS.time[:3000], STEPS.angle[:3000], "deg"),
+        ):
+            group = file.create_group(name)
+            group["time"], group[name] = time, values
+            group[name].attrs["unit"] = unit
+    made, told = imported([tmp_path / "log.h5"], tmp_path / "c")
+    assert told["sample_time_s"] == 0.01
+    np.testing.assert_array_equal(made.runs[0].values["angle"], STEPS.angle[:3000])
+    # What is held is that of the sample before: within a step of 1 ms of the fast log.
+    np.testing.assert_allclose(made.runs[0].values["command"], STEPS.command[:3000], atol=0.02)
+
+
+def test_one_sine_is_not_fitted_on_and_held_out_too(tmp_path):
+    def run(name, values):
+        return csv(
+            tmp_path / f"{name}.csv", {"time": t, "u": values, "angle": 10.0 * values, "p": 50.0 * values}
+        )
+
+    t = np.arange(6000) / 100
+    sines = [run(f"sine{i}", 2.0 + 1.2 * np.sin(0.6 * t + i)) for i in range(3)]
+    wide = run("stairs", 2.0 + 2.0 * np.round(np.sin(0.11 * t), 1))
+    _, told = imported([*sines, wide], tmp_path / "c")
+    sides = [{name.startswith("sine") for name in told[key]} for key in ("fit", "validate")]
+    assert sides in ([{False}, {True}], [{True}, {False}])
+    _, alone = imported(sines, tmp_path / "d")
+    assert "all runs ask the same" in (tmp_path / "d/campaign.toml").read_text()
+    assert alone["validate"] == ["sine2.csv"]
+
+
+HOSTILE = [
+    'x; system("ls")',
+    "../../evil",
+    "<script>",
+    r"$\alpha$",
+    "a\nb = 1\n[rig]",
+    "\x1b[31mred",
+    'q"uo,te;',
+]
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_names_of_channels_and_files_do_nothing_but_name(tmp_path, name):
+    rows = {"time": STEPS.time, "u": STEPS.command, name: STEPS.angle, "p [kPa]": STEPS.pressure}
+    pd.DataFrame(rows).to_parquet(tmp_path / "log.parquet")
+    seen = {c.name for c in import_logs([tmp_path / "log.parquet"], {"angle": ("u", "")}).logs[0].channels}
+    (channel,) = seen - {"u", "p [kPa]"}
+    out = tmp_path / "campaign"
+    _, told = imported([tmp_path / "log.parquet"], out, given={"angle": (channel, "deg")})
+    text = (out / "campaign.toml").read_bytes()
+    assert set(parse_toml(text, out, "correct it")) == {"axis", "start", "sample_time_s", "fit", "columns"}
+    assert all(c >= 32 or c == 10 for c in text)
+    found = load_recording(out / told["fit"][0], told["columns"])
+    np.testing.assert_allclose(found.angle, STEPS.angle)
+    assert {p.name for p in tmp_path.iterdir()} == {"log.parquet", "campaign"}
+
+
+@pytest.mark.parametrize("content", [b"", b"\x00" * 400, b"a;b\n1;2\n", b"time,angle\n" + b"1,2\n" * 50])
+@pytest.mark.parametrize(
+    "suffix", [".csv", ".h5", ".tdms", ".mf4", ".mcap", ".bag", ".parquet", ".mat", ".xyz"]
+)
+@pytest.mark.filterwarnings("default")
+def test_what_is_no_log_is_refused_in_one_line(tmp_path, content, suffix):
+    path = tmp_path / f"log{suffix}"
+    path.write_bytes(content)
+    with pytest.raises(InputError) as refused:
+        import_logs([path], {})
+    assert "\n" not in str(refused.value)
+
+
+def test_a_folder_with_something_in_it_is_kept(tmp_path):
+    made = import_logs([EXAMPLE / "steps.csv"], {})
+    (tmp_path / "mine.txt").write_text("mine")
+    with pytest.raises(InputError, match="is not empty"):
+        write_campaign(made, "flexion", tmp_path)
+    assert [p.name for p in tmp_path.iterdir()] == ["mine.txt"]
+
+
+def test_the_examples_come_back_as_they_are(tmp_path):
+    made, told = imported(sorted(EXAMPLE.glob("*.csv")), tmp_path / "c")
+    campaign = load_campaign(tmp_path / "c")
+    assert (
+        len(campaign.fit) + len(campaign.validate)
+        == len(told["fit"]) + len(told["validate"])
+        == len(made.runs)
+    )
+    for r in (*campaign.fit, *campaign.validate):
+        np.testing.assert_array_equal(r.command, load_recording(EXAMPLE / r.name).command[: len(r.command)])
