@@ -23,6 +23,7 @@ from plants.effects.wrist.cross_coupling import Coupling, PressureCoupling, Quad
 from plants.effects.wrist.end_stop import CompliantStop, GivingStop, HardStop, PadStop, SpringStop
 from plants.effects.wrist.inertia import DraggedInertia, Inertia, StiffeningInertia
 from plants.effects.wrist.load_step import GradualLoad, LoadStep
+from plants.effects.wrist.loop_shape import OneMorePlay, SeveralPlays
 from plants.effects.wrist.rate_dependence import PowerWidening, RememberedRate, SaturatingWidening, Viscous
 from plants.effects.wrist.softening import Mullins, SofteningByWork, Warming
 from plants.errors import InputError
@@ -41,6 +42,7 @@ EFFECTS: dict[str, tuple[type[Effect], ...]] = {
         (SofteningByWork, Warming, Mullins),
         (LoadStep, GradualLoad),
         (Creep, TwoTimeCreep, LogCreep),
+        (OneMorePlay, SeveralPlays),
         (Inertia, DraggedInertia, StiffeningInertia),
         (HardStop, GivingStop, SpringStop, PadStop, CompliantStop),
         (Drift, WarmingDrift),

@@ -102,6 +102,11 @@ class ExcitationHints(Protocol):
         ...
 
     @property
+    def single(self) -> bool:
+        """Whether each command is a single sine, or a wave of that period."""
+        ...
+
+    @property
     def begins(self) -> float:
         """Time [s] up to which the recordings only begin."""
         ...

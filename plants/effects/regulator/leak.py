@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Effect, Nothing, Number, parameter
+from plants.effects.effect import Effect, ExcitationHints, Nothing, Number, parameter
 
 REFERENCE = 100.0
 """Gauge pressure [kPa] at which a power's rate is told."""
@@ -20,7 +20,7 @@ EMPTY = 1e-6
 """Gauge pressure [kPa] at which nothing flows any more, so that a power of it has a slope."""
 
 
-class SampledLaminar(NamedTuple):
+class SampledLaminarLeak(NamedTuple):
     """Share of the gauge pressure that is lost in one sample."""
 
     share: Number
@@ -29,7 +29,7 @@ class SampledLaminar(NamedTuple):
         return s, after - self.share * np.maximum(before, 0.0)
 
 
-class SampledPower(NamedTuple):
+class SampledPowerLeak(NamedTuple):
     """What is lost in one sample at `REFERENCE` [kPa], and the exponent of the pressure."""
 
     loss: Number
@@ -54,6 +54,12 @@ class _Leak(Effect):
     BOUND = "kept"
     LOSES = True
 
+    def borrowed(self, asked: ExcitationHints) -> str | None:
+        """Along one ramp what is lost and a gain that falls are the same."""
+        if asked.ramp:
+            return "the command is one ramp, along which a gain that falls does the same; record holds"
+        return None
+
 
 @dataclass(frozen=True)
 class LaminarLeak(_Leak):
@@ -63,8 +69,8 @@ class LaminarLeak(_Leak):
 
     rate: Number = parameter("1/s", "rate of the loss", 0.0, 5.0, 0.0, (0.01, 0.05, 0.2))
 
-    def sampled(self, wrist: Any, dt: float) -> SampledLaminar:
-        return SampledLaminar(-np.expm1(-np.asarray(self.rate, float) * dt))
+    def sampled(self, wrist: Any, dt: float) -> SampledLaminarLeak:
+        return SampledLaminarLeak(-np.expm1(-np.asarray(self.rate, float) * dt))
 
 
 @dataclass(frozen=True)
@@ -76,5 +82,5 @@ class PowerLeak(_Leak):
     flow: Number = parameter("kPa/s", "loss at 100 kPa", 0.0, 200.0, 0.0, (1.0, 5.0))
     exponent: Number = parameter("1", "exponent of the gauge pressure", 0.2, 3.0, 0.5, (0.3, 0.6, 2.0))
 
-    def sampled(self, wrist: Any, dt: float) -> SampledPower:
-        return SampledPower(self.flow * dt, self.exponent)
+    def sampled(self, wrist: Any, dt: float) -> SampledPowerLeak:
+        return SampledPowerLeak(self.flow * dt, self.exponent)
