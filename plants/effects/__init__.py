@@ -26,6 +26,7 @@ from plants.effects.wrist.load_step import GradualLoad, LoadStep
 from plants.effects.wrist.loop_shape import OneMorePlay, SeveralPlays
 from plants.effects.wrist.rate_dependence import PowerWidening, RememberedRate, SaturatingWidening, Viscous
 from plants.effects.wrist.softening import Mullins, SofteningByWork, Warming
+from plants.effects.wrist.stick_slip import FreeSlip, Presliding, RubbingSlip
 from plants.errors import InputError
 
 EFFECTS: dict[str, tuple[type[Effect], ...]] = {
@@ -44,6 +45,7 @@ EFFECTS: dict[str, tuple[type[Effect], ...]] = {
         (Creep, TwoTimeCreep, LogCreep),
         (OneMorePlay, SeveralPlays),
         (Inertia, DraggedInertia, StiffeningInertia),
+        (FreeSlip, RubbingSlip, Presliding),
         (HardStop, GivingStop, SpringStop, PadStop, CompliantStop),
         (Drift, WarmingDrift),
         (Hum, HarmonicHum),

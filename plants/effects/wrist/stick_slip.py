@@ -1,0 +1,144 @@
+"""Stick-slip: the joint sticks until its spring is off by a breakaway, then slides.
+
+All friction is told in degrees of the joint's own spring: the joint moves by Tw y' = h - y - friction, where
+h is the static angle.  Friction of Stribeck's kind holds against more than it takes once sliding (Armstrong-
+Helouvry, Dupont & Canudas de Wit, Automatica 30 (1994) 1083); where asperities bend before they give way
+the joint creeps along with its load while it sticks (presliding: Dahl, 1968; LuGre, Canudas de Wit et al.,
+IEEE Trans. Autom. Control 40 (1995) 419).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from plants import lag
+from plants.effects.effect import Effect, Number, TrialHints, parameter
+from plants.hysteresis.play import kept
+
+LEVEL = 1e-12
+"""A pull that grows by less than this [deg] in a sample does not grow."""
+
+SHARES = (0.01, 0.03, 0.1)
+"""Breakaways to try, as shares of the range of the angle."""
+
+
+class Contact(NamedTuple):
+    """Whether the joint slides (1) or sticks (0)."""
+
+    slides: Number
+
+
+class SampledStickSlip(NamedTuple):
+    """Breakaway, friction while sliding, and what pulls when the joint sticks again [deg]; share of what the
+    load moves that a contact which sticks gives way by; the lag of a joint that slides."""
+
+    breakaway: Number
+    sliding: Number
+    residue: Number
+    give: Number
+    lag: lag.SampledLag
+
+    def joint(
+        self, s: Contact, angle: Number, before: Number, after: Number, pressure: Number
+    ) -> tuple[Contact, Number]:
+        first, off = np.abs(before - angle), after - angle
+        pull, side = np.abs(off), np.where(off < 0.0, -1.0, 1.0)
+        slid = s.slides > 0.5
+        # When in the sample it breaks away; where in the sample it sticks again.
+        late = kept((self.breakaway - first) / np.maximum(pull - first, LEVEL), 0.0, 1.0)
+        friction = side * self.sliding
+        way = lag.step(angle, before - friction, after - friction, self.lag) - angle
+        to = angle + np.where(slid, 1.0, 1.0 - late) * way
+        left = np.abs(after - to)
+        ends = np.where(pull < self.residue, angle, after - side * self.residue)
+        sticks = np.where(pull < self.residue, 1.0, np.where(left < self.residue, 1.0, 0.0))
+        moves = np.where(slid, 1.0, np.where(pull >= self.breakaway, 1.0, 0.0))
+        moved = np.where(sticks > 0.5, ends, to)
+        stays = angle + self.give * (after - before)
+        return Contact(moves * (1.0 - sticks)), np.where(moves > 0.5, moved, stays)
+
+
+_BREAKAWAY = parameter("deg", "pull at which the joint breaks away", 0.0, 20.0, 0.0, (0.4, 1.0, 2.5))
+_SLIDING = parameter("1", "friction while sliding over breakaway", 0.0, 0.98, 0.0, (0.1, 0.5))
+_AGAIN = "where the joint sticks again, as a share of the way from sliding to breakaway"
+_RESIDUE = parameter("1", _AGAIN, 0.0, 1.0, 0.3, (0.1, 0.4))
+
+
+class _StickSlip(Effect):
+    """What the forms share."""
+
+    NAME = "stick-slip"
+    STAGE = "wrist"
+    HAPPENS = "The joint sticks, then slides"
+    RUGGED = True
+
+    breakaway: Number
+    residue: Number
+
+    def no_bound(self, wrist: Any) -> str | None:
+        return "a joint that breaks away earlier may stick nearer"
+
+    @classmethod
+    def trials_on(cls, log: TrialHints) -> Iterator[dict[str, float]]:
+        """The trials, and breakaways at shares of the range that was reached, for rigs of any size."""
+        yield from cls.trials()
+        low, high = log.quantiles(0.002, 0.998)
+        first = next(cls.trials())["breakaway"]
+        for given in cls.trials():
+            if given["breakaway"] == first:
+                for share in SHARES:
+                    yield {**given, "breakaway": share * float(high - low)}
+
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Contact:
+        return Contact(0.0)
+
+    def _coefficients(
+        self, wrist: Any, dt: float, sliding: Number = 0.0, give: Number = 0.0
+    ) -> SampledStickSlip:
+        friction = sliding * self.breakaway
+        residue = friction + self.residue * (self.breakaway - friction)
+        return SampledStickSlip(self.breakaway, friction, residue, give, lag.sampled(wrist.Tw, dt))
+
+
+@dataclass(frozen=True)
+class FreeSlip(_StickSlip):
+    """Once it has broken away, the joint slides without friction until it sticks again."""
+
+    FORM = "slides freely"
+
+    breakaway: Number = _BREAKAWAY
+    residue: Number = _RESIDUE
+
+    def sampled(self, wrist: Any, dt: float) -> SampledStickSlip:
+        return self._coefficients(wrist, dt)
+
+
+@dataclass(frozen=True)
+class RubbingSlip(_StickSlip):
+    """The joint slides against friction, which is less than that which it breaks away from."""
+
+    FORM = "slides against friction"
+
+    breakaway: Number = _BREAKAWAY
+    sliding: Number = _SLIDING
+    residue: Number = _RESIDUE
+
+    def sampled(self, wrist: Any, dt: float) -> SampledStickSlip:
+        return self._coefficients(wrist, dt, self.sliding)
+
+
+@dataclass(frozen=True)
+class Presliding(_StickSlip):
+    """As `RubbingSlip`; while it sticks the contact gives way by a share `give` of what the load moves."""
+
+    FORM = "with presliding"
+
+    breakaway: Number = _BREAKAWAY
+    sliding: Number = _SLIDING
+    residue: Number = parameter("1", _AGAIN, 0.0, 1.0, 0.3, (0.2,))
+    give: Number = parameter("1", "share by which a contact that sticks follows", 0.0, 0.9, 0.0, (0.03,))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledStickSlip:
+        return self._coefficients(wrist, dt, self.sliding, self.give)
