@@ -17,9 +17,6 @@ TRIED = 40
 MOST_ABOVE = 2.0
 """By how many spans of its range at most the commanded pressure is looked for above the one that is held."""
 
-SECANTS, NEAR = 20, 1e-10
-"""Steps in which a pressure and what effects add at it are brought together, and how near [deg]."""
-
 
 def searched(wrist: Wrist) -> tuple[float, float, float]:
     """Pressures between which a wrist with effects is looked for at rest (one that is found at an end of them
@@ -52,39 +49,10 @@ def at_rest(wrist: Wrist, start: Start = "virgin", angle: Number = 0.0) -> State
     if not wrist.effects:
         pressure = loop.rest_between(angle)[start]
         return State(pressure, loop.resting(start, angle, pressure), angle)
-    pressure, h = _resting(wrist, start, angle)
+    h = _static_angle(wrist, angle)
+    low, high = _pressure_on(wrist, 1, h), _pressure_on(wrist, 0, h)
+    pressure = {"line1": high, "line2": low, "inside": (low + high) / 2}[start]
     return State(pressure, _memory(wrist, start, h, pressure), angle, _effects(wrist, pressure, h))
-
-
-def _resting(wrist: Wrist, start: Start, angle: Number) -> tuple[Number, Number]:
-    """Pressure [kPa] and angle of the loop [deg] of a wrist that rests at an angle [deg].
-
-    What effects add beside the loop hangs on the pressure, which is found with what they add: by secants."""
-
-    def found(of_loop: Number) -> tuple[Number, Number]:
-        h = _static_angle(wrist, of_loop)
-        low, high = _pressure_on(wrist, 1, h), _pressure_on(wrist, 0, h)
-        return {"line1": high, "line2": low, "inside": (low + high) / 2}[start], h
-
-    t0 = np.asarray(angle, float)
-    pressure, h = found(t0)
-    if not np.any(_beside(wrist, pressure)):
-        return pressure, h
-    f0 = _beside(wrist, pressure)
-    t1 = t0 - f0
-    for _ in range(SECANTS):
-        pressure, h = found(t1)
-        f1 = t1 + _beside(wrist, pressure) - angle
-        if np.all(np.abs(f1) < NEAR):
-            break
-        slope = np.where(np.abs(t1 - t0) > 0.0, (f1 - f0) / np.where(t1 == t0, 1.0, t1 - t0), 1.0)
-        t0, f0, t1 = t1, f1, t1 - f1 / np.where(np.abs(slope) > NEAR, slope, 1.0)
-    return pressure, h
-
-
-def _beside(wrist: Wrist, pressure: Number) -> Number:
-    """Angle [deg] that effects add to the loop's at rest at a pressure [kPa]."""
-    return sum((e.beside(wrist, pressure) for e in wrist.effects), 0.0)
 
 
 def _memory(wrist: Wrist, start: Start, h: Number, pressure: Number) -> Any:
@@ -138,8 +106,7 @@ def at_pressure(wrist: Wrist, start: Start, pressure: float) -> State:
         return at_rest(wrist, start, (loop.ascending, loop.descending)[line](pressure))
     h = float(_line_angle(wrist, line, pressure, 0.0))
     memory = _memory(wrist, start, h, pressure)
-    held = float(_held_angle(wrist, h) + _beside(wrist, pressure))
-    return State(pressure, memory, held, _effects(wrist, pressure, h))
+    return State(pressure, memory, float(_held_angle(wrist, h)), _effects(wrist, pressure, h))
 
 
 def obstacle(wrist: Wrist, start: Start, angle: float) -> str | None:

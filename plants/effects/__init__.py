@@ -23,10 +23,8 @@ from plants.effects.wrist.cross_coupling import Coupling, PressureCoupling, Quad
 from plants.effects.wrist.end_stop import CompliantStop, GivingStop, HardStop, PadStop, SpringStop
 from plants.effects.wrist.inertia import DraggedInertia, Inertia, StiffeningInertia
 from plants.effects.wrist.load_step import GradualLoad, LoadStep
-from plants.effects.wrist.loop_shape import OneMorePlay, SeveralPlays
 from plants.effects.wrist.rate_dependence import PowerWidening, RememberedRate, SaturatingWidening, Viscous
 from plants.effects.wrist.softening import Mullins, SofteningByWork, Warming
-from plants.effects.wrist.stick_slip import FreeSlip, Presliding, RubbingSlip
 from plants.errors import InputError
 
 EFFECTS: dict[str, tuple[type[Effect], ...]] = {
@@ -43,9 +41,7 @@ EFFECTS: dict[str, tuple[type[Effect], ...]] = {
         (SofteningByWork, Warming, Mullins),
         (LoadStep, GradualLoad),
         (Creep, TwoTimeCreep, LogCreep),
-        (OneMorePlay, SeveralPlays),
         (Inertia, DraggedInertia, StiffeningInertia),
-        (FreeSlip, RubbingSlip, Presliding),
         (HardStop, GivingStop, SpringStop, PadStop, CompliantStop),
         (Drift, WarmingDrift),
         (Hum, HarmonicHum),

@@ -102,11 +102,6 @@ class ExcitationHints(Protocol):
         ...
 
     @property
-    def single(self) -> bool:
-        """Whether each command is a single sine, or a wave of that period."""
-        ...
-
-    @property
     def begins(self) -> float:
         """Time [s] up to which the recordings only begin."""
         ...
@@ -153,7 +148,6 @@ class Effect(ABC):
     - WANDERS: whether its sensor wanders besides, which no model foresees;
     - DELAY: the parameter that is its transport delay [s], for one that delays and smooths the command alone;
     - STOPS: whether it is a stop that the joint runs into;
-    - RUGGED: whether a fit of it has many minima, so that it has to be started from each of its trials;
     - LOSES: whether air is lost at rest, so that more is commanded than the pressure that is held;
     - BOUND: what the performance bound makes of it: ``kept``, where the wrist is a monotone cascade with it,
       ``taken away``, where the wrist without it goes at least as far, or None, where no bound is known.
@@ -168,7 +162,6 @@ class Effect(ABC):
     WANDERS: ClassVar[bool] = False
     DELAY: ClassVar[str | None] = None
     STOPS: ClassVar[bool] = False
-    RUGGED: ClassVar[bool] = False
     LOSES: ClassVar[bool] = False
     BOUND: ClassVar[Literal["kept", "taken away"] | None] = None
 
@@ -219,10 +212,6 @@ class Effect(ABC):
         For an effect that acts on the commanded pressure it is that, which a leak holds above the wrist's.
         """
         return Nothing()
-
-    def beside(self, wrist: Any, pressure: Number) -> Number:
-        """Angle [deg] that it adds to the loop's, at rest at a pressure [kPa]."""
-        return 0.0
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         """What is linear of the effect at points z = exp(j omega dt), within pressures `reach` [kPa]."""

@@ -8,7 +8,6 @@ from plants.effects.sensor.gyro_drift import Drift
 from plants.effects.sensor.periodic import Hum
 from plants.effects.wrist.creep import Creep
 from plants.effects.wrist.load_step import LoadStep
-from plants.effects.wrist.loop_shape import OneMorePlay
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.trace.search.excitation import excitation, line
@@ -48,12 +47,6 @@ def test_a_load_step_at_the_first_rows_is_an_offset():
 def test_a_drift_along_the_only_ramp_is_the_commands():
     assert "ramp" in Drift(0.01).borrowed(asked(RAMP))
     assert Drift(0.01).borrowed(asked(STEPS)) is None
-
-
-def test_without_minor_loops_their_shape_is_the_branches():
-    assert "single sine" in OneMorePlay(0.1).borrowed(asked(SINE))
-    assert "ramp" in OneMorePlay(0.1).borrowed(asked(RAMP))
-    assert OneMorePlay(0.1).borrowed(asked(STEPS, SINE, STEPS)) is None
 
 
 def test_a_leak_along_the_only_ramp_is_the_regulators_gain():

@@ -43,11 +43,6 @@ class Excitation:
     begins: float
     longest: float
 
-    @property
-    def single(self) -> bool:
-        """Whether single sines were asked, and little else."""
-        return bool(self.lines)
-
     def harmonic(self, frequency: float, orders: int = 20) -> int | None:
         """Which multiple of a line a frequency [Hz] is, as far as the recordings tell; None for none."""
         for line, width in self.lines:

@@ -20,7 +20,6 @@ from plants.effects.effect import Effect
 from plants.kernel.batches import default_jobs
 from plants.measured.playback import Playback
 from plants.measured.problem import Begin, block_length, measured
-from plants.measured.problem import begun as begun_at
 from plants.measured.recording import Recording
 from plants.parameters.quantities import REGULATOR_NAMES, ParameterSet
 from plants.rig import Rig
@@ -138,24 +137,10 @@ class Stage:
         return rows[playback.rows // playback.every]
 
     def _state(self, i: int, wrist: Wrist) -> State | None:
-        return begun(wrist, None if self.begins is None else self.begins[i])
-
-
-def begun(wrist: Wrist, begin: Begin | None) -> State | None:
-    """The state of a wrist, effects included, in which a recording starts at `begin` [s]; None at rest.
-
-    What effects add beside the loop at that pressure is part of the angle that was seen.
-    """
-    if begin is None:
-        return None
-    added = [e.beside(wrist, begin.pressure) for e in wrist.effects]
-    at = begun_at(wrist.hysteresis, begin.pressure, begin.angle - sum(added), begin.virgin)
-    rest = wrist.rest()
-    effects = tuple(
-        e.rest(wrist, begin.pressure, begin.angle) if np.any(a) else s
-        for e, a, s in zip(wrist.effects, added, rest.effects, strict=True)
-    )
-    return rest._replace(pressure=at.pressure, memory=at.memory, angle=begin.angle, effects=effects)
+        if self.begins is None:
+            return None
+        begin = self.begins[i].state(wrist.hysteresis)
+        return wrist.rest()._replace(pressure=begin.pressure, memory=begin.memory, angle=begin.angle)
 
 
 @dataclass(frozen=True)
