@@ -6,7 +6,7 @@ import pytest
 
 from plants import built_in
 from plants.effects import Creep, DeadTime, HardStop
-from plants.parameters.quantities import dump
+from plants.parameters.files import dump
 
 VALUES = {"dead-time.delay": 0.1, "creep.gain": 0.064, "creep.time_constant": 3.0}
 
@@ -68,6 +68,7 @@ def test_compare_of_one_plant_is_of_that_plant_alone(wrist, revised, tmp_path):
     out = tmp_path / "report"
     outcome = wrist(
         "compare",
+        "--plain",
         "--plant",
         revised,
         "--points",

@@ -13,7 +13,7 @@ from design.cli.places import check_places
 from design.synthesis.requirements import default_problem
 from design.synthesis.tuning import Region, tune
 from plants import InputError
-from plants.parameters.quantities import load
+from plants.parameters.files import load
 from plants.simulation.open_loop import open_loop
 from plants.wrist import Wrist
 from tests.rig.campaign import make_campaign
@@ -59,7 +59,7 @@ def answered(late, tmp_path_factory):
     place = tmp_path_factory.mktemp("out")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(design.synthesis.retune, "tune", quick_tune)
-        patch.setattr(design.synthesis.retune, "default_problem", quick_problem)
+        patch.setattr(design.synthesis.retune, "late_problem", quick_problem)
         code, out, err = run(
             "trace", late, "--json", "-", "--save", place / "deep" / "plant.toml", "--out", place / "page",
             "--retune",
