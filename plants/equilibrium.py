@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from plants import lag
-from plants.dynamics import Number, State
+from plants.dynamics import Number, State, press
 from plants.effects.effect import Around
 from plants.hysteresis import STARTS, Start
 
@@ -17,6 +17,9 @@ BEYOND = (1.5, 2.5)
 
 TRIED = 40
 """Pressures that are tried in a span before the rest is narrowed down."""
+
+MOST_ABOVE = 2.0
+"""By how many spans of its range at most the commanded pressure is looked for above the one that is held."""
 
 
 def searched(wrist: "Wrist") -> tuple[float, float, float]:
@@ -43,14 +46,14 @@ def at_rest(wrist: "Wrist", start: Start = "virgin", angle: Number = 0.0) -> Sta
     virgin = start == "virgin"
     if virgin and np.any(np.asarray(angle) != 0.0):
         raise ValueError("a virgin wrist rests at angle 0; start on line1, line2 or inside")
-    h = _static_angle(wrist, angle) if wrist.effects and not virgin else angle
     if virgin:
         # A law without a dead zone of its own leaves the initial curve with the slightest pressure.
         state = State(loop.rest_pressure, loop.initial(), angle)
-        return state._replace(effects=_effects(wrist, state.pressure, h))
+        return state._replace(effects=_effects(wrist, state.pressure, angle))
     if not wrist.effects:
-        pressure = loop.rest_between(h)[start]
-        return State(pressure, loop.resting(start, h, pressure), angle)
+        pressure = loop.rest_between(angle)[start]
+        return State(pressure, loop.resting(start, angle, pressure), angle)
+    h = _static_angle(wrist, angle)
     low, high = _pressure_on(wrist, 1, h), _pressure_on(wrist, 0, h)
     pressure = {"line1": high, "line2": low, "inside": (low + high) / 2}[start]
     return State(pressure, _memory(wrist, start, h, pressure), angle, _effects(wrist, pressure, h))
@@ -63,7 +66,40 @@ def _memory(wrist: "Wrist", start: Start, h: Number, pressure: Number) -> Any:
 
 
 def _effects(wrist: "Wrist", pressure: Number, h: Number) -> tuple[Any, ...]:
-    return tuple(e.rest(wrist, pressure, h) for e in wrist.effects)
+    aimed = commanded(wrist, pressure)
+    asked = {i for i, _ in wrist.sampled().at("target")}
+    return tuple(e.rest(wrist, aimed if i in asked else pressure, h) for i, e in enumerate(wrist.effects))
+
+
+def holding_command(wrist: "Wrist", pressure: Number) -> Number:
+    """The command [V] under which the pressure [kPa] of a wrist stays where it is.
+
+    >>> from plants import Wrist
+    >>> from plants.effects.regulator.leak import LaminarLeak
+    >>> round(float(holding_command(Wrist.flexion(), 98.8)), 9)
+    2.0
+    >>> bool(holding_command(Wrist.flexion() + LaminarLeak(0.05), 98.8) > 2.1)
+    True
+    """
+    return commanded(wrist, pressure) / wrist.regulator.gain
+
+
+def commanded(wrist: "Wrist", pressure: Number) -> Number:
+    """The commanded pressure [kPa] at which the regulator gives what a wrist at a pressure [kPa] loses: the
+    pressure itself, where nothing does; by bisection."""
+    if not any(e.LOSES for e in wrist.effects):
+        return pressure
+    c = wrist.sampled()
+    prompt = [e for e, law in zip(wrist.effects, c.effects, strict=True) if not hasattr(law, "target")]
+    c = c._replace(effects=tuple(e.sampled(wrist, wrist.rig.sample_time) for e in prompt))
+    still = State(pressure, None, 0.0, tuple(e.rest(wrist, pressure, 0.0) for e in prompt))
+    low = pressure + 0.0 * press(still, 0.0, c)[0]
+    high = low + MOST_ABOVE * (wrist.rig.pressure_range[1] - wrist.rig.pressure_range[0])
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        sinks = press(still, middle / wrist.regulator.gain, c)[0] < pressure
+        low, high = np.where(sinks, middle, low), np.where(sinks, high, middle)
+    return high
 
 
 def at_pressure(wrist: "Wrist", start: Start, pressure: float) -> State:

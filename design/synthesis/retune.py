@@ -15,6 +15,7 @@ from design.evaluation.steps import run
 from design.synthesis.answer import Refusal, out_of_reach, refusal
 from design.synthesis.requirements import ROUNDING, Limits, Problem, evaluate, late_problem, out_of_range
 from design.synthesis.tuning import Region, Tuning, tune
+from plants.equilibrium import holding_command
 from plants.parameters.quantities import ParameterSet
 from plants.rig import StepTask
 from plants.wrist import Wrist
@@ -156,7 +157,7 @@ def retune(
     wrist = Wrist.of(revised)
     problems = [late_problem(Wrist.of(p), jobs=jobs) for p in (declared, without_sensor(revised))]
     same = declared.values == revised.values and declared.effects == revised.effects
-    held = wrist.hysteresis.rest_pressure / wrist.regulator.gain
+    held = float(holding_command(wrist, wrist.hysteresis.rest_pressure))
     sides, task = [], wrist.rig.task
     for name, problem in list(zip(("declared", "revised"), problems, strict=True))[: 1 if same else 2]:
         found, no = _tuned(problem, region, starts, seed, _under(f"tuning on the {name} plant", tell))

@@ -12,6 +12,7 @@ from inspect import isabstract
 from plants.effects.effect import Around, Effect
 from plants.effects.regulator.dead_time import DeadTime, TubeDeadTime
 from plants.effects.regulator.fill_exhaust import OrificeExhaust, PressureDependentRates, TwoRates
+from plants.effects.regulator.leak import LaminarLeak, PowerLeak
 from plants.effects.regulator.regulator_deadband import Latch, PlayDeadBand, ValveOverlap
 from plants.effects.regulator.supply_droop import CappedPressure, CappedTarget, LimitedFlow, SaturatingSag
 from plants.effects.sensor.gyro_drift import Drift, WarmingDrift
@@ -33,6 +34,7 @@ EFFECTS: dict[str, tuple[type[Effect], ...]] = {
         (Latch, PlayDeadBand, ValveOverlap),
         (TwoRates, PressureDependentRates, OrificeExhaust),
         (CappedPressure, CappedTarget, SaturatingSag, LimitedFlow),
+        (LaminarLeak, PowerLeak),
         (Polynomial, Saturation, Bow, SmoothCurve),
         (Coupling, QuadraticCoupling, PressureCoupling),
         (Viscous, PowerWidening, SaturatingWidening, RememberedRate),

@@ -155,6 +155,7 @@ class Effect(ABC):
     - DELAY: the parameter that is its transport delay [s], for one that delays and smooths the command alone;
     - STOPS: whether it is a stop that the joint runs into;
     - SILENT: whether it grows from nothing once a run begins, so that a wrist rests as it does without;
+    - LOSES: whether air is lost at rest, so that more is commanded than the pressure that is held;
     - BOUND: what the performance bound makes of it: ``kept``, where the wrist is a monotone cascade with it,
       ``taken away``, where the wrist without it goes at least as far, or None, where no bound is known.
     """
@@ -169,6 +170,7 @@ class Effect(ABC):
     DELAY: ClassVar[str | None] = None
     STOPS: ClassVar[bool] = False
     SILENT: ClassVar[bool] = False
+    LOSES: ClassVar[bool] = False
     BOUND: ClassVar[Literal["kept", "taken away"] | None] = None
 
     @classmethod
@@ -215,7 +217,10 @@ class Effect(ABC):
         """Coefficients for a sample time `dt` [s] in a wrist; a NamedTuple with laws at ports."""
 
     def rest(self, wrist: Any, pressure: Number, angle: Number) -> Any:
-        """State of the effect in a wrist at rest for long at a pressure [kPa] and a static angle [deg]."""
+        """State of the effect in a wrist at rest for long at a pressure [kPa] and a static angle [deg].
+
+        For an effect that acts on the commanded pressure it is that, which a leak holds above the wrist's.
+        """
         return Nothing()
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:

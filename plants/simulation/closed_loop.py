@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from plants import dynamics as plant
 from plants.dynamics import QUIET, SampledWrist, State
 from plants.effects.effect import Around
+from plants.equilibrium import holding_command
 from plants.kernel import pytrees
 from plants.kernel.batches import run_lanes
 from plants.simulation.reference_profile import ReferenceProfile
@@ -132,7 +133,7 @@ def holding(wrist: "Wrist", controller: Any, state: State, begin: float = 0.0) -
     """The state of a controller that holds the wrist still at the pressure of `state`, at a time [s]."""
     seen = plant.read(state, wrist.sampled(), Around(begin))
     measured = Measured(0.0, seen, state.pressure)
-    return controller.holding(state.pressure * controller.gain / wrist.regulator.gain, measured)
+    return controller.holding(holding_command(wrist, state.pressure) * controller.gain, measured)
 
 
 @dataclass(frozen=True)

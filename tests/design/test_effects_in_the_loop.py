@@ -19,7 +19,7 @@ from plants.effects import (
     Warming,
 )
 from plants.effects.wrist.inertia import NULL
-from plants.equilibrium import at_pressure, obstacle
+from plants.equilibrium import at_pressure, holding_command, obstacle
 from plants.wrist import Wrist
 from tests.design.effect_samples import FORMS, IDS, WRIST, present
 
@@ -95,7 +95,7 @@ def test_a_wrist_at_rest_stays_there(form, start):
         assert form.NAME == "end-stop"
         pytest.skip(hindered)
     state = wrist.rest(start, angle)
-    held = np.full(5000, float(state.pressure) / wrist.regulator.gain)
+    held = np.full(5000, float(holding_command(wrist, state.pressure)))
     went = wrist.simulate(held, state, every=1000)
     assert abs(float(went.state.angle) - angle) < 0.02
 

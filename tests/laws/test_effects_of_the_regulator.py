@@ -9,10 +9,12 @@ from plants.effects import (
     CappedPressure,
     CappedTarget,
     DeadTime,
+    LaminarLeak,
     Latch,
     LimitedFlow,
     OrificeExhaust,
     PlayDeadBand,
+    PowerLeak,
     PressureDependentRates,
     SaturatingSag,
     TubeDeadTime,
@@ -20,6 +22,7 @@ from plants.effects import (
     ValveOverlap,
 )
 from plants.effects.effect import Around
+from plants.equilibrium import commanded, holding_command
 from tests.laws.effect_steps import DT, ONE_RATE, WRIST, played
 
 STEPS = np.repeat([2.5, 1.0, 3.5, 3.4], 500)
@@ -154,3 +157,39 @@ def test_a_tube_fills_no_faster_than_its_flow(flow, laminar):
     ours = limited.simulate([most] * count).pressure
     assert expected[-1] - REST > 1.0
     np.testing.assert_allclose(ours[:count], expected[: len(ours)], atol=0.01 * (expected[-1] - REST))
+
+
+@pytest.mark.parametrize("exponent", [0.5, 1.0, 1.7])
+def test_a_leak_is_the_differential_equation_that_it_says(exponent):
+    flow, k = 8.0, ONE_RATE.regulator.k_fast
+
+    def rate(_t, p):
+        return k * (GAIN * 3.0 - p) - flow * (p / 100.0) ** exponent
+
+    solved = solve_ivp(rate, (0.0, 1.0), [REST], rtol=1e-10, atol=1e-10, t_eval=np.arange(1001) * DT)
+    ours = (ONE_RATE + PowerLeak(flow, exponent)).simulate(np.full(1000, 3.0)).pressure
+    np.testing.assert_allclose(ours, solved.y[0], atol=0.02 * flow / k)  # of first order in the sample
+
+
+def test_a_laminar_leak_sags_exponentially_where_nothing_is_given():
+    shut = ONE_RATE.with_values(k_fast=1e-12, k_slow=1e-12) + LaminarLeak(0.3)
+    ours = shut.simulate(np.full(2000, 3.0)).pressure
+    np.testing.assert_allclose(ours, REST * np.exp(-0.3 * DT * np.arange(2001)), rtol=1e-9)
+
+
+def test_a_leaking_chamber_rests_where_the_regulator_gives_what_is_lost():
+    k = ONE_RATE.regulator.k_fast
+    wrist = ONE_RATE + LaminarLeak(0.3)
+    assert float(commanded(wrist, 80.0)) == pytest.approx(80.0 * (1.0 + 0.3 / k), rel=0.02)
+    held = np.full(3000, float(holding_command(wrist, REST)))
+    np.testing.assert_allclose(wrist.simulate(held).pressure, REST, atol=1e-9)
+    plain = wrist.simulate(np.full(20000, BEFORE)).pressure[-1]
+    assert plain == pytest.approx(REST / (1.0 + 0.3 / k), rel=0.01)  # below what was commanded
+
+
+def test_behind_a_tube_a_leaking_wrist_at_rest_stays_there():
+    wrist = WRIST + DeadTime(0.05) + ValveOverlap(2.0) + LaminarLeak(0.05)
+    state = wrist.rest("line1", 15.0)
+    held = np.full(500, float(holding_command(wrist, state.pressure)))
+    went = wrist.simulate(held, state).pressure
+    np.testing.assert_allclose(went, float(state.pressure), atol=1e-9)

@@ -13,17 +13,20 @@ from numba import njit
 
 from tests.rig import open_effects, regulator_effects, sensor_effects, wrist_effects
 from tests.rig.effects import Hidden
-from tests.rig.open_effects import PLAYS, ripple, run_out
+from tests.rig.open_effects import ripple, run_out
 from tests.rig.parameters import Declared
-from tests.rig.regulator_effects import accepted_target, limited_rate, rate_factor, supply_pressure
+from tests.rig.regulator_effects import accepted_target, leaked, limited_rate, rate_factor, supply_pressure
 from tests.rig.sensor_effects import drift, hum
 from tests.rig.signals import Signal
 from tests.rig.wrist_effects import (
     LONGEST_SPECTRUM,
+    PLAYS,
     bent,
+    bouc_wen,
     joint_acceleration,
     lens,
     loaded,
+    lugre,
     slope_factor,
     stop_push,
     widening,
@@ -94,7 +97,8 @@ def pressure_rate(
     rate = p.k_slow + (p.k_fast - p.k_slow) * error**2 / (error**2 + p.e0**2)
     rate = rate * rate_factor(hidden.asymmetry, error, pressure) * error
     rate = limited_rate(hidden.supply, rate, pressure, supply)
-    return rate - hidden.open.leak.rate * max(pressure, 0.0) * (angle / 20.0) ** 2
+    rate -= hidden.open.bending_leak.rate * max(pressure, 0.0) * (angle / 20.0) ** 2
+    return rate - leaked(hidden.leak, pressure)
 
 
 @njit(cache=True)
@@ -130,7 +134,7 @@ def integrate(
     x = hidden.coupling.pressure * other
     # The other muscle has been at its pressure for long: the joint rests where that holds it.
     u = hidden.coupling.angle * other + hidden.coupling.bend * other**2 / 100.0
-    y, speed, stuck, seen = u, 0.0, True, u
+    y, speed, stuck, pull, smooth, seen = u, 0.0, True, 0.0, 0.0, u
     integral = 0.0
 
     for tick in range(ticks):
@@ -207,21 +211,30 @@ def integrate(
                 for i in range(LONGEST_SPECTRUM):
                     creeping[i] += (h - creeping[i]) * (1.0 - exp(-dt / spectrum.times_s[i]))
                     u += spectrum.gains[i] * creeping[i]
-            if strange.distributed_play.slope > 0.0:
+            if hidden.shape.form == 1:
                 for i in range(PLAYS):
-                    half = strange.distributed_play.widest * (i + 1) / PLAYS
+                    half = hidden.shape.widest * (i + 1) / PLAYS
                     plays[i] = min(max(plays[i], x - half), x + half)
-                    u += strange.distributed_play.slope / PLAYS * plays[i]
+                    u += hidden.shape.slope / PLAYS * plays[i]
+            elif hidden.shape.form == 2:
+                smooth = bouc_wen(hidden.shape, smooth, x - x_before)
+                u += hidden.shape.slope * (x - smooth)
             u += ripple(strange.pressure_ripple, x) + outside.joint[tick]
             u += hidden.coupling.angle * other + hidden.coupling.bend * other**2 / 100.0
             u = loaded(hidden.load, u, time)
 
             # The joint: stuck, a lag, or of second order; then its stops.
-            if strange.stiction.breakaway > 0.0:
+            if hidden.stick.form == 1:
                 off = abs(u - y)
-                stuck = off < (strange.stiction.breakaway if stuck else strange.stiction.residue)
-            if strange.stiction.breakaway > 0.0 and stuck:
+                stuck = off < (hidden.stick.breakaway if stuck else hidden.stick.residue)
+            if hidden.stick.form == 1 and stuck:
                 speed = 0.0
+            elif hidden.stick.form == 2:
+                v0, r0 = lugre(hidden.stick, p.Tw, u_before, y, pull)
+                speed, r1 = lugre(hidden.stick, p.Tw, u, y + dt * v0, pull + dt * r0)
+                speed = 0.5 * (v0 + speed)
+                y += dt * speed
+                pull += 0.5 * dt * (r0 + r1)
             elif hidden.inertia.form == 0:
                 slow = (u_before - y - stop_push(hidden.stop, y)) / p.Tw
                 guess = y + dt * slow

@@ -24,6 +24,7 @@ class Hidden(NamedTuple):
     asymmetry: regulator.Asymmetry = regulator.Asymmetry()
     deadband: regulator.Deadband = regulator.Deadband()
     supply: regulator.Supply = regulator.Supply()
+    leak: regulator.Leak = regulator.Leak()
     creep: wrist.Creep = wrist.Creep()
     curvature: wrist.Curvature = wrist.Curvature()
     rate: wrist.RateDependence = wrist.RateDependence()
@@ -32,6 +33,8 @@ class Hidden(NamedTuple):
     coupling: wrist.Coupling = wrist.Coupling()
     inertia: wrist.Inertia = wrist.Inertia()
     stop: wrist.EndStop = wrist.EndStop()
+    shape: wrist.LoopShape = wrist.LoopShape()
+    stick: wrist.StickSlip = wrist.StickSlip()
     drift: sensor.GyroDrift = sensor.GyroDrift()
     hum: sensor.Hum = sensor.Hum()
     open: OpenEffects = OpenEffects()
@@ -50,6 +53,7 @@ CATALOGUE = {
     "fill-exhaust-asymmetry": Entry("asymmetry", 3, regulator.draw_asymmetry),
     "regulator-deadband": Entry("deadband", 2, regulator.draw_deadband),
     "supply-droop": Entry("supply", 3, regulator.draw_supply),
+    "leak": Entry("leak", 2, regulator.draw_leak),
     "creep": Entry("creep", 3, wrist.draw_creep),
     "branch-curvature": Entry("curvature", 3, wrist.draw_curvature),
     "rate-dependence": Entry("rate", 4, wrist.draw_rate_dependence),
@@ -58,11 +62,14 @@ CATALOGUE = {
     "cross-coupling": Entry("coupling", 3, wrist.draw_coupling),
     "inertia": Entry("inertia", 3, wrist.draw_inertia),
     "end-stop": Entry("stop", 3, wrist.draw_end_stop),
+    "loop-shape": Entry("shape", 2, wrist.draw_loop_shape),
+    "stick-slip": Entry("stick", 2, wrist.draw_stick_slip),
     "gyro-drift": Entry("drift", 2, sensor.draw_drift),
     "periodic-disturbance": Entry("hum", 2, sensor.draw_hum),
 }
-VOCABULARY = tuple(CATALOGUE)
-OPEN = tuple(open_effects.DRAWS)
+UNNAMED = ("loop-shape", "stick-slip")  # of several forms, and in no library yet
+VOCABULARY = tuple(name for name in CATALOGUE if name not in UNNAMED)
+OPEN = (*open_effects.DRAWS, *UNNAMED)
 NEEDS_THE_RIG = ("branch-curvature", "end-stop")  # their strength is relative to the rig's own range
 
 

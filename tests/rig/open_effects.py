@@ -28,14 +28,7 @@ def run_out(p: EccentricSensor, angle: float) -> float:
     return p.amplitude * (sin(p.cycles * angle * pi / 180.0 + p.phase) - sin(p.phase))
 
 
-class Stiction(NamedTuple):
-    """The joint holds until its spring is off by breakaway [deg], then moves until residue [deg] is left."""
-
-    breakaway: float = 0.0
-    residue: float = 0.0
-
-
-class Leak(NamedTuple):
+class BendingLeak(NamedTuple):
     """A fitting that opens as the hand bends: dP/dt falls by rate [1/s] P (angle/20 deg)^2."""
 
     rate: float = 0.0
@@ -96,16 +89,6 @@ class GainDrift(NamedTuple):
     warming_s: float = 1.0
 
 
-PLAYS = 5
-
-
-class DistributedPlay(NamedTuple):
-    """Further hysteresis made of many plays: slope [deg/kPa] in all, half-widths up to widest [kPa]."""
-
-    slope: float = 0.0
-    widest: float = 1.0
-
-
 class SpeedNoise(NamedTuple):
     """Noise of the reading grows with speed: its spread is multiplied by 1 + per_speed [s/deg] |y'|."""
 
@@ -123,8 +106,7 @@ class OpenEffects(NamedTuple):
     """All of them."""
 
     eccentric_sensor: EccentricSensor = EccentricSensor()
-    stiction: Stiction = Stiction()
-    leak: Leak = Leak()
+    bending_leak: BendingLeak = BendingLeak()
     sensor_backlash: SensorBacklash = SensorBacklash()
     slips: Slips = Slips()
     wander: Wander = Wander()
@@ -132,14 +114,8 @@ class OpenEffects(NamedTuple):
     sampled_regulator: SampledRegulator = SampledRegulator()
     valve_current: ValveCurrent = ValveCurrent()
     gain_drift: GainDrift = GainDrift()
-    distributed_play: DistributedPlay = DistributedPlay()
     speed_noise: SpeedNoise = SpeedNoise()
     burst_noise: BurstNoise = BurstNoise()
-
-
-def _stiction(k: float, r: np.random.Generator) -> Stiction:
-    breakaway = k * r.uniform(1.0, 2.5)
-    return Stiction(breakaway, 0.25 * breakaway)
 
 
 def _sampled_regulator(k: float, r: np.random.Generator) -> SampledRegulator:
@@ -151,8 +127,7 @@ DRAWS: dict[str, Callable[[float, np.random.Generator], NamedTuple]] = {
     "eccentric-sensor": lambda k, r: EccentricSensor(
         k * r.uniform(0.5, 1.5), float(r.integers(6, 21)), r.uniform(0, 2 * pi)
     ),
-    "stiction": _stiction,
-    "leak": lambda k, r: Leak(k * r.uniform(0.03, 0.08)),
+    "bending-leak": lambda k, r: BendingLeak(k * r.uniform(0.03, 0.08)),
     "sensor-backlash": lambda k, r: SensorBacklash(k * r.uniform(0.8, 1.6)),
     "slips": lambda k, r: Slips(r.uniform(5.0, 10.0), k * r.uniform(1.0, 3.0), r.uniform(0.5, 2.0)),
     "wander": lambda k, r: Wander(k * r.uniform(0.06, 0.15)),
@@ -162,7 +137,6 @@ DRAWS: dict[str, Callable[[float, np.random.Generator], NamedTuple]] = {
     "sampled-regulator": _sampled_regulator,
     "valve-current": lambda k, r: ValveCurrent(k * sign(r) * r.uniform(1.5, 3.5)),
     "gain-drift": lambda k, r: GainDrift(k * sign(r) * r.uniform(0.015, 0.04), r.uniform(20.0, 60.0)),
-    "distributed-play": lambda k, r: DistributedPlay(k * r.uniform(0.08, 0.15), r.uniform(25.0, 50.0)),
     "speed-noise": lambda k, r: SpeedNoise(k * r.uniform(0.05, 0.15)),
     "burst-noise": lambda k, r: BurstNoise(1.0 + k * r.uniform(3.0, 6.0), r.uniform(4.0, 10.0)),
 }

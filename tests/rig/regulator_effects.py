@@ -135,3 +135,46 @@ def draw_supply(form: int, scale: float, rng: np.random.Generator) -> Supply:
     if form == 1:
         return Supply(1, full, sag, recovery_s=recovery)
     return Supply(3, full + 6.0, sag, recovery_s=recovery, orifice=rng.uniform(4.0, 9.0))
+
+
+OUTSIDE = 101.3  # kPa absolute
+
+
+class Leak(NamedTuple):
+    """Air that is lost: dP/dt falls by what flows out.
+
+    flow [kPa/s]: at 100 kPa, through an orifice (form 1: choked beyond the critical ratio of pressures, ISO
+    6358) or through a slit, with the root of the pressure (form 2), beside pores that lose porous [1/s].
+    """
+
+    form: int = 0
+    flow: float = 0.0
+    critical: float = 0.5
+    porous: float = 0.0
+
+
+@njit
+def orifice(pressure: float, critical: float) -> float:
+    """Mass flow of ISO 6358 to the outside, of no unit, at a gauge pressure."""
+    inside = pressure + OUTSIDE
+    ratio = OUTSIDE / inside
+    if ratio <= critical:
+        return inside
+    return inside * sqrt(1.0 - ((ratio - critical) / (1.0 - critical)) ** 2)
+
+
+@njit
+def leaked(p: Leak, pressure: float) -> float:
+    """Fall of the pressure [kPa/s]."""
+    inside = max(pressure, 0.0)
+    if p.form == 1:
+        return p.flow * orifice(inside, p.critical) / orifice(100.0, p.critical)
+    if p.form == 2:
+        return p.porous * inside + p.flow * sqrt(inside / 100.0)
+    return 0.0
+
+
+def draw_leak(form: int, scale: float, rng: np.random.Generator) -> Leak:
+    if form == 1:
+        return Leak(1, scale * rng.uniform(1.5, 5.0), rng.uniform(0.2, 0.5))
+    return Leak(2, scale * rng.uniform(0.5, 2.0), porous=scale * rng.uniform(0.005, 0.02))

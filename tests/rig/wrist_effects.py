@@ -273,3 +273,73 @@ def draw_end_stop(form: int, scale: float, rng: np.random.Generator, rig: Declar
     give = rng.uniform(0.05, 0.2)  # slope beyond the stop, relative to the free joint
     contact = {1: 0.0, 2: 1.0 / give - 1.0, 3: rng.uniform(0.8, 2.5)}[form]
     return EndStop(form, low, high, contact)
+
+
+PLAYS = 5
+
+
+class LoopShape(NamedTuple):
+    """Further hysteresis beside the loop, of slope [deg/kPa] in all.
+
+    form 1: five plays of half-widths up to widest [kPa]; form 2: Bouc-Wen's law,
+    z' = x' (1 - |z/widest|^power) on the way out and x' on the way back, so that the loop is smooth.
+    """
+
+    form: int = 0
+    slope: float = 0.0
+    widest: float = 1.0
+    power: float = 1.0
+
+
+@njit
+def bouc_wen(p: LoopShape, z: float, move: float) -> float:
+    """What z [kPa] is after the pressure has moved."""
+    if move * z <= 0.0:
+        return z + move
+    return z + move * (1.0 - abs(z / p.widest) ** p.power)
+
+
+def draw_loop_shape(form: int, scale: float, rng: np.random.Generator) -> LoopShape:
+    if form == 1:
+        return LoopShape(1, scale * rng.uniform(0.08, 0.15), rng.uniform(25.0, 50.0))
+    return LoopShape(2, scale * rng.uniform(0.12, 0.25), rng.uniform(10.0, 30.0), rng.uniform(1.0, 2.0))
+
+
+class StickSlip(NamedTuple):
+    """A joint that sticks, in deg of its own spring.
+
+    form 1: it holds until its spring is off by breakaway, then moves until residue is left; form 2: LuGre's
+    law without mass: bristles of stiffness times the joint's spring, whose pull is z' = v - |v| z/g(v) with
+    g from breakaway at rest to coulomb at speeds above stribeck [deg/s].
+    """
+
+    form: int = 0
+    breakaway: float = 0.0
+    residue: float = 0.0
+    coulomb: float = 0.0
+    stribeck: float = 1.0
+    stiffness: float = 1.0
+
+
+@njit
+def lugre(p: StickSlip, Tw: float, u: float, y: float, pull: float) -> tuple[float, float]:
+    """Speed of the joint [deg/s] and rate of the bristles' pull [deg/s].
+
+    The joint is where Tw v = u - y - pull.
+    """
+    speed = (u - y - pull) / Tw
+    most = p.coulomb + (p.breakaway - p.coulomb) * exp(-((speed / p.stribeck) ** 2))
+    return speed, p.stiffness * (speed - abs(speed) * pull / most)
+
+
+def draw_stick_slip(form: int, scale: float, rng: np.random.Generator) -> StickSlip:
+    breakaway = scale * rng.uniform(1.0, 2.5)
+    if form == 1:
+        return StickSlip(1, breakaway, 0.25 * breakaway)
+    return StickSlip(
+        2,
+        breakaway,
+        coulomb=breakaway * rng.uniform(0.3, 0.6),
+        stribeck=rng.uniform(1.0, 4.0),
+        stiffness=rng.uniform(15.0, 40.0),
+    )

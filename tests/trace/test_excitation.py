@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from plants.effects.regulator.leak import LaminarLeak
 from plants.effects.sensor.gyro_drift import Drift
 from plants.effects.sensor.periodic import Hum
 from plants.effects.wrist.creep import Creep
@@ -46,6 +47,11 @@ def test_a_load_step_at_the_first_rows_is_an_offset():
 def test_a_drift_along_the_only_ramp_is_the_commands():
     assert "ramp" in Drift(0.01).borrowed(asked(RAMP))
     assert Drift(0.01).borrowed(asked(STEPS)) is None
+
+
+def test_a_leak_along_the_only_ramp_is_the_regulators_gain():
+    assert "ramp" in LaminarLeak(0.1).borrowed(asked(RAMP))
+    assert LaminarLeak(0.1).borrowed(asked(SINE)) is None
 
 
 def test_other_effects_borrow_nothing():

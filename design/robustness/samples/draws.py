@@ -16,7 +16,7 @@ from design.robustness.box import Box
 from design.robustness.samples.conditions import Conditions, added, left_out
 from plants.dynamics import settled
 from plants.effects.effect import Around, Effect
-from plants.equilibrium import at_rest, searched
+from plants.equilibrium import at_rest, holding_command, searched
 from plants.kernel import pytrees as tree
 from plants.simulation.sensor import HOLD
 from plants.wrist import STARTS, Start, State, Wrist
@@ -154,7 +154,7 @@ def _chosen(start: NDArray[np.intp], rests: list[State]) -> State:
 
 def _beyond(controller: Controller, wrist: Wrist, pressure: Array) -> Flags:
     """Where the command that holds a pressure [kPa] is outside the controller's range."""
-    command = pressure / wrist.regulator.gain
+    command = holding_command(wrist, pressure)
     ends = zip(("low", "high"), wrist.rig.command_range, strict=True)
     low, high = (getattr(controller, n, end) for n, end in ends)
     return np.asarray((command < low) | (command > high), np.bool_)

@@ -21,6 +21,7 @@ from design.evaluation.scenarios import HEADROOM
 from design.evaluation.sequence import CALM, SMALLEST, Batch, Sequence, batch
 from design.robustness.box import Box
 from plants.effects.effect import Effect
+from plants.equilibrium import holding_command
 from plants.simulation.disturbance import BEFORE, at_rest
 from plants.wrist import STARTS, Start, Wrist
 
@@ -152,7 +153,7 @@ class Space:
         # One that is asked for once more is held where it was arrived at.
         up_to = np.where(angles == before, angles > 0.0, angles > before)
         pressure = np.where(up_to, up, down)
-        command = pressure / wrist.regulator.gain
+        command = holding_command(wrist, pressure)
         held = (command >= low + HEADROOM) & (command <= high - HEADROOM)
         held &= _unhindered(wrist, pressure, angles)
         return np.asarray(held.reshape(n, -1).all(axis=0))

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.equilibrium import holding_command
 from plants.simulation.open_loop import open_loop
 from plants.wrist import Wrist
 
@@ -35,7 +36,7 @@ def experiments(wrist: Wrist) -> tuple[Experiment, ...]:
     """The recordings to choose from, about the command that holds the wrist at its rest pressure."""
     (low, high), dt = wrist.rig.command_range, wrist.rig.sample_time
     still = wrist.hysteresis.rest_pressure
-    rest = still / wrist.regulator.gain
+    rest = float(holding_command(wrist, still))
     span = min(rest - low, high - rest) * 0.95
     swing = 0.3 * (wrist.rig.pressure_range[1] - wrist.rig.pressure_range[0])
 

@@ -135,10 +135,10 @@ def test_a_decision_in_what_looks_like_noise_is_told_by_its_likelihood(bent):
 
 def test_what_is_open_is_said_where_nothing_is(bent, unexplained):
     clear = replace(bent, stages=tuple(replace(s, cannot_judge={}) for s in bent.stages))
-    assert summary(clear)[2].startswith("Each of the 14 effects would have shown in these recordings, and ")
+    assert summary(clear)[2].startswith("Each of the 15 effects would have shown in these recordings, and ")
     said = summary(unexplained)
     assert len(said) == 3
-    assert said[0].startswith("Something is left that none of the 14 effects explains")
+    assert said[0].startswith("Something is left that none of the 15 effects explains")
 
 
 def test_the_noise_is_drawn_where_the_errors_are_judged(bent):
@@ -187,7 +187,7 @@ def test_the_verdicts_read_well(bent, unexplained):
     loud = verdict_sentence(replace(nothing, before=bent.before, after=bent.before))
     assert loud.endswith("; what is left of the angle has no more structure than slow noise.")
     left = verdict_sentence(unexplained)
-    assert left.startswith("Something is left that none of the 14 effects explains: the angle error on ")
+    assert left.startswith("Something is left that none of the 15 effects explains: the angle error on ")
     assert left.endswith("; what is left depends on the angle, and jumps now and then.")
     tied = replace(bent.effects[0], alternatives=("end-stop", "softening"))
     said = verdict_sentence(replace(bent, effects=(tied,)))

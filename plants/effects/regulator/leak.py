@@ -1,0 +1,86 @@
+"""Leak: air is lost, so that the pressure stands below what is commanded, and sags.
+
+A porous bladder loses air in proportion to its gauge pressure, as a laminar flow does; a worn fitting or a
+tear loses it through an orifice, whose flow goes with a power of the pressure: about the root while it
+is slow, and more nearly the first power once it is choked (ISO 6358).  The chamber comes to rest where the
+regulator gives what is lost, below the commanded pressure, the more so the slower the regulator is near it.
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from plants.effects.effect import Effect, ExcitationHints, Nothing, Number, parameter
+
+REFERENCE = 100.0
+"""Gauge pressure [kPa] at which a power's rate is told."""
+
+EMPTY = 1e-6
+"""Gauge pressure [kPa] at which nothing flows any more, so that a power of it has a slope."""
+
+
+class SampledLaminarLeak(NamedTuple):
+    """Share of the gauge pressure that is lost in one sample."""
+
+    share: Number
+
+    def supply(self, s: Nothing, before: Number, after: Number) -> tuple[Nothing, Number]:
+        return s, after - self.share * np.maximum(before, 0.0)
+
+
+class SampledPowerLeak(NamedTuple):
+    """What is lost in one sample at `REFERENCE` [kPa], and the exponent of the pressure."""
+
+    loss: Number
+    exponent: Number
+
+    def supply(self, s: Nothing, before: Number, after: Number) -> tuple[Nothing, Number]:
+        inside = np.maximum(before, EMPTY)
+        lost = self.loss * (inside / REFERENCE) ** self.exponent
+        # Where the power is steep, next to the outside's pressure, no more can flow than there is.
+        return s, after - np.minimum(lost, np.where(before > EMPTY, 0.5 * inside, 0.0))
+
+
+class _Leak(Effect):
+    """What the forms share.
+
+    A leak takes gain from the regulator and makes it faster, so that margins without it are the narrower.
+    """
+
+    NAME = "leak"
+    STAGE = "regulator"
+    HAPPENS = "Air is lost"
+    BOUND = "kept"
+    LOSES = True
+
+    def borrowed(self, asked: ExcitationHints) -> str | None:
+        """Along one ramp what is lost and a gain that falls are the same."""
+        if asked.ramp:
+            return "the command is one ramp, along which a gain that falls does the same; record holds"
+        return None
+
+
+@dataclass(frozen=True)
+class LaminarLeak(_Leak):
+    """Air is lost in proportion to the gauge pressure: dP/dt falls by rate P, with `rate` in 1/s."""
+
+    FORM = "in proportion to the pressure"
+
+    rate: Number = parameter("1/s", "rate of the loss", 0.0, 5.0, 0.0, (0.01, 0.05, 0.2))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledLaminarLeak:
+        return SampledLaminarLeak(-np.expm1(-np.asarray(self.rate, float) * dt))
+
+
+@dataclass(frozen=True)
+class PowerLeak(_Leak):
+    """Air is lost with a power of the gauge pressure, `flow` [kPa/s] at 100 kPa."""
+
+    FORM = "with a power of the pressure"
+
+    flow: Number = parameter("kPa/s", "loss at 100 kPa", 0.0, 200.0, 0.0, (1.0, 5.0))
+    exponent: Number = parameter("1", "exponent of the gauge pressure", 0.2, 3.0, 0.5, (0.3, 0.6, 2.0))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledPowerLeak:
+        return SampledPowerLeak(self.flow * dt, self.exponent)
