@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from design.cli.commands import compare, design, export, fit, robust, show, simulate, trace, tune
-from design.cli.strict import StrictCommand
+from design.cli.strict import PlainGroup, StrictCommand
 
 MODULES = (show, simulate, fit, trace, tune, robust, design, compare, export)
 
@@ -20,6 +20,7 @@ def _say_version(wanted: bool) -> None:
 
 app = typer.Typer(
     name="wrist",
+    cls=PlainGroup,
     help="Design a PI controller for a pneumatic wrist with hysteresis, and say how far it can be trusted.",
     epilog="Exit codes: 0 done, 1 the answer is no, 2 bad input, 70 a bug of this program, 130 stopped.",
     add_completion=True,
@@ -46,4 +47,6 @@ def _common(
 
 
 for module in MODULES:
-    app.command(name=module.NAME, help=module.HELP, epilog=module.EXAMPLE, cls=StrictCommand)(module.command)
+    following = getattr(module, "NEXT", "")
+    epilog = module.EXAMPLE + (f"\n\nNext: {following}" if following else "")
+    app.command(name=module.NAME, help=module.HELP, epilog=epilog, cls=StrictCommand)(module.command)

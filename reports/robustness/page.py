@@ -10,6 +10,7 @@ from reports.robustness import branch_figures, tables, words
 from reports.robustness import figures as robust_figures
 from reports.robustness.disagreements import disagreement_sentences
 from reports.robustness.record import assessment_record
+from reports.shared.card import Card, gains_table, matrix_table
 from reports.shared.html import Made, Shown, markup, render
 from reports.shared.plant_tables import assumption_table
 from reports.shared.style import save, svg
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["robust_page", "write_robust"]
+
+FIRST = {"samples": lambda a: words.ENVELOPE, "worst": words.worst_caption}
+"""Caption of the figure on the card: the samples, or the worst scenario where none could be drawn."""
 
 SECTIONS = {
     "verdict": "What holds, and how that is known",
@@ -75,12 +79,16 @@ def _page(study: RobustnessStudy, made: Made, drawn: Mapping[str, "Figure"]) -> 
     def shown(name: str, caption: str) -> Shown:
         return Shown(markup(svg(drawn[name], name, caption)), caption)
 
+    row = words.card_row(study)
+    first = "samples" if "samples" in drawn else "worst"
     content: dict[str, Any] = {
         "title": words.title(a),
         "kind": f"robustness of a PI, {a.box.plant.axis}",
         "sections": SECTIONS,
         "summary": words.summary(a),
         "remarks": words.remarks(a),
+        "details": words.details(a),
+        "decision": Card(gains_table([row]), matrix_table([row]), shown(first, FIRST[first](a))),
         "verdict": tables.verdict_table(a),
         "disagreements": disagreement_sentences(a),
         "plane": shown("gains", words.plane_caption(a)),
@@ -98,9 +106,8 @@ def _page(study: RobustnessStudy, made: Made, drawn: Mapping[str, "Figure"]) -> 
         "sample_words": words.sample_words(a),
         "violations": tables.violation_table(a.cases),
         "quantiles": tables.quantile_table(a.cases),
-        "envelope": shown("samples", words.ENVELOPE) if "samples" in drawn else None,
         "worst_words": words.worst_words(a),
-        "worst": shown("worst", words.worst_caption(a)),
+        "worst": shown("worst", words.worst_caption(a)) if first != "worst" else None,
         "box": tables.box_table(a.box),
         "assumptions": words.assumptions(a),
         "assumed": assumption_table({a.box.plant.axis: a.box.plant}),

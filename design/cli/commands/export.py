@@ -23,6 +23,7 @@ from design.cli.terminal.screen import console, progress
 NAME = "export"
 HELP = "Write a controller as C99 without allocation or global state, with a header, README and test vector."
 EXAMPLE = "Example: wrist export pi --gains 3.1,10.4 --out build/c"
+NEXT = "make -C OUT check"
 
 
 def command(
