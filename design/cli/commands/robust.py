@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from plants.wrist import Wrist
 
 NAME = "robust"
-HELP = "How far gains can be trusted on every branch: certificates, predictions, samples, the worst case."
+HELP = "Judge gains on every branch: verdict, certificates, predictions, samples, the worst case."
 EXAMPLE = "Example: wrist robust --gains 2.3,6.4 --out build/robust"
 NEXT = "wrist export pi --gains Kp,Ki"
 
@@ -66,9 +66,7 @@ def command(
     ] = None,
     dead_time: Annotated[
         float | None,
-        typer.Option(
-            help="Dead time that samples and the worst case may have on top [s]; the rig's.", min=0.0
-        ),
+        typer.Option(help="Dead time that samples and the worst case may add [s]; the rig's.", min=0.0),
     ] = None,
     load: Annotated[
         float | None,

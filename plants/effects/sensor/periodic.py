@@ -44,7 +44,7 @@ class _Humming(Effect):
 
     NAME = "periodic-disturbance"
     STAGE = "sensor"
-    HAPPENS = "A hum lies on the angle"
+    HAPPENS = "The angle contains a sinusoid"
     FROM_REMAINDER = True
     BOUND = "kept"
 

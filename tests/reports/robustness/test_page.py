@@ -56,7 +56,10 @@ def test_the_first_section_says_the_same_in_full(text, assessed):
 def test_the_card_marks_what_is_met_and_what_is_broken(assessed):
     study = small_robustness()
     named = assessed.limits.named
-    for found in (study, replace(study, assessment=replace(assessed, limits=replace(assessed.limits, Ms=1.01)))):
+    for found in (
+        study,
+        replace(study, assessment=replace(assessed, limits=replace(assessed.limits, Ms=1.01))),
+    ):
         rows = {r["limit"]: r for r in card_row(found).matrix}
         assert list(rows) == list(named)
         worst = max(m["Ms"] for m in assessed.margins)
@@ -106,9 +109,7 @@ def test_nothing_proved_and_something_unstable_and_broken_is_said_so(assessed):
     )
     where = f"{margins[0]['branch'].replace('line', 'line ')} ({margins[0]['rate']} rate)"
     assert said[1] == f"By linear theory the loop is unstable on {where} of the hysteresis."
-    assert said[2] == (
-        "No certificate was found for a loop that switches arbitrarily between branches."
-    )
+    assert said[2] == ("No certificate was found for a loop that switches arbitrarily between branches.")
 
 
 def test_a_limit_that_is_not_set_is_not_named(assessed):
