@@ -25,13 +25,13 @@ ERRORS = (
     "sensors, the least that any model can reach."
 )
 RANKING = (
-    "Each effect in the best of its forms: by how much it would lower chi-square beyond a refit of the present "
-    "parameters. Dashed: the least for a selection. The tick is what the largest of so many comparisons would reach on noise alone, in 95 % of "
-    "draws."
+    "Each effect in the best of its forms: by how much it would lower chi-square beyond a refit of the "
+    "present parameters. Dashed: the least for a selection. Tick: 95 % quantile of the largest of so many "
+    "comparisons on noise alone."
 )
 DESCRIPTION = (
-    "Residual over the variables it depends on: rows of the recordings as dots, their mean, and, where one was "
-    "selected, the curve learnt from them: a description, not a cause."
+    "Residual over the variables it depends on: rows of the recordings as dots, their mean, and, where one "
+    "was selected, the curve learnt from them: a description, not a cause."
 )
 CAUTION = "The revised plant does not explain its recordings, so the rig may behave differently."
 
