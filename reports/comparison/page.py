@@ -96,7 +96,6 @@ def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:
     least = {t.problem.cost for t in study.tunings.values()}
     assumed = assumption_table(study.plants)
     responses = [shown(f"steps-{slug(m)}", words.steps_caption(comparison, m)) for m in motions]
-    responses.append(shown("loops", words.LOOPS_CAPTION))
     cards = card_rows(study)
     return render(
         "comparison.html", title=words.title(study), kind="comparison of controllers",
@@ -116,7 +115,7 @@ def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:
         contest=_contest(study, study.contest, shown) if study.contest else None,
         wrong=[_wrong(m, b, shown) for m, b in (study.break_even or {}).items()],
         times=_times(study.execution_times) if study.execution_times else None,
-        responses=responses,
+        responses=responses, loops=shown("loops", words.LOOPS_CAPTION),
         assumed=assumed, assumed_count=sum(len(g.rows) for g in assumed.groups),
         further=words.further(motions), motion_count=len(motions),
         made=made,

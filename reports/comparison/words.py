@@ -20,7 +20,6 @@ from plants.measured.fit import Fit
 from plants.parameters.quantities import Assumed
 from reports.comparison.contest import MAIN as PERTURBED
 from reports.comparison.figures import PIS
-from reports.shared.card import gains_words
 from reports.shared.fit import shown_run
 from reports.shared.names import COST_WORDS, WINDOW, limit_name, name_of, title_of
 from reports.shared.tables import fixed, listed, number, spaced
@@ -39,11 +38,8 @@ FURTHER = (
     f"How much noise the other designs may pass on: at most {NOISE_GAIN:g} V of command per degree of noise "
     "of the angle, at any frequency; the peak of the complementary sensitivity is limited like that of the "
     "sensitivity.",
-    "The robust LQI measures the pressure and observes the static angle from it: moved by the measured "
-    "pressure times the mean slope of the lines, corrected by the measured angle. On a branch of another "
-    "slope that is wrong in proportion to the speed of the pressure, so that feedback and observer cannot be "
-    "designed apart; the loop with the observer is what is simulated, and its poles and margins are taken on "
-    f"every branch. What the regulator's gain is off by it unlearns at {WASHOUT:g} rad/s.",
+    "The robust LQI observes the static angle from the measured pressure times the mean slope of the lines, so "
+    f"feedback and observer cannot be designed apart; its washout is {WASHOUT:g} rad/s.",
     "One pressure stands for a motion, its antagonist mirrored about the rest pressure.",
     "In the contest on other plants: the noise and the quantum of the sensor, the coupling of the motions, "
     "and the size of the load and of each effect that no model has.",
@@ -72,11 +68,10 @@ def title(study: Study) -> str:
     """The heading: what is recommended, or that nothing that was tried meets every limit."""
     if not study.decisions:
         return f"Holding {study.comparison.rig.task.step:g} degrees: controllers compared"
-    gains = "; ".join(f"{d.motion}: {name_of(d.controller)}, {gains_words(d.gains)}" for d in
-                      study.decisions.values())  # fmt: skip
+    names = list(dict.fromkeys(name_of(d.controller) for d in study.decisions.values()))
     if all(d.holds for d in study.decisions.values()):
-        return f"Recommended. {gains}"
-    return f"No PI tried meets every limit. Nearest: {gains}"
+        return f"Recommended: {listed(names)}"
+    return f"No PI tried meets every limit; the nearest: {listed(names)}"
 
 
 def summary(study: Study) -> list[str]:
@@ -108,14 +103,16 @@ def _gain_of_others(study: Study) -> str:
     motion = study.motions[0]
     of = [s for s in comparison.standings if s.motion == motion]
     own = study.decisions[motion].controller if motion in study.decisions else TUNED
-    ours = next(s for s in of if s.controller == own)
-    faster = [s for s in of if s.controller != own and not s.breaks]
+    ours = next((s for s in of if s.controller == own), None)
+    ours = ours or next(s for s in of if s.controller == TUNED)
+    faster = [s for s in of if s is not ours and not s.breaks]
     best = min(faster, key=lambda s: s.worst_settling_s, default=None)
     if best is None or best.worst_settling_s >= ours.worst_settling_s:
         return f"On the nominal {motion} plant no other controller within the limits settles faster."
+    fast, slow = _seconds(best.worst_settling_s), _seconds(ours.worst_settling_s)
     return (
-        f"On the nominal {motion} plant {name_of(best.controller)} settles in "
-        f"{_seconds(best.worst_settling_s)}, the {name_of(own)} in {_seconds(ours.worst_settling_s)}."
+        f"On the nominal {motion} plant {name_of(best.controller)} settles in {fast}, the "
+        f"{name_of(ours.controller)} in {slow}."
     )
 
 

@@ -35,7 +35,7 @@ def title(a: Assessment) -> str:
             "one statement does not hold" if len(broken) == 1 else f"{len(broken)} statements do not hold"
         )
     if a.worst.violated:
-        return f"{gains}: meets all limits in random cases; the worst-case search finds a violation"
+        return f"{gains}: the worst-case search finds a broken limit"
     return f"{gains}: meets all limits"
 
 

@@ -20,11 +20,17 @@ if TYPE_CHECKING:
 
 LIMIT_NAMES = {
     "overshoot_percent": "Overshoot", "Ms": "Ms", "Mt": "Mt", "delay_margin_s": "Delay margin",
-    "total_variation_V": "Total variation of u", "steady_error_percent": "Steady error",
+    "total_variation_V": "Variation of u", "steady_error_percent": "Steady error",
     "settling_time_s": "Settling time",
 }  # fmt: skip
-HEADS = ("nominal", "every branch, every initial state", "longest dead time", "perturbed plants",
-         "worst case found")  # fmt: skip
+HEADS = dict(
+    zip(
+        CONDITIONS,
+        ("nominal", "every branch and start", "longest dead time", "perturbed plants", "worst case found"),
+        strict=True,
+    )
+)
+"""What the card calls each condition."""
 
 
 @dataclass(frozen=True)
@@ -75,14 +81,17 @@ def gains_table(rows: Sequence[CardRow]) -> Table:
 
 def matrix_table(rows: Sequence[CardRow]) -> Table:
     """Limits by what they are judged under, and what of them is proved."""
+    known = [
+        c for c in CONDITIONS if any(r["values"][c] is not None for of in rows for r in of.matrix)
+    ]  # what nothing was judged under has no column
     columns = (
-        Column("Limit", number=False), Column("Bound"), *(Column(c) for c in HEADS),
+        Column("Limit", number=False), Column("Bound"), *(Column(HEADS[c]) for c in known),
         Column("Proved", number=False),
     )  # fmt: skip
-    return Table(columns, tuple(Group(r.motion, _matrix(r)) for r in rows))
+    return Table(columns, tuple(Group(r.motion, _matrix(r, known)) for r in rows))
 
 
-def _matrix(of: CardRow) -> tuple[tuple[Cell, ...], ...]:
+def _matrix(of: CardRow, known: Sequence[str]) -> tuple[tuple[Cell, ...], ...]:
     rows = []
     for r in of.matrix:
         unit = LIMIT_UNITS[r["limit"]]
@@ -93,14 +102,13 @@ def _matrix(of: CardRow) -> tuple[tuple[Cell, ...], ...]:
                 NOT_JUDGED if r["values"][c] is None else number(float(r["values"][c])),
                 broken=r["held"][c] is False, met=r["held"][c] is True,
             )
-            for c in CONDITIONS
+            for c in known
         ]  # fmt: skip
         rows.append(row(name, bound, *cells, NOT_JUDGED))
     rate = of.proved["rate_1_s"]
-    late = f", {1000 * of.proved['dead_time_s']:g} ms dead time" if of.proved["dead_time_s"] else ""
-    words = of.proved["status"] + ("" if rate is None else f": rate {number(rate, 2)} 1/s{late}")
-    blank = [NOT_JUDGED] * len(CONDITIONS)
-    rows.append(row("Exponentially stable", "", *blank, Cell(words, met=of.proved["status"] == "proved")))
+    words = of.proved["status"] + ("" if rate is None else f", {number(rate, 2)} 1/s")
+    blank = [NOT_JUDGED] * len(known)
+    rows.append(row("Stability", "", *blank, Cell(words, met=of.proved["status"] == "proved")))
     return tuple(rows)
 
 
