@@ -38,8 +38,8 @@ FURTHER = (
     f"How much noise the other designs may pass on: at most {NOISE_GAIN:g} V of command per degree of noise "
     "of the angle, at any frequency; the peak of the complementary sensitivity is limited like that of the "
     "sensitivity.",
-    "The robust LQI observes the static angle from the measured pressure times the mean slope of the lines, so "
-    f"feedback and observer cannot be designed apart; its washout is {WASHOUT:g} rad/s.",
+    "The robust LQI observes the static angle from the measured pressure times the mean slope of the lines, "
+    f"so feedback and observer cannot be designed apart; its washout is {WASHOUT:g} rad/s.",
     "One pressure stands for a motion, its antagonist mirrored about the rest pressure.",
     "In the contest on other plants: the noise and the quantum of the sensor, the coupling of the motions, "
     "and the size of the load and of each effect that no model has.",
