@@ -10,6 +10,7 @@ from reports.robustness import branch_figures, tables, words
 from reports.robustness import figures as robust_figures
 from reports.robustness.disagreements import disagreement_sentences
 from reports.robustness.record import assessment_record
+from reports.robustness.signature import overshoot_figure, signature
 from reports.shared.card import Card, gains_table, matrix_table
 from reports.shared.html import Made, Shown, markup, render
 from reports.shared.plant_tables import assumption_table
@@ -24,6 +25,7 @@ FIRST = {"samples": lambda a: words.ENVELOPE, "worst": words.worst_caption}
 """Caption of the figure on the card: the samples, or the worst scenario where none could be drawn."""
 
 SECTIONS = {
+    "branches": "The loop on every branch",
     "verdict": "What holds, and how that is known",
     "gains": "The plane of the gains",
     "worst": "The worst scenario found",
@@ -62,6 +64,8 @@ def draw_all(study: RobustnessStudy) -> dict[str, "Figure"]:
     a = study.assessment
     marks = {"these gains": (float(a.controller.Kp), float(a.controller.Ki)), **study.gains}
     found = {
+        "signature": signature(a.wrist, study.branches, a.limits),
+        "dead-time": overshoot_figure(study.branches, a.limits.overshoot_percent),
         "gains": robust_figures.draw_gain_plane(study.plane, a.limits, marks),
         "nyquist": branch_figures.nyquist(a.wrist, {"these gains": a.controller}),
         "sensitivities": branch_figures.sensitivities(a.wrist, a.controller, a.limits),
@@ -92,6 +96,8 @@ def _page(study: RobustnessStudy, made: Made, drawn: Mapping[str, "Figure"]) -> 
         "verdict": tables.verdict_table(a),
         "disagreements": disagreement_sentences(a),
         "plane": shown("gains", words.plane_caption(a)),
+        "signature": shown("signature", words.SIGNATURE),
+        "late": shown("dead-time", words.LATE),
         "margins": tables.margin_table(a),
         "nyquist": shown("nyquist", words.NYQUIST),
         "sensitivities": shown("sensitivities", words.SENSITIVITIES),

@@ -278,6 +278,14 @@ def plane_caption(a: Assessment) -> str:
     )
 
 
+SIGNATURE = (
+    "These gains beside SIMC's. Columns above: branches of the hysteresis at both regulator rates; disc: Ms "
+    "beyond its limit; dotted: limit on Ms. Below: the step from each initial hysteresis state."
+)
+LATE = (
+    "Worst overshoot over both signs and all initial states against added dead time, nominal plant. A curve "
+    "ends where the loop no longer settles."
+)
 NYQUIST = (
     "Nyquist curves of the open loop on all branches and rates. Grey disc about −1: Ms above 2. Branches "
     "differ in slope alone, so at one rate their curves are scaled copies of each other."
