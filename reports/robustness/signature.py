@@ -55,7 +55,7 @@ def signature(wrist: Wrist, found: BranchSteps, limits: Limits) -> "Figure":
                 grid[0, column].plot(L.real, L.imag, **_look(name))
                 grid[1, column].plot(OMEGA, np.abs(1.0 / (1.0 + L)), **_look(name))
             _nyquist(grid[0, column], limits.Ms)
-            grid[0, column].set_title(branch.replace(", ", "\n").replace(" and ", ",\n", 1), fontsize=7.5)
+            grid[0, column].set_title(branch.replace(", ", "\n"), fontsize=7.5)
             _sensitivity(grid[1, column], limits.Ms)
         for column, start in enumerate(STARTS):
             _steps(grid[2, column], found, names, column, wrist.rig.task.step)
