@@ -16,7 +16,7 @@ OPTIONS = {
     LIMITS: ("overshoot", "ms", "delay_margin", "variation", "steady_error"),
     SEARCH: ("points", "starts", "rounds", "samples", "mpc_plants", "budget", "seed", "jobs", "scheduler",
              "retune"),
-    OUTPUT: ("json", "out", "save", "worst", "verbose", "version"),
+    OUTPUT: ("json", "out", "save", "worst", "verbose", "version", "plugin"),
 }  # fmt: skip
 """Names of options by the group in which ``--help`` shows them, in its order."""
 

@@ -57,7 +57,7 @@ class StrictCommand(TyperCommand):
 
     def get_params(self, ctx: Any) -> list[Any]:
         """The parameters with that of ``--help``, which shows no type either."""
-        found = super().get_params(ctx)
+        found: list[Any] = super().get_params(ctx)
         for p in found:
             if p.name == "help":
                 p.metavar, p.rich_help_panel = "", OUTPUT

@@ -8,7 +8,7 @@ import numpy as np
 from design.studies.branch_steps import BranchSteps
 from design.synthesis.requirements import Limits
 from plants.wrist import STARTS, Wrist
-from reports.robustness.branch_figures import OMEGA, overlaid
+from reports.robustness.branch_figures import frequencies, overlaid
 from reports.shared.style import (
     BLACK,
     DASHED,
@@ -36,7 +36,7 @@ def signature(wrist: Wrist, found: BranchSteps, limits: Limits) -> "Figure":
     judged and of SIMC's."""
     names = [n for n in COMPARED if n in found.controllers]
     loops = {n: overlaid(wrist, found.controllers[n]) for n in names}
-    branches = list(loops[names[0]])
+    branches, omega = list(loops[names[0]]), frequencies(wrist)
     columns = max(len(branches), len(STARTS))
     with styled():
         figure, axes = new_figure(3, columns, height=6.6)
@@ -51,9 +51,9 @@ def signature(wrist: Wrist, found: BranchSteps, limits: Limits) -> "Figure":
                 panel.tick_params(labelsize=7)
         for column, branch in enumerate(branches):
             for name in names:
-                L = loops[name][branch].at(OMEGA)
+                L = loops[name][branch].at(omega)
                 grid[0, column].plot(L.real, L.imag, **_look(name))
-                grid[1, column].plot(OMEGA, np.abs(1.0 / (1.0 + L)), **_look(name))
+                grid[1, column].plot(omega, np.abs(1.0 / (1.0 + L)), **_look(name))
             _nyquist(grid[0, column], limits.Ms)
             grid[0, column].set_title(branch.replace(", ", "\n"), fontsize=7.5)
             _sensitivity(grid[1, column], limits.Ms)

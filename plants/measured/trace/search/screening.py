@@ -15,9 +15,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.problem import WILD
+from plants.measured.stage import Form
 from plants.measured.trace.search.proposals import trials
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.stages.stage import WILD, Form
+from plants.rig import Rig, built_in_rig
 
 Array = NDArray[np.float64]
 DRAWS = 200
@@ -113,7 +115,7 @@ class Screen:
         best, drop, seen = grid[0], -1.0, []
         # How much it could show does not depend on what the remainder suggests.
         sized = [] if form.FROM_REMAINDER else grid
-        plain = self.cleared(self.responses(form, [*form.trials(), *sized]))
+        plain = self.cleared(self.responses(form, [*form.trials(self.model.stage.rig), *sized]))
         power = float(np.mean(plain**2, axis=0).max())
         for round_ in range(ROUNDS + 1):
             responses = self.cleared(self.responses(form, grid))
@@ -122,7 +124,7 @@ class Screen:
             if drops.max() > drop:
                 best, drop = grid[int(drops.argmax())], float(drops.max())
             if round_ < ROUNDS:
-                grid = refined(form, best, 0.5**round_)
+                grid = refined(form, best, 0.5**round_, self.model.stage.rig)
         return Ranked(form, best, max(drop, 0.0), self._chance(np.hstack(seen)), power)
 
     def _chance(self, responses: Array) -> float:
@@ -140,9 +142,11 @@ class Screen:
         return float(np.quantile(largest, 0.95) / len(responses))
 
 
-def refined(form: Form, best: Mapping[str, float], scale: float) -> list[dict[str, float]]:
+def refined(
+    form: Form, best: Mapping[str, float], scale: float, rig: Rig | None = None
+) -> list[dict[str, float]]:
     """Points around the best: each parameter up and down by a factor, then some at random."""
-    kinds, spreads = form.kinds(), form.spreads()
+    rig, kinds, spreads = rig or built_in_rig(), form.kinds(), form.spreads()
     rng = np.random.default_rng(7)
     points = []
     for _ in range(32):
@@ -151,12 +155,14 @@ def refined(form: Form, best: Mapping[str, float], scale: float) -> list[dict[st
             kind, spread = kinds[name], spreads[name]
             push = rng.normal() * scale
             if spread is not None:
-                moved = value + spread * push
+                moved = value + rig.scaled(spread, kind.unit) * push
             elif kind.low > 0.0 or value > 0.0 or value < 0.0:
                 moved = value * float(np.exp(0.5 * push))
             else:
                 moved = value
-            point[name] = float(np.clip(moved, kind.low, kind.high))
+            point[name] = float(
+                np.clip(moved, rig.scaled(kind.low, kind.unit), rig.scaled(kind.high, kind.unit))
+            )
         points.append(point)
     return points
 

@@ -1,6 +1,6 @@
 """What a model leaves of its channel, with all that it may depend on."""
 
-from plants.measured.problem import Begin
+from plants.measured.begin import Begin
 from plants.measured.residual.series.remainder import Remainder, variables
 from plants.measured.trace.stages.model import Model
 from plants.wrist import State, Wrist
