@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 ENV := .venv/.installed
 
-.PHONY: design compare test suite bounds fuzz mutants bench lint notebooks api env clean
+.PHONY: design compare test suite bounds fuzz mutants bench lint notebooks docs env clean
 
 design: $(ENV)
 	$(BIN)/wrist design plants/measured/examples/flexion plants/measured/examples/deviation --out build/design
@@ -42,7 +42,7 @@ lint: $(ENV)
 notebooks: $(ENV)
 	$(BIN)/python notebooks/build.py
 
-api: $(ENV)
+docs: $(ENV)
 	$(BIN)/python -m docs.build
 
 env: $(ENV)

@@ -39,6 +39,7 @@ _HOMES = {  # the module of each name, and what it is called there where that is
     "break_even": "design.comparison.break_even",
     "by_python_control": "design.margins",
     "corners": "design.evaluation.scenarios",
+    "decide": "design.studies.decision",
     "default_problem": "design.synthesis.requirements",
     "design_feedforward": "design.alternatives.feedforward_design",
     "envelopes": "design.robustness.samples.monte_carlo",
@@ -53,6 +54,7 @@ _HOMES = {  # the module of each name, and what it is called there where that is
     "performance_bound": "design.limit:limit",
     "reaction_curve": "design.synthesis.tuning_rules",
     "real_time_mpc": "design.mpc.real_time",
+    "requirement": "design.robustness.requirement",
     "retune": "design.synthesis.retune",
     "robust_mpc": "design.mpc.problem:robust",
     "run": "design.evaluation.steps",
@@ -63,6 +65,7 @@ _HOMES = {  # the module of each name, and what it is called there where that is
     "tune_pi": "design.synthesis.tune_pi:tune_pi",
     "tuning_scenarios": "design.evaluation.scenarios",
     "worst_run": "design.studies.robustness_study",
+    "write_gains": "design.tuner.gains_file:write",
 }
 __all__ = list(_HOMES)
 

@@ -1,17 +1,25 @@
-"""API pages from the docstrings: python -m docs.build writes them to build/api, to begin at index.html.
+"""The site of guides and API, searchable: python -m docs.build makes build/site, to begin at index.html.
 
-Docstrings are Markdown, in which a name in single backticks becomes a link and an indented block is shown
-as it stands.
+Docstrings and guides are Markdown.  In a docstring a name in single backticks becomes a link and an indented
+block is shown as it stands.  A guide goes in as the words of a module without code, so that one search finds
+guides and API; the README is the first of them.
 """
 
 import argparse
 import importlib
 import pkgutil
+import re
+import sys
+import tempfile
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 PACKAGES = ("plants", "design", "reports")
-PLACE = Path("build/api")
+PLACE = Path("build/site")
+ROOT = Path(__file__).resolve().parents[1]
+GUIDES = "guides"
 
 
 def named(module: str) -> list[str]:
@@ -26,8 +34,55 @@ def named(module: str) -> list[str]:
     return [module, *(name for part in below for name in named(f"{module}.{part}"))]
 
 
+def guide(text: str) -> str:
+    """A guide for the site: links to other guides lead to their pages, those to other files of the project
+    are shown as paths.
+
+    >>> guide("see [the rig](your-own-rig.md) and [the file](../plants/rig.py)")
+    'see [the rig](your_own_rig.html) and the file (`plants/rig.py`)'
+    """
+
+    def link(found: re.Match[str]) -> str:
+        words, to = found.groups()
+        name, _, anchor = to.partition("#")
+        if to.startswith(("http", "#")):
+            return found.group(0)
+        if name.endswith(".md") and (ROOT / "docs" / Path(name).name).is_file():
+            return f"[{words}]({_module(Path(name))}.html{'#' + anchor if anchor else ''})"
+        return f"{words} (`{name.removeprefix('../')}`)"
+
+    return re.sub(r"(?<!!)\[([^\]]+)\]\(([^)]+)\)", link, re.sub(r"<img [^>]*>", "", text))
+
+
+def _module(path: Path) -> str:
+    """The name of the module that a guide becomes."""
+    return path.stem.replace("-", "_")
+
+
+@contextmanager
+def guides() -> Iterator[str]:
+    """The package of the guides, importable while the site is made."""
+    with tempfile.TemporaryDirectory() as place:
+        package = Path(place) / GUIDES
+        package.mkdir()
+        texts = {"__init__": ROOT / "README.md"}
+        texts |= {_module(p): p for p in sorted((ROOT / "docs").glob("*.md"))}
+        for name, path in texts.items():
+            words = guide(path.read_text(encoding="utf-8"))
+            if name == "__init__":  # its links lead down into the package
+                words = re.sub(r"\]\((\w+)\.html", rf"]({GUIDES}/\1.html", words)
+            (package / f"{name}.py").write_text(f"__doc__ = {words!r}\n", encoding="utf-8")
+        sys.path.insert(0, place)
+        try:
+            yield GUIDES
+        finally:
+            sys.path.remove(place)
+            for name in [n for n in sys.modules if n == GUIDES or n.startswith(f"{GUIDES}.")]:
+                del sys.modules[name]
+
+
 def build(folder: Path, packages: tuple[str, ...] = PACKAGES) -> Path:
-    """Write the pages of packages into a folder; the path of the first one.
+    """Write the guides and the pages of packages into a folder; the path of the first one.
 
     Raises RuntimeError with what pdoc warns of: a page that it cannot make whole is not handed out.
     """
@@ -39,9 +94,10 @@ def build(folder: Path, packages: tuple[str, ...] = PACKAGES) -> Path:
         template_directory=Path(__file__).parent / "templates",
         footer_text="Wrist workbench, MIT licence",
     )
-    with warnings.catch_warnings(record=True) as caught:
+    with warnings.catch_warnings(record=True) as caught, guides() as written:
         warnings.simplefilter("always")
-        pdoc.pdoc(*(name for package in packages for name in named(package)), output_directory=folder)
+        names = (written, *(name for package in packages for name in named(package)))
+        pdoc.pdoc(*names, output_directory=folder)
     said = [str(w.message) for w in caught if "pdoc" in w.filename]
     if said:
         raise RuntimeError("pdoc warns: " + "; ".join(said))

@@ -6,10 +6,21 @@ from typing import Annotated
 import typer
 
 from design.cli.commands import (
-    check, compare, design, export, fit, importing, plan, robust, show, simulate, trace, tune,
+    check,
+    compare,
+    design,
+    export,
+    fit,
+    importing,
+    plan,
+    robust,
+    show,
+    simulate,
+    trace,
+    tune,
 )  # fmt: skip
 from design.cli.completion import files
-from design.cli.strict import StrictCommand
+from design.cli.strict import PlainGroup, StrictCommand
 
 MODULES = (show, simulate, importing, fit, trace, plan, tune, robust, design, check, compare, export)
 
@@ -24,6 +35,7 @@ def _say_version(wanted: bool) -> None:
 
 app = typer.Typer(
     name="wrist",
+    cls=PlainGroup,
     help="Design a PI controller for a pneumatic wrist with hysteresis, and say how far it can be trusted.",
     epilog="Exit codes: 0 done, 1 the answer is no, 2 bad input, 70 a bug of this program, 130 stopped.",
     add_completion=True,
@@ -63,4 +75,6 @@ def _common(
 
 
 for module in MODULES:
-    app.command(name=module.NAME, help=module.HELP, epilog=module.EXAMPLE, cls=StrictCommand)(module.command)
+    following = getattr(module, "NEXT", "")
+    epilog = module.EXAMPLE + (f"\n\nNext: {following}" if following else "")
+    app.command(name=module.NAME, help=module.HELP, epilog=epilog, cls=StrictCommand)(module.command)

@@ -112,6 +112,11 @@ def command_line() -> str:
     return shlex.join(["wrist", *sys.argv[1:]])
 
 
+def following(said: Any, *words: object) -> None:
+    """Say which command comes next, as a shell takes it."""
+    said.print(f"next: {shlex.join(str(w) for w in words)}", soft_wrap=True)
+
+
 def numbers(text: str, option: str, example: str) -> tuple[float, ...]:
     """The numbers of an option such as ``--gains 1.2,2.2``: as many as in the example, none negative."""
     from plants.errors import InputError

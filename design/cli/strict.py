@@ -8,7 +8,9 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
-from typer.core import TyperCommand
+from typer.core import TyperCommand, TyperGroup
+
+from design.cli.panels import OUTPUT, grouped
 
 LARGEST, SMALLEST = 1e6, 1e-9
 """Magnitudes between which every option's number lies, but for 0."""
@@ -33,8 +35,33 @@ def refuse(options: Iterable[str], why: str) -> None:
             raise InputError(f"{option}: {why}; leave it out")
 
 
+class PlainGroup(TyperGroup):
+    """The command ``wrist`` itself, whose switches show no type."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """The parameters, switches without a type."""
+        found = super().get_params(ctx)
+        for p in found:
+            if getattr(p, "is_flag", False) or p.name == "help":
+                p.metavar = ""
+        return found
+
+
 class StrictCommand(TyperCommand):
-    """A command whose line is checked as a whole."""
+    """A command whose line is checked as a whole, and whose help groups its options."""
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        """Group the options, then write the help."""
+        self.params = grouped(self.params)
+        super().format_help(ctx, formatter)
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """The parameters with that of ``--help``, which shows no type either."""
+        found: list[Any] = super().get_params(ctx)
+        for p in found:
+            if p.name == "help":
+                p.metavar, p.rich_help_panel = "", OUTPUT
+        return found
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse, and raise InputError for what is parsed but cannot be meant."""

@@ -20,10 +20,11 @@ from design.controllers.feedforward import FeedforwardPI
 from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
 from design.robustness.box import Box
-from design.robustness.checks import check, worst_found
+from design.robustness.checks import check
 from design.robustness.recommended import PLAIN, TWO_DOF, pays, tune_candidates
 from design.robustness.requirement import Requirement, requirement, requirement_record
 from design.robustness.robust_tuning import FRESH, GUARD, RobustTuning, tune_robustly
+from design.studies.decision import checked
 from design.studies.limits_matrix import matrix, step_band
 from design.studies.prices import Tasks, price_rows
 from design.studies.proof import proof
@@ -242,7 +243,7 @@ def _designed(
     evidence = stages.done(
         f"check-{motion}",
         mine,
-        lambda: _checked(required, controller, effort, seed, jobs, _at("check", tell)),
+        lambda: checked(required, controller, effort.samples, effort.runs, seed, jobs, _at("check", tell)),
     )
     _at("proof", tell)("proof", 0.0)
     evidence["proved"] = stages.done(
@@ -334,33 +335,6 @@ def _tuning_record(found: RobustTuning) -> dict[str, Any]:
         "gains": {"Kp": t.Kp, "Ki": t.Ki, "b": t.b, "Tf": t.Tf}, "cost": float(t.at.cost[0]),
         "holds": found.holds, "ended": found.ended, "active": t.active, "nearest": nearest,
         "cases": len(t.problem.adverse), "rounds": len(found.rounds),
-    }  # fmt: skip
-
-
-def _checked(
-    required: Requirement, controller: PI, effort: DesignEffort, seed: int, jobs: int | None, tell: Tell
-) -> dict[str, Any]:
-    """Fresh samples and the worst case found, neither of which took part in the tuning."""
-    fresh = check(required, controller, effort.samples, 1000 + seed, jobs, lambda s, h: tell(s, 0.3 * h))
-    worst = worst_found(
-        required, controller, effort.runs, 2000 + seed, jobs, lambda s, h: tell(s, 0.3 + 0.7 * h)
-    )
-    broken = required.excess(fresh.values)
-    return {
-        "samples": {
-            "broken": fresh.broken, "total": fresh.total, "upper_bound": fresh.upper_bound,
-            "out_of_reach": fresh.out_of_reach, "worst_excess": float(broken.max()),
-            "worst": {n: float(v.max()) for n, v in fresh.values.items()},
-            "worst_iae_deg_s": fresh.worst_cost, "worst_settling_s": fresh.worst_settling_s,
-        },
-        "worst_case": {
-            "runs": worst.runs, "broken": worst.broken,
-            "overshoot_percent": worst.values["overshoot_percent"], "excess": worst.excess,
-            "excess_of": worst.excess_of, "values": worst.values, "scenario": worst.sequence.name,
-            "worst_iae_deg_s": worst.worst_cost,
-            "dearest": None if worst.dearest is None else worst.dearest.name,
-        },
-        "linear_excess": required.linear_excess(controller),
     }  # fmt: skip
 
 

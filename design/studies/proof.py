@@ -60,6 +60,14 @@ def _sampled(c: Certificate) -> bool:
     return c.about is not None and c.about.switching.sampled
 
 
+def not_asked(dead_time: float) -> dict[str, Any]:
+    """The same where no proof was asked for, behind a dead time [s]: all is open."""
+    return {
+        "status": Status.OPEN.value, "rate_1_s": None, "rung": None, "dead_time_s": dead_time,
+        "covers_task": False, "left_out": [], "why": "no proof was asked for", "rungs": [],
+    }  # fmt: skip
+
+
 def _covers(c: Certificate) -> bool:
     """Whether the tasks come to what a certificate is about."""
     tasks, region = c.evidence.get("tasks", {}), c.evidence.get("region", {})

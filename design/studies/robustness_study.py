@@ -3,12 +3,14 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
+from design.controllers.pi import PI
 from design.evaluation.sequence import PlayedSequence, play
 from design.robustness.assess import Assessment
 from design.robustness.certificates.continuous.search import RUNGS
 from design.robustness.gain_plane import GainPlane, gain_plane
 from design.robustness.samples.monte_carlo import Envelopes, envelopes
 from design.robustness.samples.worst import Worst
+from design.studies.branch_steps import BranchSteps, branch_steps
 from design.synthesis.requirements import default_problem
 from design.synthesis.tuning_rules import PAPER_GAINS, baselines
 
@@ -20,7 +22,8 @@ class RobustnessStudy:
     """An assessment with what is drawn of it.
 
     plane: of the gains; envelopes: of the samples, None where none is within reach; worst_run: the worst
-    scenario, with its signals; gains: of the textbook rules and the paper's stand-in, for comparison.
+    scenario, with its signals; gains: of the textbook rules and the paper's stand-in, for comparison;
+    branches: steps of all of these from every initial state, and their overshoot behind a dead time.
     """
 
     assessment: Assessment
@@ -28,6 +31,7 @@ class RobustnessStudy:
     envelopes: Envelopes | None
     worst_run: PlayedSequence
     gains: Mapping[str, tuple[float, float]]
+    branches: BranchSteps
 
 
 def robustness_study(
@@ -45,9 +49,11 @@ def robustness_study(
 def study_of(assessment: Assessment, plane: GainPlane) -> RobustnessStudy:
     """The study of an assessment with a plane that is known."""
     rules = {n: (float(c.Kp), float(c.Ki)) for n, c in baselines(assessment.wrist).items() if n != "paper"}
+    gains, wrist = {"paper's stand-in": PAPER_GAINS, **rules}, assessment.wrist
+    pis = {"these gains": assessment.controller, **{n: PI.of(wrist, *k) for n, k in gains.items()}}
     return RobustnessStudy(
-        assessment, plane, envelopes(assessment.cases), worst_run(assessment.worst),
-        {"paper's stand-in": PAPER_GAINS, **rules},
+        assessment, plane, envelopes(assessment.cases), worst_run(assessment.worst), gains,
+        branch_steps(wrist, pis),
     )  # fmt: skip
 
 

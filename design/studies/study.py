@@ -19,14 +19,16 @@ from design.comparison.execution_time import deadlines
 from design.comparison.rows import WITHOUT_DEAD_TIME
 from design.contest import Contest, contest
 from design.controllers.controller import Controller
+from design.controllers.pi import PI
 from design.mpc.timing import Ledger
 from design.robustness.recommended import tune_candidates
 from design.robustness.requirement import requirement
 from design.robustness.robust_tuning import with_evidence
+from design.studies.decision import Decision, decide
 from design.studies.panels import Panel
 from design.studies.paper import redrawn
 from design.studies.verdict import Verdict, verdicts
-from design.synthesis.answer import Answer, Refusal, answer
+from design.synthesis.answer import Answer, OutOfReach, Refusal, answer
 from design.synthesis.requirements import default_problem
 from design.synthesis.retune import without_sensor
 from design.synthesis.tuning import Region, Tuning, tune
@@ -75,7 +77,8 @@ class Study:
     None where none were asked for or can be drawn; break_even: how wrong the model of a feedforward may
     be, by motion, of those that have one; execution_times: of the steps of each controller, by motion and
     name; redrawn: what the paper's figures show of these plants, by number, where they are the paper's two
-    motions; without_mpc: why MPCs were left out, empty where they were not.
+    motions; without_mpc: why MPCs were left out, empty where they were not; decisions: what is
+    recommended of each motion, judged by the rig's whole requirement.
     """
 
     question: Question
@@ -86,6 +89,7 @@ class Study:
     execution_times: Mapping[str, Mapping[str, Ledger]] | None = None
     redrawn: Mapping[int, tuple[Panel, ...]] = field(default_factory=dict)
     without_mpc: str = ""
+    decisions: Mapping[str, Decision] = field(default_factory=dict)
 
     @property
     def tunings(self) -> dict[str, Tuning]:
@@ -155,7 +159,12 @@ def study(question: Question, progress: Tell | None = None) -> Study:
     times = {m: deadlines(w, alone[m], mpcs.get(m)) for m, w in wrists.items()}
     broad = _contest(question, alone, mpcs, _part(tell, "other plants"))
     answers = {m: answer(t) for m, t in tunings.items()}
-    return Study(question, answers, comparison, broad, maps, times, redrawn(wrists), without_mpc)
+    decisions = {
+        m: _decided(question, m, alone[m], _part(tell, f"{m}, decision"))
+        for m, a in answers.items()
+        if not isinstance(a.refusal, OutOfReach)
+    }
+    return Study(question, answers, comparison, broad, maps, times, redrawn(wrists), without_mpc, decisions)
 
 
 def _part(tell: Tell, what: str) -> Tell:
@@ -214,6 +223,14 @@ def _break_evens(
             tell(f"{motion}, break-even map", 0.0)
             found[motion] = break_even(wrist, alone[motion][TUNED], others, jobs=jobs)
     return found
+
+
+def _decided(question: Question, motion: str, alone: Mapping[str, Controller], tell: Tell) -> Decision:
+    """What is recommended among the tuned PI and the PIs that were asked for beside it."""
+    named = (TUNED, WITHOUT_DEAD_TIME, *question.more.get(motion, {}))
+    candidates = {n: c for n, c in alone.items() if n in named and isinstance(c, PI)}
+    plant = without_sensor(question.plants[motion])
+    return decide(motion, requirement(plant), candidates, question.seed, question.jobs, tell)
 
 
 def _contest(

@@ -89,7 +89,7 @@ function drawSteps(svg, width, about, picture, seconds) {
     const broken = picture.limits.some((row) => row.name === "overshoot_percent" && row.broken);
     const level = y.at(step * (1 + allowed / 100));
     layer.append(node("svg:line", { class: `bound${broken ? " violated" : ""}`, x1: box.left, x2: box.right, y1: level, y2: level }));
-    layer.append(text(box.right - 4, level - 4, `${broken ? "✗ " : ""}overshoot limit ${allowed} %`, { class: broken ? "violated" : "quiet", "text-anchor": "end" }));
+    layer.append(text(box.right - 4, level - 4, `${broken ? "▲ " : ""}overshoot limit ${allowed} %`, { class: broken ? "violated" : "quiet", "text-anchor": "end" }));
   }
 }
 
@@ -151,7 +151,7 @@ function table(caption, headings, rows) {
   const head = node("tr", {}, ...headings.map((h) => node("th", { scope: "col" }, h)));
   const body = rows.map(([first, ...cells]) =>
     node("tr", {}, node("th", { scope: "row" }, first), ...cells.map(([words, broken]) =>
-      node("td", { class: broken ? "violated" : null }, broken ? `✗ ${words}` : words))));
+      node("td", { class: broken ? "violated" : null }, broken ? `▲ ${words}` : words))));
   return node("table", {}, node("caption", {}, caption), node("thead", {}, head), node("tbody", {}, ...body));
 }
 

@@ -173,10 +173,10 @@ function render({ model, el }) {
     for (const c of controls) c.now.textContent = picture.plant[c.name] ?? "";
     status.className = `status${bad ? " violated" : ""}`;
     status.textContent = picture.trouble
-      ? `✗ No such plant: ${picture.trouble}`
+      ? `▲ No such plant: ${picture.trouble}`
       : picture.note
-        ? `✗ Out of reach: ${picture.note}`
-        : broken.length ? `✗ Violated: ${broken.join(", ")}` : "✓ Every limit is held";
+        ? `▲ Out of reach: ${picture.note}`
+        : broken.length ? `▲ Violated: ${broken.join(", ")}` : "✓ Every limit is held";
     drawGains();
     if (picture.trouble || !steps.clientWidth) return;
     for (const [svg, how] of [[steps, drawSteps], [command, drawCommand]]) {
@@ -210,7 +210,7 @@ function render({ model, el }) {
   const told = () => {
     const said = model.get("kept");
     kept.className = `kept${said.done === false ? " violated" : ""}`;
-    kept.replaceChildren(said.done === false ? `✗ ${said.words}` : said.words ?? "");
+    kept.replaceChildren(said.done === false ? `▲ ${said.words}` : said.words ?? "");
     if (said.command) kept.append(node("code", {}, said.command));
   };
   const events = { "change:picture": follow, "change:regions": drawGains, "change:answered": free, "change:kept": told };

@@ -7,7 +7,7 @@ import numpy as np
 from design.comparison.compare import TUNED
 from design.contest.scores import BESIDE, BOTH, Contest, Score
 from design.contest.statistics import FEWEST, LEVEL, ConfidenceInterval
-from design.evaluation.tasks import families, lasts
+from design.evaluation.tasks import lasts
 from reports.shared.names import name_of, title_of
 from reports.shared.style import BLACK, GREY, controller_line, new_figure, styled
 from reports.shared.tables import Cell, Column, Group, Table, fixed, row
@@ -29,12 +29,6 @@ CAPTION = (
 def main_table(found: Contest, overshoot: float | None) -> Table:
     """The steps on the perturbed plants, and both motions at once; overshoot beyond the limit is marked."""
     keys = [k for k in found.tables if is_main(k)]
-    return _table(found, keys, overshoot)
-
-
-def further_tables(found: Contest, overshoot: float | None) -> Table:
-    """All other tables of the contest."""
-    keys = [k for k in found.tables if not is_main(k)]
     return _table(found, keys, overshoot)
 
 
@@ -144,22 +138,13 @@ def how(found: Contest) -> list[str]:
     band = f"{rig.task.band * rig.task.step:g} {rig.units.angle}"
     lasting = f"{lasts('side by side', rig):g} s"
     return [
-        f"{found.plants} plants of each motion are drawn independently, within the spread from day to day "
-        "that gains are tuned for, or two standard errors where these are wider; drawn inside, where the "
-        f"tuning scenarios are corners{_less(found)}; the same plants for every controller. Every run of "
-        f"{lasting} has the same range and sampling, and the same "
-        f"sensor: white noise of {c.noise:g} deg, held for 10 ms, shown in steps of {c.quantum:g} deg; "
-        "the pressure is seen as it is. None of these plants, rigs, courses and noises was tuned on.",
-        "On each plant the error is the mean over the tasks of a family, settling and overshoot are the "
-        f"worst; what does not settle within ±{band} counts as {lasting}. The tables give "
-        f"means over the plants; beneath a difference stands its paired {100 * LEVEL:g} % interval "
-        "(bootstrap over the plants, BCa). Ranks are given as far as the pairs of a table support them "
-        "together: “2 to 4” is a tie that these plants do not break; fewer than "
-        f"{FEWEST} plants give neither interval nor "
-        "rank. An overshoot beyond the limit is marked.",
-        "The MPCs, slow to simulate, do every task on the plant as it is. Where a field says "
-        f"“{BESIDE.strip(', ')}”, all do the steps once more with them, on the first of the perturbed "
-        "plants, on the plant as it is with the effect of a rig, or on one coupled pair. The weights of "
-        "the MPCs are not tuned on scenarios.",
-        "The families: " + "; ".join(f"{n}: {words}" for n, words in families(rig).items()) + ".",
+        f"{found.plants} plants of each motion, drawn within the day-to-day spread or two standard errors, "
+        f"whichever is wider{_less(found)}; the same plants for every controller; none was tuned on. Sensor: "
+        f"white noise of {c.noise:g} deg, held for 10 ms, quantised to {c.quantum:g} deg. The pressure is "
+        "measured without noise.",
+        "Per plant: mean IAE, worst settling time and overshoot over the tasks of a family; not settled "
+        f"within ±{band} counts as {lasting}. Paired {100 * LEVEL:g} % intervals: bootstrap over the plants "
+        f"(BCa); fewer than {FEWEST} plants give neither interval nor rank.",
+        f"“{BESIDE.strip(', ')}”: the MPCs are slow to simulate and meet only the first of the plants. Their "
+        "weights are not tuned on scenarios.",
     ]

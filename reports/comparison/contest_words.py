@@ -26,7 +26,7 @@ def against(scores: list[Score], reference: str, metric: str = "iae_deg_s") -> s
     for s in sorted(scores, key=lambda s: s.mean[metric]):
         if s.controller != reference:
             groups[s.against[metric].sign].append(s.controller)
-    words = {-1: "less IAE than the tuned PI", 0: "not told apart from it", 1: "more"}
+    words = {-1: "less IAE than the tuned PI", 0: "not distinguished from it", 1: "more"}
     parts = [f"{words[sign]}: {', '.join(names)}" for sign, names in groups.items() if names]
     return f"{'; '.join(parts)} ({scores[0].plants} plants)"
 

@@ -21,9 +21,8 @@ KIND_WORDS = {
 }
 
 TIMES = (
-    "Wall time of each step on the machine that made this page, in Python and beside whatever else ran "
-    "there. It says what the laws cost beside each other and beside their period, and is no guarantee of a "
-    "deadline on another machine; on a target runs the C that wrist export writes."
+    "Wall time in Python on the machine that made this page: a comparison of costs, no guarantee of a "
+    "deadline on another machine."
 )
 """What the deadline ledger is, and what it is not."""
 

@@ -19,12 +19,12 @@ from reports.comparison.break_even_figure import break_even_figure
 from reports.comparison.contest_words import sentences
 from reports.comparison.designs import budgets, designs
 from reports.comparison.record import comparison_record, contest_csv_text, csv_text
-from reports.comparison.verdict_words import verdict_sentences
 from reports.paper import figures as paper
+from reports.shared.card import Card, CardRow, draw_steps, gains_table, matrix_table, step_caption
 from reports.shared.fit import draw_fit
 from reports.shared.gain_map import gain_map
 from reports.shared.html import Made, Shown, markup, render
-from reports.shared.names import COST_WORDS, WINDOW, title_of
+from reports.shared.names import COST_WORDS, WINDOW, name_of, title_of
 from reports.shared.plant_tables import assumption_table, error_table, parameter_table
 from reports.shared.style import save, svg
 from reports.shared.tables import number, spaced
@@ -41,9 +41,9 @@ def comparison_page(study: Study, made: Made) -> str:
 
 
 def write_comparison(folder: str | Path, study: Study, made: Made) -> Path:
-    """Write comparison.html, .json and .csv, contest.csv where there was a contest, and the main figures
-    as PNG into a folder, each complete or not at all.  Returns the path of the page; raises InputError where
-    it cannot be written."""
+    """Write comparison.html, .json and .csv, contest.csv where there was a contest, paper.html where the
+    paper's figures were redrawn, and the main figures as PNG into a folder, each complete or not at all.
+    Returns the path of the page; raises InputError where it cannot be written."""
     from plants.files import json_text, write_atomically
 
     folder = Path(folder)
@@ -55,6 +55,8 @@ def write_comparison(folder: str | Path, study: Study, made: Made) -> Path:
     write_atomically(folder / "comparison.csv", csv_text(study.comparison))
     if study.contest:
         write_atomically(folder / "contest.csv", contest_csv_text(study.contest))
+    if study.redrawn:
+        write_atomically(folder / "paper.html", paper_page(study, made))
     write_atomically(folder / "comparison.html", page)
     return folder / "comparison.html"
 
@@ -62,7 +64,9 @@ def write_comparison(folder: str | Path, study: Study, made: Made) -> Path:
 def main_figures(study: Study) -> dict[str, "Figure"]:
     """The figures of the comparison by the names of their files."""
     comparison = study.comparison
-    found = {
+    rows = card_rows(study)
+    found = {"decision": draw_steps(rows)} if rows else {}
+    found |= {
         "worst-values": figures.worst_values(comparison),
         "loops": figures.loop_trajectories(comparison, study.question.wrists),
     }
@@ -91,14 +95,12 @@ def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:
     least = {t.problem.cost for t in study.tunings.values()}
     assumed = assumption_table(study.plants)
     responses = [shown(f"steps-{slug(m)}", words.steps_caption(comparison, m)) for m in motions]
-    responses.append(shown("loops", words.LOOPS_CAPTION))
+    cards = card_rows(study)
     return render(
-        "comparison.html",
-        title=f"Holding {comparison.rig.task.step:g} degrees: the tuned PI beside the paper's, textbook "
-        "rules and other designs",
-        kind="comparison of controllers", remarks=[made.remark] if made.remark else [],
+        "comparison.html", title=words.title(study), kind="comparison of controllers",
+        remarks=[made.remark] if made.remark else [],
         summary=words.summary(study), sections=_sections(study),
-        verdicts=[v[:1].upper() + v[1:] for v in verdict_sentences(study)],
+        decision=_card(cards, shown) if cards else None,
         step=comparison.rig.task.step, sample_ms=1000.0 * comparison.rig.sample_time,
         command_range=comparison.rig.command_range, window=WINDOW,
         band=100.0 * comparison.rig.task.band, tasks=_tasks(comparison),
@@ -108,32 +110,54 @@ def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:
         tunings=[_tuning(m, a, shown) for m, a in study.answers.items()],
         designs=[(title_of(m), designs(comparison, m)) for m in motions if comparison.designs],
         standings=tables.standings_table(comparison), worst=shown("worst-values", words.WORST_CAPTION),
-        all_tasks=tables.task_table(comparison), row_count=len(comparison.rows),
         paper_note=tables.paper_note(),
         contest=_contest(study, study.contest, shown) if study.contest else None,
         wrong=[_wrong(m, b, shown) for m, b in (study.break_even or {}).items()],
         times=_times(study.execution_times) if study.execution_times else None,
-        responses=responses, paper=_paper(study),
+        responses=responses, loops=shown("loops", words.LOOPS_CAPTION),
         assumed=assumed, assumed_count=sum(len(g.rows) for g in assumed.groups),
         further=words.further(motions), motion_count=len(motions),
         made=made,
     )  # fmt: skip
 
 
+def paper_page(study: Study, made: Made) -> str:
+    """The figures of the paper by this model, as one self-contained HTML text."""
+    return render(
+        "paper.html", title="The paper's figures, redrawn by the model", kind="the paper redrawn",
+        summary=words.paper_summary(study), remarks=[], sections={"paper": "Figures"}, paper=_paper(study),
+        made=made,
+    )  # fmt: skip
+
+
+def card_rows(study: Study) -> list[CardRow]:
+    """What the decision card shows, a row a motion that was decided on."""
+    return [
+        CardRow(
+            d.motion, name_of(d.controller), d.gains, d.matrix, d.evidence["proved"], d.band,
+            words.reason(d),
+        )
+        for d in study.decisions.values()
+    ]  # fmt: skip
+
+
+def _card(rows: list[CardRow], shown: Any) -> Card:
+    return Card(gains_table(rows), matrix_table(rows), shown("decision", step_caption(rows)))
+
+
 def _sections(study: Study) -> dict[str, str]:
     """Titles of the page's sections by their ids, of those that there are."""
     titles = {
-        "asked": "What was asked",
         "table": "The comparison",
-        "steps": "How they respond",
-        "contest": "On other plants and tasks, with a noisy sensor" if study.contest else "",
-        "wrong": "How wrong the model of a feedforward may be" if study.break_even else "",
-        "times": "How long the steps take" if study.execution_times else "",
+        "steps": "Step responses",
+        "contest": "Perturbed plants with a noisy sensor" if study.contest else "",
         "tuning": "How the PI was tuned",
-        "designs": "Other designs under the same limits" if study.comparison.designs else "",
+        "asked": "Task and limits",
+        "wrong": "Model errors and feedforward" if study.break_even else "",
+        "times": "Execution times" if study.execution_times else "",
+        "designs": "Other designs" if study.comparison.designs else "",
         "fit": "The plant and its fit" if study.fits else "The plant",
         "assumptions": "Assumptions",
-        "paper": "The paper, redrawn" if study.redrawn else "",
     }
     return {name: title for name, title in titles.items() if title}
 
@@ -159,8 +183,8 @@ def _contest(study: Study, contest: Contest, shown: Any) -> dict[str, Any]:
     return {
         "said": [s[:1].upper() + s[1:] for s in sentences(contest)],
         "how": [*broad.how(contest), budgets(study.comparison, study.tunings)],
+        "on_others": words.on_others(study.comparison, contest),
         "main": broad.main_table(contest, overshoot),
-        "further": broad.further_tables(contest, overshoot),
         "figure": shown("differences", broad.CAPTION),
     }
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from design.comparison.compare import Comparison, row_record
 from design.contest import Contest, contest_record
+from design.studies.decision import Decision
 from design.studies.study import Study
 from reports.comparison.contest_words import sentences
 from reports.comparison.costs import break_even_record, ledger_record
@@ -23,7 +24,7 @@ def comparison_record(study: Study, made: Made) -> dict[str, Any]:
     Keys: verdicts, limits, standings, rows (see `design.comparison.compare.row_record`), tunings, plants,
     fits (these three by motion), contest (see `design.contest.contest_record`), break_even (rows by
     motion, see `design.comparison.break_even.BreakEven.rows`), ledger (times [s] by motion and controller),
-    each of these three None where there was none, and made.
+    each of these three None where there was none, decisions (what is recommended, by motion), and made.
     """
     comparison, contest = study.comparison, study.contest
     return {
@@ -37,8 +38,17 @@ def comparison_record(study: Study, made: Made) -> dict[str, Any]:
         "contest": contest_record(contest) | {"said": sentences(contest)} if contest else None,
         "break_even": break_even_record(study.break_even),
         "ledger": ledger_record(study.execution_times),
+        "decisions": {m: decision_record(d) for m, d in study.decisions.items()},
         "made": asdict(made),
     }
+
+
+def decision_record(d: Decision) -> dict[str, Any]:
+    """What is recommended of a motion for machines, without the curves of its steps."""
+    return {
+        "controller": d.controller, "gains": dict(d.gains), "holds": d.holds,
+        "evidence": dict(d.evidence), "limits": list(d.matrix), "candidates": dict(d.candidates),
+    }  # fmt: skip
 
 
 def csv_text(comparison: Comparison) -> str:

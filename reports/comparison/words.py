@@ -1,23 +1,25 @@
 """What a comparison page says in sentences: summary, verdict on the fit, evidence, captions."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from math import isfinite
 
 from design.alternatives.convex_concave import NOISE_GAIN
 from design.alternatives.lqi_design import WASHOUT
-from design.comparison.compare import PAPER, TUNED, Comparison, Row
+from design.comparison.compare import TUNED, Comparison
 from design.contest.plants import RIGS
 from design.contest.scores import BESIDE, Contest, Score
 from design.contest.statistics import FEWEST, LEVEL
 from design.evaluation.scenarios import HEADROOM
+from design.status import Status
+from design.studies.decision import Decision
 from design.studies.study import Study
 from design.synthesis.answer import Answer
 from design.synthesis.tuning import ACTIVE
 from design.synthesis.tuning_rules import PAPER_FACTOR, PAPER_GAINS
-from plants.measured.fit import EXPLAINED, Fit
-from plants.parameters.quantities import Assumed, Fitted, ParameterSet
+from plants.measured.fit import Fit
+from plants.parameters.quantities import Assumed
 from reports.comparison.contest import MAIN as PERTURBED
-from reports.comparison.figures import PIS, SOON
+from reports.comparison.figures import PIS
 from reports.shared.fit import shown_run
 from reports.shared.names import COST_WORDS, WINDOW, limit_name, name_of, title_of
 from reports.shared.tables import fixed, listed, number, spaced
@@ -36,11 +38,8 @@ FURTHER = (
     f"How much noise the other designs may pass on: at most {NOISE_GAIN:g} V of command per degree of noise "
     "of the angle, at any frequency; the peak of the complementary sensitivity is limited like that of the "
     "sensitivity.",
-    "The robust LQI measures the pressure and observes the static angle from it: moved by the measured "
-    "pressure times the mean slope of the lines, corrected by the measured angle. On a branch of another "
-    "slope that is wrong in proportion to the speed of the pressure, so that feedback and observer cannot be "
-    "designed apart; the loop with the observer is what is simulated, and its poles and margins are taken on "
-    f"every branch. What the regulator's gain is off by it unlearns at {WASHOUT:g} rad/s.",
+    "The robust LQI observes the static angle from the measured pressure times the mean slope of the lines, "
+    f"so feedback and observer cannot be designed apart; its washout is {WASHOUT:g} rad/s.",
     "One pressure stands for a motion, its antagonist mirrored about the rest pressure.",
     "In the contest on other plants: the noise and the quantum of the sensor, the coupling of the motions, "
     "and the size of the load and of each effect that no model has.",
@@ -51,14 +50,12 @@ APART = "The two motions do not act on each other, except where both are played 
 """The same of a rig with two motions."""
 
 WORST_CAPTION = (
-    "Worst settling time and overshoot over the tasks of a motion. See who is quick, to the left above, and "
-    "still left of the dashed limit of the overshoot. The grey bar is the range that the paper's PI takes "
-    "over the range of its gains; an arrow means that it does not settle while it is watched."
+    "Worst settling time and overshoot over the tasks of a motion; dashed: limit on overshoot; grey bar: the "
+    "paper's PI over the range of its gains; arrow: not settled within the run."
 )
 LOOPS_CAPTION = (
-    "The step from rest under the tuned PI in the plane of pressure and angle. See how the angle stays "
-    "while the pressure crosses the dead zone, until line 1 is met, and then rises beside it. The dots are "
-    "instants after the step."
+    "The step from rest under the tuned PI in the plane of pressure and angle. In the dead zone the pressure "
+    "moves and the angle does not; beyond it the angle follows line 1. Dots: instants after the step."
 )
 
 
@@ -67,67 +64,91 @@ def further(motions: Sequence[str]) -> list[str]:
     return [*FURTHER, *([APART] if len(motions) > 1 else [])]
 
 
+def title(study: Study) -> str:
+    """The heading: what is recommended, or that nothing that was tried meets every limit."""
+    if not study.decisions:
+        return f"Holding {study.comparison.rig.task.step:g} degrees: controllers compared"
+    names = list(dict.fromkeys(name_of(d.controller) for d in study.decisions.values()))
+    if all(d.holds for d in study.decisions.values()):
+        return f"Recommended: {listed(names)}"
+    return f"No PI tried meets every limit; the nearest: {listed(names)}"
+
+
 def summary(study: Study) -> list[str]:
-    """Three sentences: what the tuned PI does, what would be better, and what both rest on."""
-    comparison, contest = study.comparison, study.contest
-    better = _on_others(comparison, contest) if contest else _as_it_is(comparison)
-    return [_ours(study), better, _rests_on(study.plants, study.fits)]
+    """Three sentences of at most 20 words: whether the recommended gains meet the requirement, what another
+    controller would gain, and what is proved and assumed."""
+    return [_verdict(study), _gain_of_others(study), _rests_on(study)]
 
 
-def _ours(study: Study) -> str:
-    """How fast the tuned PI is on each motion, and how it stands to the paper's."""
-    said, comparison = [], study.comparison
-    for s in comparison.standings:
-        if s.controller == TUNED:
-            broken = listed([limit_name(n).lower() if n != "Ms" else n for n in s.breaks])
-            held = f"though it breaks the limit on {broken}" if s.breaks else "holding every limit"
-            if s.motion in study.refusals:
-                held += ", and no gains hold every limit on all plants tuned for"
-            paper = _paper([r for r in comparison.rows if (r.motion, r.controller) == (s.motion, PAPER)])
-            time = f"{'in ' if isfinite(s.worst_settling_s) else 'not within '}{_seconds(s.worst_settling_s)}"
-            said.append(f"on {s.motion} {time}{paper}, {held}")
+def _verdict(study: Study) -> str:
+    """Whether the recommended gains were seen to break a limit."""
+    found = list(study.decisions.values())
+    if not found:
+        return "No controller was judged by the whole requirement."
+    samples, runs = (sum(d.evidence[k][n] for d in found) for k, n in
+                     (("samples", "total"), ("worst_case", "runs")))  # fmt: skip
+    late = max(d.dead_time for d in found)
+    with_ = f" with up to {1000 * late:g} ms of dead time" if late else ""
+    if all(d.holds for d in found):
+        return f"These gains meet every limit in {samples} samples and {runs} search runs{with_}."
+    broken = sum(d.evidence[k]["broken"] for d in found for k in ("samples", "worst_case"))
+    if not broken:
+        return f"These gains break a linear margin of the requirement{with_}; see ▲ in the card."
+    return f"These gains break a limit in {broken} of {samples + runs} simulated runs{with_}."
+
+
+def _gain_of_others(study: Study) -> str:
+    """How fast the fastest controller within the limits on the nominal plant is beside the recommended."""
+    comparison = study.comparison
+    motion = study.motions[0]
+    of = [s for s in comparison.standings if s.motion == motion]
+    own = study.decisions[motion].controller if motion in study.decisions else TUNED
+    ours = next((s for s in of if s.controller == own), None)
+    ours = ours or next(s for s in of if s.controller == TUNED)
+    faster = [s for s in of if s is not ours and not s.breaks]
+    best = min(faster, key=lambda s: s.worst_settling_s, default=None)
+    if best is None or best.worst_settling_s >= ours.worst_settling_s:
+        return f"On the nominal {motion} plant no other controller within the limits settles faster."
+    fast, slow = _seconds(best.worst_settling_s), _seconds(ours.worst_settling_s)
     return (
-        f"The tuned PI settles the worst of the {comparison.rig.task.step:g} degree tasks {'; '.join(said)}."
+        f"On the nominal {motion} plant {name_of(best.controller)} settles in {fast}, the "
+        f"{name_of(ours.controller)} in {slow}."
     )
 
 
-def _paper(rows: list[Row]) -> str:
-    """In brackets, how long the paper's PI takes over the range of its gains; empty where there is none."""
-    if not rows:
-        return ""
-    low, high = (max(getattr(r, side)["settling_time_s"] for r in rows) for side in ("low", "high"))
-    return f" (the paper's stand-in {_span(low, high)})"
+def _rests_on(study: Study) -> str:
+    """What is proved, and how much is assumed."""
+    origins = [p.provenance for s in study.plants.values() for p in s.parameters.values()]
+    assumed = sum(isinstance(o, Assumed) for o in origins)
+    proofs = [d.evidence["proved"] for d in study.decisions.values()]
+    stable = "stability is proved on the plant as fitted"
+    if not proofs or any(p["status"] != Status.PROVED.value for p in proofs):
+        stable = "a stability proof is open"
+    return f"Simulated: {stable}; {assumed} of {len(origins)} plant parameters are assumed."
 
 
-def _span(low: float, high: float) -> str:
-    if low == high:
-        return f"{_seconds(low)}" if isfinite(low) else f"not within {_seconds(low)}"
-    return f"{low:.2f} s to {f'{high:.2f} s' if isfinite(high) else f'more than {WINDOW:g} s'}"
+def reason(d: Decision) -> str:
+    """Why a controller is recommended, in a few words: how often it was seen to break a limit."""
+    c = d.candidates[d.controller]
+    broken, total = c["samples_broken"] + c["runs_broken"], c["samples"] + c["runs"]
+    return f"breaks a limit in {broken} of {total} runs"
+
+
+def paper_summary(study: Study) -> list[str]:
+    """Three sentences of the page of the paper's figures."""
+    return [
+        f"{len(study.redrawn)} figures of the paper are drawn again by this model.",
+        "No recording of the paper's wrist is available, so the model cannot be compared with them point by "
+        "point.",
+        "The PI's gains are a stand-in; its curves carry the range over the range of gains.",
+    ]
 
 
 def _seconds(value: float) -> str:
-    return f"{value:.2f} s" if isfinite(value) else f"{WINDOW:g} s"
+    return f"{value:.2f} s" if isfinite(value) else f"more than {WINDOW:g} s"
 
 
-def _as_it_is(comparison: Comparison) -> str:
-    """Which others are faster on the plants as they are."""
-    said = []
-    for ours in (s for s in comparison.standings if s.controller == TUNED):
-        others = [s for s in comparison.standings if s.motion == ours.motion and s.controller != TUNED]
-        held = [s for s in others if not s.breaks and s.worst_settling_s < ours.worst_settling_s]
-        if held:
-            best = min(held, key=lambda s: s.worst_settling_s)
-            said.append(
-                f"on {ours.motion} {len(held)} of {len(others)} others are faster under every limit, "
-                f"{name_of(best.controller)} with {_seconds(best.worst_settling_s)} first"
-            )
-        else:
-            said.append(f"on {ours.motion} none of {len(others)} others is faster under every limit")
-    lasts = "whether that lasts on other plants was not tried"
-    return f"Where the plant is as believed, {'; '.join(said)}; {lasts}."
-
-
-def _on_others(comparison: Comparison, contest: Contest) -> str:
+def on_others(comparison: Comparison, contest: Contest) -> str:
     """Who has the least error on the perturbed plants of those that keep the overshoot."""
     limit = comparison.limits.overshoot_percent
     said, lost = [], []
@@ -182,24 +203,6 @@ def _least(best: Score, reference: str, motion: str) -> str:
     return f"{here} {name_of(best.controller)}, {fixed(i.mean, 2)} deg s{interval} against the tuned PI"
 
 
-def _rests_on(sets: Mapping[str, ParameterSet], fits: Mapping[str, Fit]) -> str:
-    """What was measured, fitted and assumed."""
-    origins = [p.provenance for s in sets.values() for p in s.parameters.values()]
-    assumed = sum(isinstance(o, Assumed) for o in origins)
-    rest = "All of this is simulated, on plants whose parameters are stated or fitted"
-    if assumed:
-        still = "still " if any(isinstance(o, Fitted) for o in origins) else ""
-        rest = (
-            f"All of this is simulated; {assumed} of the plants' {len(origins)} parameters are {still}assumed"
-        )
-    lacking = [m for m, f in fits.items() if any(r > EXPLAINED for r in f.ratios.values())]
-    if lacking:
-        rest += (
-            f", and the fitted model of {listed(lacking)} does not explain its recordings down to the noise"
-        )
-    return f"{rest}."
-
-
 def misfit(fit: Fit) -> str:
     """Whether the fitted model explains the held-out recordings down to the noise."""
     if fit.remarks:
@@ -219,9 +222,8 @@ def fit_caption(motion: str, fit: Fit) -> str:
     """What the figure of a fit shows."""
     return (
         f"{title_of(motion)}: measured and simulated on {shown_run(fit).recording.name}, with the "
-        "parameters before the fit and after it; the errors of both; and the angle against the pressure. "
-        "See whether the error after the fit is noise or still moves with the signal. The simulation sees "
-        "the command alone."
+        "parameters before the fit and after it, from the command alone; residuals of both; angle over "
+        "pressure."
     )
 
 
@@ -276,20 +278,17 @@ def evidence(answer: Answer) -> str:
 def map_caption(motion: str) -> str:
     """How to read the map of the gains."""
     return (
-        f"{title_of(motion)}: worst cost over the gains, dark is worse. See where the star lies: at the "
-        "lightest place inside the black line, within which every limit is held; elsewhere the hatching "
-        "tells which one is broken most."
+        f"{title_of(motion)}: worst cost over the gains, dark is worse. Star: the tuned gains. Inside the "
+        "black line every limit is met; outside, the hatching names the limit broken most."
     )
 
 
 def steps_caption(comparison: Comparison, motion: str) -> str:
     """How to read the responses."""
     named = [name for m, name in comparison.steps if m == motion]
-    count = len(named)
-    scales = "" if set(named) <= set(PIS) else " The right column shows less of the time, larger."
+    scales = "" if set(named) <= set(PIS) else " The right column has a shorter time axis."
     return (
-        f"{title_of(motion)}: a step of {comparison.rig.task.step:g} deg from rest under {count} "
-        "controllers, the "
-        f"{name_of(TUNED)} in every panel. See who is there first without overshoot, what command that "
-        f"takes, and, in the last row, who is still on the way after {SOON:g} s.{scales}"
+        f"{title_of(motion)}: step of {comparison.rig.task.step:g} deg from rest on the plant as fitted, "
+        f"{len(named)} controllers, the {name_of(TUNED)} in every panel. Last row: the angle over the whole "
+        f"run.{scales}"
     )

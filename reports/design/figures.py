@@ -1,37 +1,14 @@
-"""Figures of a design: the steps with their band, and the price of each guarantee."""
+"""Figures of a design: the price of each guarantee."""
 
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from design.studies.design_study import DesignStudy
-from reports.shared.style import BLACK, GREY, ORANGE, new_figure, styled
+from reports.shared.style import GREY, ORANGE, new_figure, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-
-def draw_steps(study: DesignStudy) -> "Figure":
-    """The step of each motion: nominal, behind the longest dead time, and the band of fresh cases."""
-    with styled():
-        figure, axes = new_figure(1, len(study.motions), 3.0, sharey=True)
-        for at, m in zip(axes, study.motions, strict=True):
-            b = m.band
-            over = study.requirements[m.motion]["limits"].get("overshoot_percent")
-            at.fill_between(
-                b["time_s"], b["low"], b["high"], color=GREY, alpha=0.35, lw=0, label="fresh cases"
-            )
-            at.plot(b["time_s"], b["nominal"], color=BLACK, lw=1.4, label="as fitted")
-            words = f"with {1000 * b['dead_time_s']:.3g} ms more"
-            at.plot(b["time_s"], b["late"], color=ORANGE, lw=1.4, ls="--", label=words)
-            if over is not None:
-                at.axhline(
-                    b["step"] * (1 + over / 100), color=GREY, lw=0.8, ls=":", label="limit on overshoot"
-                )
-            at.set(title=m.motion, xlabel="time [s]", xlim=(0.0, b["time_s"][-1]))
-        axes[0].set_ylabel("angle [deg]")
-        axes[-1].legend(loc="lower right")
-    return figure
 
 
 def draw_prices(study: DesignStudy) -> "Figure":

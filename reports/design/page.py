@@ -6,18 +6,14 @@ from typing import TYPE_CHECKING
 from design.studies.design_study import DesignStudy
 from reports.design import figures, tables, words
 from reports.design.record import design_record
+from reports.shared.card import Card, draw_steps, gains_table, matrix_table, step_caption
 from reports.shared.html import Made, Shown, markup, render
 from reports.shared.style import save, svg
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SECTIONS = {
-    "gains": "The recommended gains",
-    "limits": "What they hold",
-    "steps": "The step",
-    "prices": "What each guarantee costs",
-}
+SECTIONS = {"prices": "What each guarantee costs"}
 """Titles of the page's sections by their ids."""
 
 
@@ -27,7 +23,7 @@ def write_design(folder: str | Path, study: DesignStudy, made: Made) -> Path:
     from plants.files import json_text, write_atomically
 
     folder = Path(folder)
-    drawn = {"step": figures.draw_steps(study), "prices": figures.draw_prices(study)}
+    drawn = {"step": draw_steps(tables.card_rows(study)), "prices": figures.draw_prices(study)}
     page = design_page(study, made, drawn)
     for name, figure in drawn.items():
         save(figure, folder / f"{name}.png")
@@ -42,10 +38,11 @@ def design_page(study: DesignStudy, made: Made, drawn: "dict[str, Figure]") -> s
     def shown(name: str, caption: str) -> Shown:
         return Shown(markup(svg(drawn[name], name, caption)), caption)
 
+    rows = tables.card_rows(study)
+    card = Card(gains_table(rows), matrix_table(rows), shown("step", step_caption(rows)))
     return render(
         "design.html", made=made, title=words.title(study),
         kind=f"design for {' and '.join(m.motion for m in study.motions)}", sections=SECTIONS,
-        summary=words.summary(study), remarks=words.remarks(study), gains=tables.gains_table(study),
-        matrix=tables.matrix_table(study), step=shown("step", words.step_caption(study)),
+        summary=words.summary(study), remarks=words.remarks(study), decision=card,
         price=tables.price_table(study), prices=shown("prices", words.price_caption(study)),
     )  # fmt: skip

@@ -1,56 +1,17 @@
-"""Tables of a design: the recommended gains, limits by what they hold under, and the price list."""
+"""Tables of a design: what its card shows, and the price list."""
 
-from design.studies.design_study import DesignStudy, MotionDesign
-from design.studies.limits_matrix import CONDITIONS
-from design.synthesis.requirements import LIMIT_UNITS
-from reports.design.words import controller_words, value_words
+from design.studies.design_study import DesignStudy
+from reports.design.words import controller_words
+from reports.shared.card import CardRow
 from reports.shared.tables import Cell, Column, Group, Table, number, row
 
-LIMIT_NAMES = {
-    "overshoot_percent": "overshoot", "Ms": "Ms", "Mt": "Mt", "delay_margin_s": "delay margin",
-    "total_variation_V": "total variation", "steady_error_percent": "steady error",
-    "settling_time_s": "settled after",
-}  # fmt: skip
 
-
-def gains_table(study: DesignStudy) -> Table:
-    """The decision card: a row a motion."""
-    columns = (
-        Column("motion", number=False), Column("controller", number=False), Column("Kp", "kPa/deg"),
-        Column("Ki", "kPa/(deg s)"), Column("b", "1"), Column("Tf", "ms"), Column("why", number=False),
-    )  # fmt: skip
-    rows = tuple(
-        row(
-            m.motion, m.recommended, number(m.gains["Kp"]), number(m.gains["Ki"]), number(m.gains["b"]),
-            number(1000 * m.gains["Tf"]), controller_words(m),
-        )
+def card_rows(study: DesignStudy) -> list[CardRow]:
+    """What the decision card shows, a row a motion."""
+    return [
+        CardRow(m.motion, m.recommended, m.gains, m.matrix, m.evidence["proved"], m.band, controller_words(m))
         for m in study.motions
-    )  # fmt: skip
-    return Table(columns, (Group("", rows),))
-
-
-def matrix_table(study: DesignStudy) -> Table:
-    """Limits by what they hold under."""
-    columns = (
-        Column("limit", number=False), Column("at most"), *(Column(c) for c in CONDITIONS),
-        Column("proved", number=False),
-    )  # fmt: skip
-    return Table(columns, tuple(Group(m.motion, _matrix(m)) for m in study.motions))
-
-
-def _matrix(m: MotionDesign) -> tuple[tuple[Cell, ...], ...]:
-    rows = []
-    for r in m.matrix:
-        unit = LIMIT_UNITS[r["limit"]]
-        name = LIMIT_NAMES[r["limit"]] + ("" if unit == "1" else f" [{unit}]")
-        bound = number(r["bound"]) + (" or more" if r["limit"] == "delay_margin_s" else "")
-        cells = [Cell(value_words(r["values"][c]), broken=r["held"][c] is False) for c in CONDITIONS]
-        rows.append(row(name, bound, *cells, "–"))
-    proved = m.evidence["proved"]
-    rate = "" if proved["rate_1_s"] is None else f", {number(proved['rate_1_s'])} 1/s"
-    blank = ["–"] * len(CONDITIONS)
-    rows.append(row("stability", "", *blank, proved["status"] + rate))
-    return tuple(rows)
+    ]
 
 
 def price_table(study: DesignStudy) -> Table:

@@ -1,22 +1,11 @@
 """What a design says in sentences: the last line, the summary of the page, captions."""
 
 from collections.abc import Mapping
-from typing import Any
 
 from design.robustness.recommended import PLAIN
 from design.studies.design_study import BARE, DesignStudy, MotionDesign
+from reports.shared.card import gains_words
 from reports.shared.tables import listed, number
-
-
-def gains_words(gains: Mapping[str, float]) -> str:
-    """Gains in a line.
-
-    >>> gains_words({"Kp": 2.89, "Ki": 7.39, "b": 1.0, "Tf": 0.0})
-    'Kp = 2.89 kPa/deg, Ki = 7.39 kPa/(deg s)'
-    """
-    words = f"Kp = {number(gains['Kp'])} kPa/deg, Ki = {number(gains['Ki'])} kPa/(deg s)"
-    words += f", b = {number(gains['b'])}" if gains["b"] != 1.0 else ""
-    return words + (f", Tf = {number(1000 * gains['Tf'])} ms" if gains["Tf"] else "")
 
 
 def title(study: DesignStudy) -> str:
@@ -123,16 +112,6 @@ def remainder_words(m: MotionDesign, left: Mapping[str, float] | None) -> str:
     )
 
 
-def step_caption(study: DesignStudy) -> str:
-    """Beneath the steps."""
-    band = study.motions[0].band
-    return (
-        f"Steps of {number(band['step'])} deg from rest under the recommended gains, in the direction of the "
-        f"step. Band: least and largest angle of {band['cases']} fresh cases; lines: the plant as fitted, "
-        f"without and with {number(1000 * band['dead_time_s'])} ms of dead time more."
-    )
-
-
 def price_caption(study: DesignStudy) -> str:
     """Beneath the prices."""
     return (
@@ -149,8 +128,3 @@ def controller_words(m: MotionDesign) -> str:
     if m.recommended == PLAIN:
         return "the plain PI: a reference weight lowers the worst IAE by less than 5 %"
     return f"a reference weight lowers the worst IAE by {number(100 * (1 - best / plain), 2)} %"
-
-
-def value_words(value: Any) -> str:
-    """A value of the matrix."""
-    return "–" if value is None else number(float(value))

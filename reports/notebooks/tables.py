@@ -5,10 +5,11 @@ from dataclasses import dataclass
 from math import isfinite
 
 from design.synthesis.requirements import LIMIT_UNITS, Evaluation, Problem
+from reports.shared.glossary import BROKEN as MARK
 from reports.shared.names import COST_WORDS, limit_name
 from reports.shared.tables import Cell, Column, Group, Table, number, row
 
-BROKEN = "\u00a0✗"
+BROKEN = f"\u00a0{MARK}"
 """What stands behind a value that breaks its limit."""
 
 
@@ -26,7 +27,7 @@ class Markdown:
 
 
 def shown(table: Table) -> Markdown:
-    """A table of a report: what breaks a limit has a cross behind it, what is assumed is slanted.
+    """A table of a report: what breaks a limit has the mark ▲ behind it, what is assumed is slanted.
 
     >>> columns = (Column("Limit", number=False), Column("Ms", "1"))
     >>> print(shown(Table(columns, (Group("", (row("a", "2"),)),))))

@@ -37,7 +37,7 @@ MS_DISC = 2.0
 """Peak of the sensitivity whose disc is marked: loops that stay out of it have Ms of 2 at the most."""
 
 
-def _frequencies(wrist: Wrist) -> Any:
+def frequencies(wrist: Wrist) -> Any:
     """Frequencies [rad/s] of the curves, up to nine tenths of Nyquist's."""
     return np.geomspace(3e-2, 0.9 * np.pi / wrist.rig.sample_time, 3000)
 
@@ -45,7 +45,7 @@ def _frequencies(wrist: Wrist) -> Any:
 def overlaid(wrist: Wrist, controller: PI) -> dict[str, OpenLoopTransfer]:
     """The open loops that differ, by the branch and rate they belong to in words, those that are alike
     under one name; the largest slopes first."""
-    omega = _frequencies(wrist)
+    omega = frequencies(wrist)
     seen: dict[bytes, list[OpenLoopTransfer]] = {}
     for loop in open_loops(wrist, controller):
         seen.setdefault(loop.at(omega[::300]).round(12).tobytes(), []).append(loop)
@@ -79,7 +79,7 @@ def nyquist(wrist: Wrist, controllers: Mapping[str, PI]) -> "Figure":
         figure, axes = new_figure(rows, columns, height=0.9 + rows * (4.7, 3.8, 2.9)[columns - 1])
         for panel, (name, controller) in zip(axes, controllers.items(), strict=False):
             for words, loop in overlaid(wrist, controller).items():
-                L = loop.at(_frequencies(wrist))
+                L = loop.at(frequencies(wrist))
                 panel.plot(L.real, L.imag, label=words, **looks.get(words, LINES[0]))
             _around_minus_one(panel)
             panel.set_title(f"{name}\nKp {controller.Kp:.3g} kPa/deg\nKi {controller.Ki:.3g} kPa/(deg s)")
@@ -116,7 +116,7 @@ def sensitivities(wrist: Wrist, controller: PI, limits: Limits) -> "Figure":
     1 / |exp(-j w d) - 1| for the worst d up to the limit (small gain)."""
     with styled():
         figure, (left, right) = new_figure(1, 2, height=3.9, sharey=True)
-        loops, omega = overlaid(wrist, controller), _frequencies(wrist)
+        loops, omega = overlaid(wrist, controller), frequencies(wrist)
         looks = _looks(list(loops))
         for words, loop in loops.items():
             L = loop.at(omega)
@@ -164,7 +164,7 @@ def describing(
     loop = wrist.hysteresis
     A = wrist.rig.half_range * np.geomspace(0.01, 2.5, 2000)
     N, _ = hysteresis_function(loop, A, centre_of(loop, A, reference))
-    inverse, omega = -1.0 / N[np.abs(N) > 1e-12], _frequencies(wrist)
+    inverse, omega = -1.0 / N[np.abs(N) > 1e-12], frequencies(wrist)
     with styled():
         figure, (axes,) = new_figure(height=5.0)
         axes.plot(inverse.real, inverse.imag, color=BLACK, linewidth=2.2, label="-1/N(A), hysteresis")
@@ -217,7 +217,7 @@ def _amplitudes(axes: "Axes", wrist: Wrist, reference: float) -> None:
 
 def _cycle(axes: "Axes", wrist: Wrist, controller: PI, cycle: LimitCycle, look: dict[str, Any]) -> None:
     """The Nyquist curve at a cycle's own rate, and the cycle on it."""
-    w, omega = cycle.frequency_rad_s, _frequencies(wrist)
+    w, omega = cycle.frequency_rad_s, frequencies(wrist)
     rate = float(regulator_rate(wrist.regulator, cycle.amplitude_kPa * w))
     L = _without(wrist, controller, omega, rate)
     kind = "attracts" if cycle.stable else "repels"

@@ -42,7 +42,7 @@ def sentence(d: Disagreement) -> str:
                 "certificate of every way of moving between them."
             )
         case MarginsYetBroken():
-            late = f", the samples have up to {1000 * d.dead_time:g} ms of dead time on top."
+            late = f", the samples have up to {1000 * d.dead_time:g} ms of added dead time."
             return (
                 f"Every predicted margin is held, and yet {d.worst.count} of {d.worst.trials} samples break "
                 f"a requirement ({d.worst.words}): margins are of small motions on one branch of the nominal "

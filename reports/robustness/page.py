@@ -10,6 +10,8 @@ from reports.robustness import branch_figures, tables, words
 from reports.robustness import figures as robust_figures
 from reports.robustness.disagreements import disagreement_sentences
 from reports.robustness.record import assessment_record
+from reports.robustness.signature import overshoot_figure, signature
+from reports.shared.card import Card, gains_table, matrix_table
 from reports.shared.html import Made, Shown, markup, render
 from reports.shared.plant_tables import assumption_table
 from reports.shared.style import save, svg
@@ -19,7 +21,11 @@ if TYPE_CHECKING:
 
 __all__ = ["robust_page", "write_robust"]
 
+FIRST = {"samples": lambda a: words.ENVELOPE, "worst": words.worst_caption}
+"""Caption of the figure on the card: the samples, or the worst scenario where none could be drawn."""
+
 SECTIONS = {
+    "branches": "The loop on every branch",
     "verdict": "What holds, and how that is known",
     "gains": "The plane of the gains",
     "worst": "The worst scenario found",
@@ -58,6 +64,8 @@ def draw_all(study: RobustnessStudy) -> dict[str, "Figure"]:
     a = study.assessment
     marks = {"these gains": (float(a.controller.Kp), float(a.controller.Ki)), **study.gains}
     found = {
+        "signature": signature(a.wrist, study.branches, a.limits),
+        "dead-time": overshoot_figure(study.branches, a.limits.overshoot_percent),
         "gains": robust_figures.draw_gain_plane(study.plane, a.limits, marks),
         "nyquist": branch_figures.nyquist(a.wrist, {"these gains": a.controller}),
         "sensitivities": branch_figures.sensitivities(a.wrist, a.controller, a.limits),
@@ -77,15 +85,21 @@ def _page(study: RobustnessStudy, made: Made, drawn: Mapping[str, "Figure"]) -> 
     def shown(name: str, caption: str) -> Shown:
         return Shown(markup(svg(drawn[name], name, caption)), caption)
 
+    row = words.card_row(study)
+    first = "samples" if "samples" in drawn else "worst"
     content: dict[str, Any] = {
         "title": words.title(a),
         "kind": f"robustness of a PI, {a.box.plant.axis}",
         "sections": SECTIONS,
         "summary": words.summary(a),
         "remarks": words.remarks(a),
+        "details": words.details(a),
+        "decision": Card(gains_table([row]), matrix_table([row]), shown(first, FIRST[first](a))),
         "verdict": tables.verdict_table(a),
         "disagreements": disagreement_sentences(a),
         "plane": shown("gains", words.plane_caption(a)),
+        "signature": shown("signature", words.SIGNATURE),
+        "late": shown("dead-time", words.LATE),
         "margins": tables.margin_table(a),
         "nyquist": shown("nyquist", words.NYQUIST),
         "sensitivities": shown("sensitivities", words.SENSITIVITIES),
@@ -100,9 +114,8 @@ def _page(study: RobustnessStudy, made: Made, drawn: Mapping[str, "Figure"]) -> 
         "sample_words": words.sample_words(a),
         "violations": tables.violation_table(a.cases),
         "quantiles": tables.quantile_table(a.cases),
-        "envelope": shown("samples", words.ENVELOPE) if "samples" in drawn else None,
         "worst_words": words.worst_words(a),
-        "worst": shown("worst", words.worst_caption(a)),
+        "worst": shown("worst", words.worst_caption(a)) if first != "worst" else None,
         "box": tables.box_table(a.box),
         "assumptions": words.assumptions(a),
         "assumed": assumption_table({a.box.plant.axis: a.box.plant}),

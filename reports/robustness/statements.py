@@ -113,7 +113,7 @@ def claim_words(claim: Claim) -> str:
     """What is claimed.
 
     >>> claim_words(StaysInRange(15.0, 0.05))
-    'a step of 15 deg from a line never meets the end of the command, 50 ms of dead time'
+    'a step of 15 deg from a line never clips the command, 50 ms of dead time'
     """
     match claim:
         case DiesAway(rung, about, dead_time):
@@ -121,11 +121,11 @@ def claim_words(claim: Claim) -> str:
         case ClassDiesAway(switching, dead_time):
             return CLASSES[switching] + late(dead_time)
         case StaysInRange(step, dead_time):
-            return f"a step of {step:g} deg from a line never meets the end of the command{late(dead_time)}"
+            return f"a step of {step:g} deg from a line never clips the command{late(dead_time)}"
         case TasksDieAway(step, dead_time):
             return (
-                f"steps of {step:g} deg, either way and from every start, and returns come to decay at this "
-                f"rate, sampled and with the range of the command{late(dead_time)}"
+                f"steps of {step:g} deg, either way and from every start, and returns are exponentially "
+                f"stable with this rate, sampled and with the range of the command{late(dead_time)}"
             )
         case LeavesVirginCurve(step):
             return f"a step of {step:+g} deg from rest leaves the virgin curve by this time"
@@ -207,13 +207,10 @@ def reason_words(reason: Reason) -> str:
             none = "" if word is None else f"; none exists: {word} (of the class, not of the real loop)"
             return no_certificate(why) + none
         case NoneFound(names, word):
-            none = "" if word is None else "; none exists, since a word makes the class grow"
+            none = "" if word is None else "; none exists: a destabilising switching sequence is known"
             return f"none found ({', '.join(names)}){none}"
         case Covered(rung):
-            return (
-                f"{rung}: steps up to this start within a set that is never left and in which the command is "
-                "not clipped"
-            )
+            return f"{rung}: steps up to this start in an invariant set in which the command is not clipped"
         case Arrive():
             return arrive_words(reason)
         case Unclipped(rung, runs):

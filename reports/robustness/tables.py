@@ -23,15 +23,13 @@ from reports.robustness.statements import (
 )
 from reports.shared.tables import Cell, Column, Group, Table, number, row, spaced
 
-HOLDS = {True: "yes", False: "no", None: "open"}
+MET = {True: "met", False: "not met", None: "no limit"}
+"""What a prediction or a sample says of its limit; certificates say their status."""
 KINDS: dict[tuple[Status, ...], str] = {
     (Status.SAMPLED,): "Samples: seen in simulation",
     (Status.PREDICTED,): "Predictions: by linear theory and describing functions",
     BY_PROOF: "Certificates: proved, and checked outside the solver",
 }
-NO_LIMIT = "no limit"
-"""What stands for an answer where a prediction is told and no limit is set on it."""
-
 METRIC_WORDS = {
     "rise_time_s": "rise time", "settling_time_s": "settling time", "overshoot_percent": "overshoot",
     "steady_state_error_deg": "error at the end", "iae_deg_s": "IAE", "ise_deg2_s": "ISE",
@@ -56,10 +54,23 @@ def shown(s: Statement) -> str:
     return number(s.value) + ("" if s.unit in ("", "1") else f" {s.unit}")
 
 
+def outcome(s: Statement) -> str:
+    """What became of a statement in a word or two, the same in pages and on the command line.
+
+    >>> from design.robustness.predictions.margins import MarginHeld, OfRows
+    >>> claim = MarginHeld("phase_margin_deg", False, None)
+    >>> outcome(Statement(Status.PREDICTED, claim, None, 61.2, OfRows(), "deg"))
+    'no limit'
+    """
+    if s.status in BY_PROOF:
+        return s.status.value
+    return Status.OPEN.value if s.holds is None and s.status is Status.SAMPLED else MET[s.holds]
+
+
 def verdict_table(assessment: Assessment) -> Table:
     """Every claim under its kind, on its worst branch; what does not hold is marked."""
     columns = (
-        Column("Statement", number=False), Column("Holds", number=False), Column("Value"),
+        Column("Statement", number=False), Column("Result", number=False), Column("Value"),
         Column("Branch", number=False), Column("Because", number=False),
     )  # fmt: skip
     groups = []
@@ -70,9 +81,9 @@ def verdict_table(assessment: Assessment) -> Table:
 
 
 def _verdict(s: Statement) -> tuple[Cell, ...]:
-    holds = NO_LIMIT if s.holds is None and s.status is Status.PREDICTED else HOLDS[s.holds]
+    no = s.holds is False
     return row(
-        claim_words(s.claim), Cell(holds, broken=s.holds is False), Cell(shown(s), broken=s.holds is False),
+        claim_words(s.claim), Cell(outcome(s), broken=no), Cell(shown(s), broken=no),
         spaced(s.branch), because(s),
     )  # fmt: skip
 
@@ -126,13 +137,13 @@ def ladder_table(assessment: Assessment) -> Table:
 def constant_table(assessment: Assessment) -> Table:
     """How far the box may grow with constant parameters, by branch."""
     columns = (
-        Column("Branch and rate", number=False), Column("Holds", number=False),
+        Column("Branch and rate", number=False), Column("Result", number=False),
         Column("Box may grow", "times"), Column("Because", number=False),
     )  # fmt: skip
     by_claim: dict[str, list[tuple[Cell, ...]]] = {}
     for s in (*assessment.certificates, *assessment.predictions):
         if isinstance(s.claim, StableWhileConstant):
-            cells = row(spaced(s.branch), HOLDS[s.holds], number(s.value) if s.value else "–", because(s))
+            cells = row(spaced(s.branch), outcome(s), number(s.value) if s.value else "–", because(s))
             by_claim.setdefault(claim_words(s.claim), []).append(cells)
     return Table(columns, tuple(Group(claim, tuple(rows)) for claim, rows in by_claim.items()))
 

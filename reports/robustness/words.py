@@ -13,9 +13,13 @@ from design.robustness.certificates.statements import (
     Unclipped,
 )
 from design.robustness.samples.statements import LEVEL
+from design.status import Status
+from design.studies.limits_matrix import CONDITIONS
+from design.studies.robustness_study import RobustnessStudy
 from design.synthesis.requirements import LIMIT_UNITS
 from reports.robustness.statements import because, claim_words, class_words
 from reports.robustness.tables import limit_words
+from reports.shared.card import CardRow
 from reports.shared.tables import number, spaced
 
 
@@ -33,13 +37,110 @@ def title(a: Assessment) -> str:
             "one statement does not hold" if len(broken) == 1 else f"{len(broken)} statements do not hold"
         )
     if a.worst.violated:
-        return f"{gains}: meets all limits in random cases; the worst-case search finds a violation"
+        return f"{gains}: the worst-case search finds a broken limit"
     return f"{gains}: meets all limits"
 
 
+def answer(a: Assessment) -> str:
+    """The verdict in one line: whether the gains meet the limits, and what breaks one.
+
+    At most 20 words; what it rests on stands in `details`.
+    """
+    if not a.stable:
+        return "No: by linear theory the loop is unstable on some branch of the hysteresis."
+    found = [f"{a.required.broken} of {a.required.total} samples break a limit"]
+    if a.worst.violated:
+        found.append(f"worst case found: {beyond(a)}")
+    linear = [MARGINS_WORDS[n] for n in MARGINS_WORDS if margin_met(a, n) is False]
+    if linear:
+        found.append(f"{' and '.join(linear)} not met on some branch")
+    met = not (a.required.broken or a.worst.violated or linear)
+    return f"{'Yes' if met else 'No'}: {'; '.join(found)}."
+
+
+MARGINS_WORDS = {"Ms": "Ms", "Mt": "Mt", "delay_margin_s": "delay margin"}
+"""Limits of the linear loop by the keys of a row of margins."""
+
+
+def margin(a: Assessment, name: str) -> float:
+    """The worst margin over branches and rates."""
+    values = [float(row[name]) for row in a.margins]
+    return min(values) if name == "delay_margin_s" else max(values)
+
+
+def margin_met(a: Assessment, name: str) -> bool | None:
+    """Whether a limit of the linear loop is met on every branch; None where none is set."""
+    limit = a.limits.named.get(name)
+    if limit is None:
+        return None
+    return margin(a, name) >= limit if name == "delay_margin_s" else margin(a, name) <= limit
+
+
 def summary(a: Assessment) -> list[str]:
-    """Three sentences: what was seen, what theory foresees, what is proved."""
+    """Three sentences of at most 20 words: the verdict, the margins, what is proved."""
+    return [answer(a), _margins(a), _proof(a)]
+
+
+def _margins(a: Assessment) -> str:
+    """Ms and delay margin in a sentence."""
+    if not a.stable:
+        return "Margins of an unstable loop mean nothing."
+    named = a.limits.named
+    return (
+        f"Worst branch: Ms is {number(margin(a, 'Ms'))}{_of(named, 'Ms', 1.0, '')}, the delay margin "
+        f"{1000 * margin(a, 'delay_margin_s'):.0f} ms{_of(named, 'delay_margin_s', 1e3, ' ms')}."
+    )
+
+
+def _proof(a: Assessment) -> str:
+    """What is proved of the tasks, or else of the switching loop."""
+    tasks = [s for s in a.certificates if isinstance(s.claim, TasksDieAway) and s.holds]
+    switched = [c for c in a.ladder if c.holds and not c.remembers]
+    if tasks:
+        rate = min(s.value for s in tasks if s.value is not None)
+        late = max(float(s.evidence["dead_time_s"]) for s in tasks)
+        about = "for the task on the nominal plant"
+    elif switched:
+        best = max(switched, key=lambda c: (c.dead_time, c.decay or 0.0))
+        rate, late, about = best.decay or 0.0, best.dead_time, "for any switching of the slope"
+    else:
+        return "Open: no certificate of stability was found for a loop that switches between branches."
+    behind = f", with {1000 * late:g} ms of dead time" if late else ", without dead time"
+    return f"Proved: exponentially stable with rate at least {number(rate, 2)} 1/s {about}{behind}."
+
+
+def details(a: Assessment) -> list[str]:
+    """The same in full: what samples showed, what linear theory predicts, what is proved."""
     return [seen(a), foreseen(a), proved(a)]
+
+
+def card_row(study: RobustnessStudy) -> CardRow:
+    """The limits of an assessment by what they are judged under."""
+    a = study.assessment
+    rows = []
+    for name, bound in a.limits.named.items():
+        values: dict[str, float | None] = dict.fromkeys(CONDITIONS)
+        if name in MARGINS_WORDS:
+            values["every branch and memory"] = margin(a, name) if a.stable else float("inf")
+        else:
+            values["perturbed plants"] = float(a.required.values[name].max())
+            values["worst case found"] = float(a.worst.values[name])
+        held = {
+            c: None if v is None else (v >= bound if name == "delay_margin_s" else v <= bound)
+            for c, v in values.items()
+        }
+        rows.append({"limit": name, "bound": bound, "values": values, "held": held})
+    tasks = [s for s in a.certificates if isinstance(s.claim, TasksDieAway) and s.holds]
+    rate = min((s.value for s in tasks if s.value is not None), default=None)
+    late = max((float(s.evidence["dead_time_s"]) for s in tasks), default=0.0)
+    status = Status.PROVED if tasks else Status.OPEN
+    proved = {"status": status.value, "rate_1_s": rate, "dead_time_s": late}
+    c = a.controller
+    gains = {
+        "Kp": float(c.Kp), "Ki": float(c.Ki), "b": float(getattr(c, "b", 1.0)),
+        "Tf": float(getattr(c, "Tf", 0.0)),
+    }  # fmt: skip
+    return CardRow(a.box.plant.axis, "PI", gains, rows, proved, {})
 
 
 def seen(a: Assessment) -> str:
@@ -69,8 +170,8 @@ def foreseen(a: Assessment) -> str:
     limits = a.limits.named
     words = (
         "By linear theory, on every branch of the hysteresis, whether the regulator is fast or slow, the "
-        f"peak of the sensitivity Ms is at most {number(Ms)}{_of(limits, 'Ms', 1.0, '')} and the loop "
-        f"bears at least {1000 * late:.0f} ms more dead time{_of(limits, 'delay_margin_s', 1e3, ' ms')}"
+        f"peak of the sensitivity Ms is at most {number(Ms)}{_of(limits, 'Ms', 1.0, '')} and the delay "
+        f"margin at least {1000 * late:.0f} ms{_of(limits, 'delay_margin_s', 1e3, ' ms')}"
     )
     there = [c for c in a.cycles if c.confirmed]
     if there:
@@ -93,9 +194,7 @@ def proved(a: Assessment) -> str:
         late = [c for c in held if c.dead_time]
         best = max(late or held, key=lambda c: c.decay or 0.0)
         dead_time = (
-            f"with {1000 * best.dead_time:g} ms of dead time too"
-            if late
-            else "though not with dead time on top"
+            f"with {1000 * best.dead_time:g} ms of dead time too" if late else "without added dead time only"
         )
         words = (
             "It is proved that, while the command is not clipped, the loop is exponentially stable with rate "
@@ -103,16 +202,19 @@ def proved(a: Assessment) -> str:
             f"branches, {dead_time} ({best.rung})"
         )
     else:
-        words = "Nothing is proved of a loop that switches between branches at will: "
-        words += "no certificate knows its law" if a.other_law else "no certificate was found"
-        words += ", and none exists where the regulator's rate switches too" if a.word is not None else ""
+        words = (
+            "No certificate knows the law of this loop"
+            if a.other_law
+            else ("No certificate was found for a loop that switches arbitrarily between branches")
+        )
+        words += "; a destabilising switching sequence exists" if a.word is not None else ""
     words += _of_tasks(a)
     constant = [s for s in a.certificates if isinstance(s.claim, StableWhileConstant)]
     if constant and all(s.holds for s in constant):
         least = min(s.value for s in constant if s.value is not None)
         words += (
-            f"; with parameters that stay constant it is proved stable in a box {number(least)} times as "
-            "wide as the one assumed"
+            f"; with constant parameters it is proved stable in a box {number(least)} times as wide as the "
+            "one assumed"
         )
     return words + "."
 
@@ -127,13 +229,14 @@ def _of_tasks(a: Assessment) -> str:
     behind = max(float(s.evidence["dead_time_s"]) for s in held)
     tube = f", with {1000 * behind:g} ms of dead time too" if behind else ", without dead time"
     words = (
-        f"; with the loop's own memory, sampled and with the command's range, every run of the task comes "
-        f"within {number(late)} s to where it is proved to decay at {number(least, 2)} 1/s for ever{tube}"
+        f"; for the sampled loop with hysteresis and command range every run of the task enters, within "
+        f"{number(late)} s, a set in which it is exponentially stable with rate at least "
+        f"{number(least, 2)} 1/s{tube}"
     )
     of_box = [c.decay for c in a.ladder if c.about and c.about.switching is Switching.MEMORY_IN_BOX]
     if of_box and all(d is not None for d in of_box):
         slow = min(d for d in of_box if d is not None)
-        words += f" (on any plant of the box, once it meets one line at most, at {number(slow, 2)} 1/s)"
+        words += f" (on any plant of the box, once at most one line is met, with rate {number(slow, 2)} 1/s)"
     return words
 
 
@@ -174,36 +277,39 @@ def limit_name(name: str) -> str:
 def plane_caption(a: Assessment) -> str:
     """Beneath the plane of the gains."""
     return (
-        "What each kind of statement allows. See whether the star lies below the lines of the limits and "
-        "within what is certified: the further below, the more the gains bear. Cross-hatched: unstable on "
-        "some branch. Filled: certified for slopes that switch at any time, by the rung named; the one "
-        "that knows the regulator's law to be fixed reaches further. Ms and delay margin are those of the "
-        "linear loops, overshoot the worst of the simulated tuning scenarios. Between grid points the "
-        "edges are drawn, not computed."
+        "Gain plane. Star: these gains. Below the lines the limits are met. Cross-hatched: unstable on some "
+        "branch. Filled: certified for arbitrarily switching slopes, by the rung named; with a fixed law of "
+        "the regulator the region is larger. Ms and delay margin: linear loops; overshoot: worst simulated "
+        "tuning scenario. Edges are interpolated between grid points."
     )
 
 
+SIGNATURE = (
+    "These gains beside SIMC's. Columns above: branches of the hysteresis at both regulator rates; disc: Ms "
+    "beyond its limit; dotted: limit on Ms. Below: the step from each initial hysteresis state."
+)
+LATE = (
+    "Worst overshoot over both signs and all initial states against added dead time, nominal plant. A curve "
+    "ends where the loop no longer settles."
+)
 NYQUIST = (
-    "Nyquist curves of the open loop on all branches and rates. See that none enters the grey disc about −1: "
-    "one that does has a peak of the sensitivity above 2. The branches of the hysteresis differ in slope "
-    "alone, so that at one rate their curves are one curve at several sizes."
+    "Nyquist curves of the open loop on all branches and rates. Grey disc about −1: Ms above 2. Branches "
+    "differ in slope alone, so at one rate their curves are scaled copies of each other."
 )
 SENSITIVITIES = (
-    "Sensitivity |S|, how far disturbances are let through, and complementary sensitivity |T|, how far noise "
-    "is, on every branch and rate. See how far the curves stay below the dashed limits."
+    "Sensitivity |S| (disturbance to angle error) and complementary sensitivity |T| (noise to angle) on "
+    "every branch and rate. Dashed: limits."
 )
 DESCRIBING = (
-    "Harmonic balance. See whether a coloured curve, of the linear part of the loop, meets the black one, "
-    "−1/N(A) of the hysteresis for swings of the pressure of amplitude A: where they meet, an oscillation of "
-    "that amplitude is predicted."
+    "Harmonic balance: a limit cycle is predicted where a coloured curve, the linear part of the loop, "
+    "crosses the black one, −1/N(A) of the hysteresis at pressure amplitude A."
 )
 NO_CYCLES = (
-    "No limit cycle is predicted. Whether simulations from large swings found one is said in the first table."
+    "No limit cycle is predicted. What simulations from large amplitudes show stands in the first table."
 )
 ENVELOPE = (
-    "True angle of the cases, in the direction of the step: the median, and the band that holds 90 % of "
-    "them. See in the lower panel, the same near the reference, when the band comes to stay within the "
-    "dotted lines of the settling band."
+    "True angle of the cases, drawn upwards: median and the band of 90 % of them. Below: the same near the "
+    "reference; dotted: settling band."
 )
 
 
@@ -212,15 +318,13 @@ def model_words(a: Assessment) -> str:
     words = (
         "While the command is not clipped the loop has three states (error, static angle less angle, "
         "commanded less actual "
-        "pressure), is linear in the slope of the branch, and has no offsets; the rungs below prove that "
-        "these states die "
-        "away whichever branch the wrist is on and whenever it changes. The virgin curve, whose slope is "
-        "0, is left once and "
-        "never entered again: how long that takes is bounded apart."
+        "pressure), is linear in the slope of the branch, and has no offsets; the rungs below prove "
+        "exponential stability of these states on whichever branch the wrist is and whenever it changes. The "
+        "virgin curve, of slope 0, is left once and never entered again; that time is bounded separately."
     )
     model = a.left_out
     if model:
-        words += f" The plant also has {', '.join(model)}, of which the certificates know nothing."
+        words += f" The plant also has {', '.join(model)}, which the certificates do not include."
     return words
 
 
@@ -266,7 +370,7 @@ def sample_words(a: Assessment) -> str:
     """How the samples were drawn."""
     c, cases = a.conditions, a.cases
     parts = [
-        f"{len(cases)} cases, each drawn apart: a plant from the box below, one of four starting memories, "
+        f"{len(cases)} cases, independent: a plant from the box below, one of four starting memories, "
         "either sign of the step"
     ]
     parts += [f"dead time up to {1000 * c.dead_time:g} ms"] if c.dead_time else []
@@ -298,8 +402,8 @@ def worst_caption(a: Assessment) -> str:
     """Beneath the worst scenario."""
     m = a.worst.metrics
     return (
-        "The worst scenario that was found, played by the exact simulator. See the last step, shaded, which "
-        f"is judged: overshoot {number(m['overshoot_percent'], 2)} %, error at the end "
+        "The worst scenario that was found, played by the exact simulator. The last step, shaded, is "
+        f"judged: overshoot {number(m['overshoot_percent'], 2)} %, error at the end "
         f"{number(m['steady_state_error_deg'], 2)} deg, total variation of the command "
         f"{number(m['total_variation_V'], 3)} V."
     )
@@ -312,8 +416,7 @@ def assumptions(a: Assessment) -> list[str]:
         f"Limits: {limit_words(a.limits)}.",
         f"The command is clipped at {low:g} and {high:g} V; certificates hold where it is not.",
         "Boxes of fitted parameters leave out their correlations.",
-        "Dead time, load, noise and resolution of the samples are assumed: orders that rigs of this kind "
-        "show.",
+        "Dead time, load, noise and resolution of the samples are assumed: orders typical of such rigs.",
     ]
     return found
 
@@ -330,7 +433,6 @@ def remarks(a: Assessment) -> list[str]:
         return said
     return [
         *said,
-        f"The plant has effects that the certificates know nothing of ({', '.join(a.left_out)}): they are "
-        "of the declared "
-        "wrist with these parameters. Predictions and samples do know them.",
+        f"Certificates do not include the effects {', '.join(a.left_out)}: they hold for the declared wrist "
+        "with these parameters. Predictions and samples include them.",
     ]

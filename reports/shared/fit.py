@@ -50,7 +50,7 @@ def draw_fit(fit: Fit) -> "Figure":
         rows = figure.add_gridspec(3 if loop else 2, 2, height_ratios=(3, 1.6, 3.2)[: 3 if loop else 2])
         signal = figure.add_subplot(rows[0, :])
         error = figure.add_subplot(rows[1, :], sharex=signal)
-        took = "held out" if run.role == "validate" else "took part in the fit"
+        took = "held out" if run.role == "validate" else "fitted to"
         signal.set(title=f"{run.recording.name} ({took})", ylabel=label)
         signal.plot(time[every], measured[every], label="measured", **_MEASURED)
         signal.plot(time[every], before[every], label="before", **_BEFORE)

@@ -41,7 +41,7 @@ def gain_map(tuning: Tuning) -> "Figure":
     shape = (Kp.size, Ki.size)
     cost = tuning.map.cost.reshape(shape).T
     with styled():
-        figure, (axes,) = new_figure(height=5.0)
+        figure, (axes,) = new_figure(height=5.4)
         axes.set(xscale="log", yscale="log", xlabel="Kp [kPa/deg]", ylabel="Ki [kPa/(deg s)]")
         axes.grid(False)
         known = np.where(np.isfinite(cost), cost, np.nan)
@@ -59,7 +59,7 @@ def gain_map(tuning: Tuning) -> "Figure":
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_formatter(lambda v, _: f"{v:g}")
         figure.legend(
-            handles=axes.get_legend_handles_labels()[0] + hatched, loc="outside lower center", ncols=3
+            handles=axes.get_legend_handles_labels()[0] + hatched, loc="outside lower center", ncols=2
         )
     return figure
 
@@ -116,5 +116,5 @@ def _marks(axes: "Axes", tuning: Tuning) -> None:
     words = "tuned" if tuning.feasible else "nearest to the limits"
     mark(tuning.Kp, tuning.Ki, "*", words, ms=16, markerfacecolor=ORANGE)
     limit = tuning.active.rsplit("_", 1)[0].replace("_", " ") if tuning.active else "none"
-    gains = f"Kp {tuning.Kp:.3g} kPa/deg, Ki {tuning.Ki:.3g} kPa/(deg s)"
-    axes.set_title(f"{words.capitalize()}: {gains}; active limit: {limit}")
+    gains = f"Kp {tuning.Kp:.3g}, Ki {tuning.Ki:.3g}"
+    axes.set_title(f"{words.capitalize()}: {gains}; active: {limit}")

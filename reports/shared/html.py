@@ -1,7 +1,6 @@
 """A page as one file: templates rendered with everything inside, and what made the page."""
 
 import os
-import re
 import subprocess
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from plants.parameters.quantities import ParameterSet
+from reports.shared.glossary import with_tooltips
 from reports.shared.units import page_in_units
 
 DISTRIBUTION = "wrist-workbench"
@@ -102,33 +102,8 @@ def render(template: str, **content: Any) -> str:
         lstrip_blocks=True,
     )
     environment.globals |= {"figure_number": count(1).__next__, "table_number": count(1).__next__}
-    return page_in_units(shared_glyphs(environment.get_template(template).render(**content)))
-
-
-_GLYPH = re.compile(r'<path id="([^"]+)" d="([^"]*)"( transform="scale\([\d.]+\)")?\s*/>')
-
-
-def shared_glyphs(page: str) -> str:
-    """A page in which every letter that figures draw is defined once, at its beginning, instead of in each
-    figure; the figures look the same."""
-    shapes: dict[tuple[str, str], str] = {}
-    names: dict[str, str] = {}
-
-    def noted(found: re.Match[str]) -> str:
-        name, d, scale = found.groups()
-        if "DejaVu" not in name:
-            return found.group(0)
-        names[name] = shapes.setdefault((d, scale or ""), f"letter-{len(shapes)}")
-        return ""
-
-    page = _GLYPH.sub(noted, page)
-    if not shapes:
-        return page
-    page = re.sub(r'(href="#)([^"]+)"', lambda m: f'{m.group(1)}{names.get(m.group(2), m.group(2))}"', page)
-    page = re.sub(r"<defs>\s*</defs>\n?", "", page)
-    letters = "\n".join(f'<path id="{name}" d="{d}"{scale}/>' for (d, scale), name in shapes.items())
-    hidden = 'width="0" height="0" style="position:absolute" aria-hidden="true"'
-    return page.replace("<body>", f"<body>\n<svg {hidden}><defs>\n{letters}\n</defs></svg>", 1)
+    page = environment.get_template(template).render(**content)
+    return page_in_units(with_tooltips(page))
 
 
 def markup(text: str) -> Any:

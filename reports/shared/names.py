@@ -15,7 +15,11 @@ TITLES = {"flexion": "Palmar/dorsal flexion", "deviation": "Radial/ulnar deviati
 LIMITS = {
     "overshoot_percent": ("Overshoot", "at most", "of the step, on every task"),
     "Ms": ("Ms", "at most", "peak of the sensitivity on every branch of the loop, at both regulator rates"),
-    "delay_margin_s": ("Delay margin", "at least", "dead time that may come on top before the loop swings"),
+    "delay_margin_s": (
+        "Delay margin",
+        "at least",
+        "dead time that can be added before instability",
+    ),
     "total_variation_V": ("Total variation of the command", "at most", "up and down added up, in one step"),
     "steady_error_percent": ("Steady error", "at most", f"of the step, what is left after {WINDOW:g} s"),
     "Mt": ("Mt", "at most", "peak of the complementary sensitivity on the same branches"),

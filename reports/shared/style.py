@@ -2,7 +2,8 @@
 
 Colours are those of Okabe and Ito, which the colour-blind tell apart; since
 print may be grey, what differs in colour also differs in line style or carries
-its label.  Text is drawn as paths, so that a figure looks the same everywhere.
+its label.  Text stays text, which can be searched and selected; Verdana, of the same widths, stands in where
+DejaVu Sans is not installed.
 """
 
 import io
@@ -85,7 +86,7 @@ STYLE: Mapping[Any, Any] = {
     "hatch.linewidth": 0.6,
     "figure.facecolor": "white",
     "savefig.facecolor": "white",
-    "svg.fonttype": "path",
+    "svg.fonttype": "none",
     "mathtext.default": "regular",
 }
 
@@ -168,17 +169,18 @@ def _no_formulas(figure: "Figure") -> None:
 
 def _light(text: str) -> str:
     """An SVG with coordinates rounded, without the ids that nothing refers to and without blanks at the
-    ends of its lines; ids that are left are numbered, but for those of letters, which pages share: they
-    are hashes of coordinates before rounding, which differ in the last digit from run to run."""
+    ends of its lines; ids that are left are numbered: they are hashes of coordinates before rounding, which
+    differ in the last digit from run to run."""
     used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', text))
     ids = [name for name in re.findall(r' id="([^"]*)"', text) if name in used]
-    names = {n: n if "DejaVu" in n else f"i{place}" for place, n in enumerate(ids)}
+    names = {n: f"i{place}" for place, n in enumerate(ids)}
     text = re.sub(
         r' id="([^"]*)"', lambda m: f' id="{names[m.group(1)]}"' if m.group(1) in names else "", text
     )
     text = re.sub(
         r'((?:href="#|url\(#))([^")]+)', lambda m: m.group(1) + names.get(m.group(2), m.group(2)), text
     )
+    text = text.replace("'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif")
     for where in (r'(?<=\sd=")[^"]+', r'(?<=\s[xy]=")[^"]+', r"translate\([^)]+"):
         text = re.sub(where, lambda m: _LONG.sub(_rounded, m.group(0)), text)
     return re.sub(r"\s*\n\s*", "\n", text)

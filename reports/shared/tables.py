@@ -7,13 +7,14 @@ from math import floor, isfinite, log10
 
 @dataclass(frozen=True)
 class Cell:
-    """What stands in a cell: text, a smaller second line (a range), whether it breaks a limit, and
-    whether it is marked as something to be wary of."""
+    """What stands in a cell: text, a smaller second line (a range), whether it breaks a limit, whether it is
+    marked as something to be wary of, and whether it meets a limit."""
 
     text: str
     under: str = ""
     broken: bool = False
     marked: bool = False
+    met: bool = False
 
 
 @dataclass(frozen=True)

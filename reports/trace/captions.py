@@ -10,32 +10,28 @@ from reports.trace.fit_figures import shown_run
 from reports.trace.words import added, describe, description
 
 TITLES = {
-    "nothing-missing": "Nothing is missing",
-    "explained": "What the declared wrist lacks: {}",
-    "unexplained": "Something is left unexplained",
+    "nothing-missing": "The declared model explains the recordings",
+    "explained": "The declared model lacks: {}",
+    "unexplained": "The recordings are not fully explained",
 }
 """The title of a page, by verdict; the effects stand in it."""
 
 REVISED = "the revised wrist"
 
 ERRORS = (
-    "Errors of free runs on the held-out recordings, their intervals at 95 % as bars. See how far "
-    "the model still is from the dashed line, the noise of the sensors: nothing can be nearer than that."
+    "RMSE of open-loop simulations on the held-out recordings, with 95 % intervals; dashed: noise of the "
+    "sensors, the least that any model can reach."
 )
 RANKING = (
-    "Each effect in the best of its forms: by how much it would lower chi-square, beyond what a refit of "
-    "the parameters that are there could do. See which bars pass the dashed line, the least that an effect "
-    "must bring. The tick is what the largest of so many comparisons would reach on noise alone, in 95 % of "
-    "draws."
+    "Each effect in the best of its forms: by how much it would lower chi-square beyond a refit of the "
+    "present parameters. Dashed: the least for a selection. Tick: 95 % quantile of the largest of so many "
+    "comparisons on noise alone."
 )
 DESCRIPTION = (
-    "What is left against what it depends on: rows of the recordings as dots, and their mean. See the shape "
-    "of the mean, and, where one earned its place, of the curve learnt from the rows: a description, not a "
-    "cause."
+    "Residual over the variables it depends on: rows of the recordings as dots, their mean, and, where one "
+    "was selected, the curve learnt from them: a description, not a cause."
 )
-CAUTION = (
-    "The revised plant does not explain its recordings, so a rig may well answer otherwise than this says."
-)
+CAUTION = "The revised plant does not explain its recordings, so the rig may behave differently."
 
 
 def title(trace: Trace) -> str:
@@ -81,21 +77,17 @@ def after_words(trace: Trace) -> str:
 def series(trace: Trace, channel: str) -> str:
     """What a figure over time shows."""
     run, word = shown_run(trace, channel), CHANNELS[channel][0].lower()
-    part = "held out" if run.role == "validate" else "took part in the fit"
+    part = "held out" if run.role == "validate" else "was fitted to"
     return (
         f"The {word} of {run.recording.name}, which {part}: measured, and simulated from the command alone. "
-        "See beneath whether what a model leaves, measured minus simulated, stays within the grey band, "
-        "which holds 95 % of the noise."
+        "Below: residuals; the grey band holds 95 % of the noise."
     )
 
 
 def loop(trace: Trace) -> str:
     """What the loop shows."""
     models = "the declared and the revised wrist" if trace.effects else "the declared wrist"
-    return (
-        f"The loop: angle over pressure in the first seconds, measured and simulated with {models}. See "
-        "where the thin line leaves the broad one."
-    )
+    return f"The loop: angle over pressure in the first seconds, measured and simulated with {models}."
 
 
 def left(stage: StageTrace, after_name: str) -> str:
@@ -118,9 +110,8 @@ def remainder(stage: StageTrace, after_name: str) -> str:
     which = "the declared wrist" + (f" and by {after_name}" if both else "")
     latter = ", drawn for the latter" if both else ""
     return (
-        f"What is left by {which}: mean over the variables that tell most, autocorrelation and spectrum. See "
-        f"which points lie outside the grey band, where noise alone stays{latter}"
-        " (for the autocorrelation, white noise), and whether a peak stands out of the spectrum."
+        f"Residual of {which}: mean over the most significant variables, autocorrelation and spectrum. Grey "
+        f"band: noise alone{latter} (for the autocorrelation, white noise)."
     )
 
 
@@ -142,7 +133,7 @@ def plant_words(trace: Trace) -> str:
 def no_alternatives(trace: Trace) -> str:
     """That no effect could be another."""
     if trace.effects:
-        return "None: no other effect does as well in its place."
+        return "None: no other effect fits as well."
     return "None, since nothing was added."
 
 
@@ -175,7 +166,7 @@ def control(control: Control) -> str:
     task = control.task
     return (
         f"A step of {task.step:g} deg from rest on {control.judge}, under {which}: angle of the joint, and "
-        f"command. See when the angle comes to stay within the grey band of ±{100 * task.band:g} %."
+        f"command. Grey band: ±{100 * task.band:g} %."
     )
 
 

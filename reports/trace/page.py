@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from design.synthesis.retune import Control
 from plants.effects import EFFECTS
 from plants.measured.trace.trace import StageTrace, Trace
+from reports.shared.card import Card
 from reports.shared.html import Made, Shown, markup, render
 from reports.shared.plant_tables import assumption_table
 from reports.shared.style import save, svg
@@ -76,6 +77,7 @@ def _page(trace: Trace, made: Made, control: Control | None, drawn: Mapping[str,
         return Shown(markup(svg(drawn[name], name, caption)), caption)
 
     fits = [shown(f"fit-{c.split('_')[0]}", captions.series(trace, c)) for c in shown_channels(trace)]
+    card = Card(tables.effect_table(trace), tables.error_table(trace), shown("errors", captions.ERRORS))
     fits += [shown("loop", captions.loop(trace))] if "loop" in drawn else []
     return render(
         "trace.html",
@@ -83,7 +85,7 @@ def _page(trace: Trace, made: Made, control: Control | None, drawn: Mapping[str,
         kind=f"trace of the campaign “{trace.campaign.name}”, {trace.campaign.axis}",
         summary=words.summary(trace), remarks=words.log_words(trace), sections=_sections(trace, control),
         after_words=captions.after_words(trace), choice_words=captions.choice_words(),
-        errors=tables.error_table(trace), errors_figure=shown("errors", captions.ERRORS),
+        decision=card,
         recordings=tables.recording_table(trace), fit_figures=fits,
         stages=[_stage(s, captions.after_name(trace), shown) for s in trace.stages],
         plant_words=captions.plant_words(trace), parameters=tables.parameter_table(trace),
@@ -99,15 +101,15 @@ def _page(trace: Trace, made: Made, control: Control | None, drawn: Mapping[str,
 
 def _sections(trace: Trace, control: Control | None) -> dict[str, str]:
     """Titles of the page's sections by their ids."""
-    left = "What the declared wrist leaves" + (", and what the revised one does" if trace.effects else "")
+    left = "Residuals of the declared model" + (" and of the revised one" if trace.effects else "")
     return {
         "errors": "Errors before and after",
-        "fit": "Before and after, on the same axes",
+        "fit": "Measured and simulated",
         "plant": "The revised plant" if trace.effects else "The plant",
         **({} if control is None else {"control": "Tuned again"}),
         "doubt": "What is open",
         "left": left,
-        "choice": "How it was chosen",
+        "choice": "How effects are selected",
     }
 
 

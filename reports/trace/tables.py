@@ -50,6 +50,21 @@ def error_table(trace: Trace) -> Table:
     return Table(columns, (Group("", tuple(rows)),))
 
 
+def effect_table(trace: Trace) -> Table:
+    """The effects that were added, each parameter with its standard error, and what else it could be."""
+    columns = (
+        Column("Effect added", number=False), Column("Parameter", number=False), Column("Value"),
+        Column("Unit", number=False), Column("Not distinguished from", number=False),
+    )  # fmt: skip
+    rows = []
+    for e in trace.effects:
+        first = (f"{e.name} ({e.form})", ", ".join(e.alternatives) or "–")
+        for name, (value, unit, error) in e.parameters.items():
+            rows.append(row(first[0], name, with_error(value, error), unit, first[1]))
+            first = ("", "")
+    return Table(columns, (Group("", tuple(rows) or (row("none", "–", "–", "–", "–"),)),))
+
+
 def _ranged(value: float, interval: tuple[float, float] | None) -> Cell:
     return Cell(number(value), "" if interval is None else f"{number(interval[0])} to {number(interval[1])}")
 
@@ -58,7 +73,7 @@ def recording_table(trace: Trace) -> Table:
     """Errors of every recording, by its role."""
     channels = [c for c in CHANNELS if any(_rms(r, c, "") is not None for r in trace.runs)]
     groups = []
-    for role, words in (("validate", "Took no part"), ("fit", "Fitted and chosen on")):
+    for role, words in (("validate", "Held out"), ("fit", "Fitted and selected on")):
         rows = [
             row(r.recording.name, *(number(_rms(r, c, side)) for c in channels for side in ("_before", "")))
             for r in trace.runs

@@ -1,4 +1,4 @@
-"""What a trace says in sentences: the verdict, what is left, what could not be told."""
+"""What a trace says in sentences: the verdict, the residual, what could not be decided."""
 
 from collections.abc import Iterable, Sequence
 from math import isfinite
@@ -115,7 +115,7 @@ def _explained(trace: Trace) -> str:
     if left is not None and left.rms > (trace.noise[channel] or 0.0):
         said += f"; {_share(left.share_of_range)} of the range is left"
     either = [f"{e.name} from {' or '.join(e.alternatives)}" for e in trace.effects if e.alternatives]
-    return f"{said}{f'; these recordings do not tell {_and(either)}' if either else ''}."
+    return f"{said}{f'; these recordings do not distinguish {_and(either)}' if either else ''}."
 
 
 def _law_words(trace: Trace) -> str:

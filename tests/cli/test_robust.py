@@ -52,6 +52,7 @@ def test_the_page_and_its_companions_are_written(assessed):
     _, folder = assessed
     names = {p.name for p in folder.iterdir()}
     figures = {"gains.png", "nyquist.png", "sensitivities.png", "describing.png", "samples.png", "worst.png"}
+    figures |= {"signature.png", "dead-time.png"}
     assert {"robust.html", "robust.json", "worst.toml"} | figures <= names
 
 
@@ -70,7 +71,7 @@ def test_the_page_stands_alone_and_is_complete(assessed):
         "made",
     ):
         assert f'id="{section}"' in page
-    assert page.count("<figure>") == page.count("<figcaption>") == 6
+    assert page.count("<figure>") == page.count("<figcaption>") == 8
     assert 'src="' not in page
     assert 'href="http' not in page
     for nothing in ("nan<", "None<", "inf<"):

@@ -56,7 +56,7 @@ def test_timid_gains_are_behind_on_the_perturbed_plants_beyond_doubt():
         assert [s.ranks["iae_deg_s"] for s in scores] == [(1, 2), (1, 2), (3, 3)]
         assert scores[2].against["iae_deg_s"].low > 0.0
         said = against(scores, "tuned")
-        assert said.index("not told apart from it: again") < said.index("more: timid (")
+        assert said.index("not distinguished from it: again") < said.index("more: timid (")
 
 
 def test_a_single_plant_ranks_nobody():

@@ -7,6 +7,7 @@ import pkgutil
 import re
 import textwrap
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
@@ -14,6 +15,7 @@ import pytest
 from docs.build import build
 
 PACKAGES = ("plants", "design")
+ROOT = Path(__file__).parents[2]
 OF_THE_COMMAND = "design.cli"
 """Told of by `wrist --help`."""
 
@@ -155,3 +157,11 @@ def test_pages_are_made_without_a_warning(tmp_path):
     assert "Alias for field number" not in page
     assert (tmp_path / "plants/effects/wrist/creep.html").is_file()
     assert (tmp_path / "index.html").is_file()
+    guides = {p.stem.replace("-", "_") for p in (ROOT / "docs").glob("*.md")}
+    assert {p.stem for p in (tmp_path / "guides").glob("*.html")} == guides
+    for page in [tmp_path / "guides.html", *(tmp_path / "guides").glob("*.html")]:
+        links = re.findall(r'href="([^"#:]+\.html)', page.read_text(encoding="utf-8"))
+        assert [to for to in links if not (page.parent / to).is_file()] == []
+    index = (tmp_path / "search.js").read_text(encoding="utf-8")
+    assert "guides.your_own_rig" in index  # one search finds guides and API
+    assert "plants.effects.wrist.creep" in index

@@ -40,4 +40,4 @@ class Page(HTMLParser):
 def summary_of(page: str) -> list[str]:
     """The sentences at the top of a page, as people read them."""
     (box,) = re.findall(r'<div class="summary"[^>]*>(.*?)</div>', page, re.DOTALL)
-    return [html.unescape(p) for p in re.findall(r"<p>(.*?)</p>", box, re.DOTALL)]
+    return [html.unescape(re.sub(r"<[^>]+>", "", p)) for p in re.findall(r"<p>(.*?)</p>", box, re.DOTALL)]

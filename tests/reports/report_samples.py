@@ -20,6 +20,8 @@ from design.robustness.assess import Assessment, assess
 from design.robustness.box import box_of
 from design.robustness.certificates.continuous.search import RUNGS
 from design.robustness.gain_plane import gain_plane
+from design.robustness.requirement import requirement
+from design.studies.decision import Decision, decide
 from design.studies.paper import redrawn
 from design.studies.robustness_study import RobustnessStudy, study_of
 from design.studies.study import Question, Study
@@ -124,8 +126,17 @@ def small_study() -> Study:
     return Study(question, {m: answer(t) for m, t in tunings.items()}, comparison, redrawn=redrawn(wrists))
 
 
+@cache
+def small_decision() -> Decision:
+    """What is recommended of two PIs that were judged on few cases, nothing proved."""
+    stated = requirement(built_in("flexion"))
+    candidates = {"tuned": PI(3.0, 10.0), "robust PI": PI(2.0, 5.0)}
+    return decide("flexion", stated, candidates, samples=60, runs=300, prove=False)
+
+
 def whole_study() -> Study:
     """The same with all that a study may have."""
     return replace(
-        small_study(), contest=small_contest(), break_even=small_break_even(), execution_times=small_ledgers()
-    )
+        small_study(), contest=small_contest(), break_even=small_break_even(),
+        execution_times=small_ledgers(), decisions={"flexion": small_decision()},
+    )  # fmt: skip

@@ -46,8 +46,7 @@ def test_a_stranger_reads_it_in_two_minutes():
 
 
 CALLED = {
-    "tuned PI": "tuned", "paper's PI": "paper", "nonlinear MPC, robust": "robust MPC",
-    "nonlinear MPC, fast": "real-time MPC",
+    "tuned PI": "tuned", "paper's PI": "paper",
 }  # fmt: skip
 
 
@@ -63,6 +62,23 @@ def test_its_table_of_controllers_is_the_committed_report():
         assert float(overshoot) == pytest.approx(s["worst_overshoot_percent"], abs=0.15), name
         assert s["Ms"] is None if Ms == "–" else float(Ms) == pytest.approx(s["Ms"], abs=0.02), name
         assert breaks == (", ".join(BREAKS[b] for b in s["breaks"]) or "no"), name
+
+
+def test_its_decision_is_the_committed_design():
+    design = json.loads((ROOT / "reports/examples/design.json").read_text(encoding="utf-8"))
+    rows = {r["limit"]: r for r in design["limits"]["flexion"]}
+    shown = {"overshoot [%]": "overshoot_percent", "Ms": "Ms", "settling time [s]": "settling_time_s"}
+    for words, name in shown.items():
+        (line,) = re.findall(rf"^\| {re.escape(words)} \| . ([\d.]+) \| (.+) \|$", README, re.MULTILINE)
+        assert float(line[0]) == rows[name]["bound"]
+        cells = line[1].split(" | ")
+        for cell, (condition, value) in zip(cells, rows[name]["values"].items(), strict=True):
+            if value is None:
+                assert cell == "–"
+                continue
+            mark, number = cell.split()
+            assert (mark == "✓") is rows[name]["held"][condition]
+            assert float(number) == pytest.approx(value, abs=0.006), (name, condition)
 
 
 def test_it_names_the_pythons_that_the_package_does():

@@ -98,9 +98,9 @@ def test_a_violated_limit_turns_red_and_says_so(shown, put, tmp_path):
     assert page.locator(".wrist-tuner .violated").count() == 0
     put("Ki in kPa/(deg s)", "80")
     page.locator(".wrist-tuner td.violated").first.wait_for()
-    assert page.locator(".wrist-tuner .status").inner_text().startswith("✗ Violated: ")
+    assert page.locator(".wrist-tuner .status").inner_text().startswith("▲ Violated: ")
     row = page.locator(".wrist-tuner .tables tr", has_text="Ms, peak")
-    assert row.locator("td").first.inner_text().startswith("✗ ")
+    assert row.locator("td").first.inner_text().startswith("▲ ")
     assert "violated" in row.inner_text()
     turns(page, ".wrist-tuner td.violated", RED)
     turns(page, ".wrist-tuner .status", RED)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from design.cli.common import Axis, JobsOption, JsonOption, SeedOption, command_line, write_json
+from design.cli.common import Axis, JobsOption, JsonOption, SeedOption, command_line, following, write_json
 from design.cli.completion import files
 from design.cli.places import check_places
 from design.cli.terminal.screen import console, progress
@@ -21,6 +21,7 @@ HELP = (
     "paper's, the textbook rules and other designs; write a report."
 )
 EXAMPLE = "Example: wrist compare plants/measured/examples/flexion --out build/compare"
+NEXT = "wrist robust --gains Kp,Ki"
 
 
 def command(
@@ -119,6 +120,9 @@ def command(
     for sentence in verdict_sentences(found):
         said.print(sentence)
     said.print(f"report in {written}", soft_wrap=True)
+    for name, d in found.decisions.items():
+        rest = ("--plant", plant[0]) if plant and len(plant) == 1 else ("--axis", name)
+        following(said, "wrist", "robust", "--gains", f"{d.gains['Kp']:.4g},{d.gains['Ki']:.4g}", *rest)
     write_json(json, comparison_record(found, made))
     if found.refusals:
         raise typer.Exit(1)

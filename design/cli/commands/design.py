@@ -10,6 +10,7 @@ from design.cli.common import (
     JsonOption,
     SeedOption,
     command_line,
+    following,
     shown,
     write_json,
 )
@@ -29,6 +30,7 @@ HELP = (
     "Goes on from what is finished after Ctrl-C."
 )
 EXAMPLE = "Example: wrist design plants/measured/examples/flexion --out build/design"
+NEXT = "make -C OUT/c-MOTION check"
 
 
 def command(
@@ -92,6 +94,8 @@ def command(
     said.print(f"page in {page}", soft_wrap=True)
     write_json(json, design_record(study))
     said.print(last_line(study), soft_wrap=True)
+    for motion in study.motions:
+        following(said, "make", "-C", out / f"c-{motion.motion}", "check")
     if not study.holds:
         raise typer.Exit(1)
 

@@ -26,6 +26,7 @@ HELP = (
     "Write a controller for its target: C99 with a test vector, functional mock-up units, or structured text."
 )
 EXAMPLE = "Example: wrist export pi --gains 3.1,10.4 --out build/c"
+NEXT = "make -C OUT check"
 
 
 class Target(StrEnum):

@@ -11,6 +11,7 @@ from design.cli.common import (
     OutOption,
     SeedOption,
     StartOption,
+    following,
     given_set,
     rig_of,
     write_json,
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 NAME = "fit"
 HELP = "Fit the wrist to a measured campaign, and report the error on held-out recordings."
 EXAMPLE = "Example: wrist fit plants/measured/examples/flexion --save build/fitted.toml"
+NEXT = "wrist trace CAMPAIGN"
 
 
 def command(
@@ -64,6 +66,7 @@ def command(
         path = out / f"fit-{file_name(data.name)}.png"
         save_figure(draw_fit(fitted), path)
         said.print(f"picture in {path}", soft_wrap=True)
+    following(said, "wrist", "trace", campaign)
     write_json(json, fit_record(fitted) | start_record(found))
 
 

@@ -16,6 +16,7 @@ from design.cli.common import (
     SchedulerOption,
     SeedOption,
     command_line,
+    following,
     numbers,
     parameter_set,
     pi_gains,
@@ -35,15 +36,15 @@ if TYPE_CHECKING:
     from plants.wrist import Wrist
 
 NAME = "robust"
-HELP = "How far gains can be trusted on every branch: certificates, predictions, samples, the worst case."
+HELP = "Judge gains on every branch: verdict, certificates, predictions, samples, the worst case."
 EXAMPLE = "Example: wrist robust --gains 2.3,6.4 --out build/robust"
+NEXT = "wrist export pi --gains Kp,Ki"
 
 KINDS: dict[tuple[Status, ...], str] = {
     BY_PROOF: "Certificates (proved, and checked outside the solver)",
     (Status.PREDICTED,): "Predictions (linear theory and describing functions)",
     (Status.SAMPLED,): "Samples (simulated)",
 }
-MARKS = {True: "yes", False: "no", None: "open"}
 
 
 def command(
@@ -65,9 +66,7 @@ def command(
     ] = None,
     dead_time: Annotated[
         float | None,
-        typer.Option(
-            help="Dead time that samples and the worst case may have on top [s]; the rig's.", min=0.0
-        ),
+        typer.Option(help="Dead time that samples and the worst case may add [s]; the rig's.", min=0.0),
     ] = None,
     load: Annotated[
         float | None,
@@ -132,6 +131,9 @@ def command(
         said.print(f"worst scenario in {worst}", soft_wrap=True)
     if out is not None:
         said.print(f"page in {_write_page(out, found, points, seed, jobs)}", soft_wrap=True)
+    if found.stable:
+        more = ["--plant", plant] if plant else ["--axis", chosen.axis]
+        following(said, "wrist", "export", "pi", "--gains", gains, *more, "--out", "build/c")
     write_json(json, assessment_record(found))
     if not found.stable:
         raise typer.Exit(1)
@@ -180,16 +182,17 @@ def controller(gains: str, wrist: "Wrist") -> "PI":
 
 
 def lines(found: "Assessment") -> list[Any]:
-    """What people read of an assessment: a summary, the statements by kind, where they disagree."""
+    """What people read of an assessment: the verdict in one line, what it rests on, the statements by kind,
+    where they disagree."""
     from design.robustness.verdict import verdict
     from reports.robustness.disagreements import disagreement_sentences
-    from reports.robustness.words import remarks, summary
+    from reports.robustness.words import answer, details, remarks
 
-    said: list[Any] = [*summary(found), *remarks(found)]
+    said: list[Any] = [answer(found), "", *details(found), *remarks(found)]
     for statuses, words in KINDS.items():
         statements = [s for s in verdict(found) if s.status in statuses]
         rows = tuple(_cells(s) for s in statements)
-        said += ["", Sheet(("holds", "value", "statement", "branch"), rows, words, words=(0, 2, 3))]
+        said += ["", Sheet(("result", "value", "statement", "branch"), rows, words, words=(0, 2, 3))]
     contradictions = disagreement_sentences(found)
     if contradictions:
         said += ["", "Where they disagree"] + [f"- {d}" for d in contradictions]
@@ -198,10 +201,9 @@ def lines(found: "Assessment") -> list[Any]:
 
 def _cells(s: "Statement") -> tuple[str, ...]:
     from reports.robustness.statements import claim_words
-    from reports.robustness.tables import shown
+    from reports.robustness.tables import outcome, shown
 
-    holds = "told" if s.status is Status.PREDICTED and s.holds is None else MARKS[s.holds]
-    return holds, shown(s), claim_words(s.claim), s.branch
+    return outcome(s), shown(s), claim_words(s.claim), s.branch
 
 
 def _write_page(out: Path, found: "Assessment", points: int, seed: int, jobs: int | None) -> Path:

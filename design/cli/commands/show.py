@@ -1,11 +1,20 @@
 """``wrist show``: the parameters and where they come from."""
 
-from design.cli.common import Axis, AxisOption, JsonOption, PlantOption, parameter_set, write_json
+from design.cli.common import (
+    Axis,
+    AxisOption,
+    JsonOption,
+    PlantOption,
+    following,
+    parameter_set,
+    write_json,
+)
 from design.cli.places import check_places
 from design.cli.terminal.screen import console
 
 NAME, HELP = "show", "Show the parameters of a wrist and where each comes from; assumed ones are marked."
 EXAMPLE = "Example: wrist show --axis deviation"
+NEXT = "wrist simulate, wrist tune"
 
 
 def command(axis: AxisOption = Axis.flexion, plant: PlantOption = None, json: JsonOption = None) -> None:
@@ -36,4 +45,5 @@ def command(axis: AxisOption = Axis.flexion, plant: PlantOption = None, json: Js
         out.print(Padding(Text(f"{meaning}; {p.provenance}", style="dim"), (0, 0, 0, 4), expand=False))
     if chosen.assumed:
         out.print(Text(f"? assumed, not stated and not fitted: {', '.join(chosen.assumed)}", style="yellow"))
+    following(out, "wrist", "tune", *(("--plant", plant) if plant else ("--axis", chosen.axis)))
     write_json(json, chosen.record)

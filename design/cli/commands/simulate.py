@@ -33,6 +33,7 @@ NAME, HELP = (
     "Simulate the wrist: a voltage, a recorded command, a PI step, or a figure of the paper.",
 )
 EXAMPLE = "Example: wrist simulate --axis flexion --gains 1.2,2.2 --step 15 --json -"
+NEXT = "wrist tune"
 
 OPTIONS = {
     "--axis", "--plant", "--volts", "--recording", "--gains", "--step", "--start", "--duration", "--figure",

@@ -12,6 +12,7 @@ from design.cli.common import (
     SeedOption,
     StartOption,
     command_line,
+    following,
     given_set,
     rig_of,
     write_json,
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 NAME = "trace"
 HELP = "Find what the declared wrist lacks of a measured rig: the effect, its size, and the revised plant."
 EXAMPLE = "Example: wrist trace plants/measured/examples/flexion --out build/trace --save build/revised.toml"
+NEXT = "wrist design CAMPAIGN, or wrist tune --plant FILE"
 
 
 def command(
@@ -74,6 +76,8 @@ def command(
         said.print(f"plant in {save}", soft_wrap=True)
     if out is not None:
         said.print(f"page in {_write_page(out, trace, control, seed)}", soft_wrap=True)
+    revised = ("tune", "--plant", save) if save is not None else ("design", campaign)
+    following(said, "wrist", *revised)
     write_json(json, trace_record(trace, control_record(control) if retune else None))
 
 

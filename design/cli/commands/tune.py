@@ -14,6 +14,7 @@ from design.cli.common import (
     PlantOption,
     SchedulerOption,
     SeedOption,
+    following,
     numbers,
     parameter_set,
     seconds,
@@ -42,6 +43,7 @@ HELP = (
     "box, dead time, starting memory, load, noise and order of references."
 )
 EXAMPLE = "Example: wrist tune --axis flexion --out build/tune"
+NEXT = "wrist robust --gains Kp,Ki"
 
 
 def command(
@@ -178,6 +180,9 @@ def command(
         path = out / f"tune-{file_name(chosen.axis)}.png"
         save(gain_map(found), path)
         said.print(f"map of the gains in {path}", soft_wrap=True)
+    if answered.refusal is None:
+        more = ["--plant", plant] if plant else ["--axis", chosen.axis]
+        following(said, "wrist", "robust", "--gains", f"{found.Kp:.4g},{found.Ki:.4g}", *more)
     write_json(json, tuning_record(answered, chosen.axis) | record)
     if answered.refusal is not None or (record and not record["robust"]["holds"]):
         raise typer.Exit(1)

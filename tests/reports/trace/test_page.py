@@ -92,7 +92,7 @@ def test_it_shows_errors_evidence_parameters_and_provenance(page, bent):
     for words in (
         "On blocks left out",
         f"Round 1, by blocks left out: {BENT} taken",
-        "Took no part",
+        "Held out",
         "sine.csv",
         "conditional mean",
     ):
@@ -191,7 +191,7 @@ def test_the_verdicts_read_well(bent, unexplained):
     assert left.endswith("; what is left depends on the angle, and jumps now and then.")
     tied = replace(bent.effects[0], alternatives=("end-stop", "softening"))
     said = verdict_sentence(replace(bent, effects=(tied,)))
-    assert said.endswith("; these recordings do not tell branch-curvature from end-stop or softening.")
+    assert said.endswith("; these recordings do not distinguish branch-curvature from end-stop or softening.")
 
 
 def test_a_channel_that_was_not_logged_is_null(bent):

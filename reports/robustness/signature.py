@@ -1,0 +1,120 @@
+"""The loop on every branch in one figure: Nyquist curves and |S| by branch and rate, steps by initial state;
+and the overshoot behind a growing dead time."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from design.studies.branch_steps import BranchSteps
+from design.synthesis.requirements import Limits
+from plants.wrist import STARTS, Wrist
+from reports.robustness.branch_figures import frequencies, overlaid
+from reports.shared.style import (
+    BLACK,
+    DASHED,
+    DOTTED,
+    GREY,
+    PALE,
+    VERMILLION,
+    controller_line,
+    new_figure,
+    seen,
+    styled,
+)
+from reports.shared.tables import spaced
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+COMPARED = ("these gains", "SIMC")
+"""What stands in the small multiples; the overshoot is drawn of all."""
+
+
+def signature(wrist: Wrist, found: BranchSteps, limits: Limits) -> "Figure":
+    """Small multiples: Nyquist with the circle of the limit on Ms, |S|, and the step, of the gains that are
+    judged and of SIMC's."""
+    names = [n for n in COMPARED if n in found.controllers]
+    loops = {n: overlaid(wrist, found.controllers[n]) for n in names}
+    branches, omega = list(loops[names[0]]), frequencies(wrist)
+    columns = max(len(branches), len(STARTS))
+    with styled():
+        figure, axes = new_figure(3, columns, height=6.6)
+        grid = np.array(axes).reshape(3, columns)
+        for column in range(columns):
+            for panel, missing in (
+                (grid[0, column], branches),
+                (grid[1, column], branches),
+                (grid[2, column], STARTS),
+            ):
+                panel.set_visible(column < len(missing))
+                panel.tick_params(labelsize=7)
+        for column, branch in enumerate(branches):
+            for name in names:
+                L = loops[name][branch].at(omega)
+                grid[0, column].plot(L.real, L.imag, **_look(name))
+                grid[1, column].plot(omega, np.abs(1.0 / (1.0 + L)), **_look(name))
+            _nyquist(grid[0, column], limits.Ms)
+            grid[0, column].set_title(branch.replace(", ", "\n"), fontsize=7.5)
+            _sensitivity(grid[1, column], limits.Ms)
+        for column, start in enumerate(STARTS):
+            _steps(grid[2, column], found, names, column, wrist.rig.task.step)
+            grid[2, column].set_title(f"from {spaced(start)}", fontsize=7.5)
+        for panel, label in zip(grid[:, 0], ("Im L [1]", "|S| [1]", "Angle [deg]"), strict=True):
+            panel.set_ylabel(label)
+        handles, words = grid[2, 0].get_legend_handles_labels()
+        figure.legend(handles, words, loc="outside lower center", ncols=len(names))
+    return figure
+
+
+def _look(name: str) -> dict[str, Any]:
+    return controller_line("tuned" if name == COMPARED[0] else name) | {"label": name, "linewidth": 1.4}
+
+
+def _nyquist(axes: "Axes", Ms: float | None) -> None:
+    from matplotlib.patches import Circle
+
+    if Ms is not None:
+        axes.add_patch(Circle((-1.0, 0.0), 1.0 / Ms, facecolor=PALE, edgecolor=GREY, linewidth=0.7, zorder=1))
+    axes.plot(-1.0, 0.0, "+", color=BLACK, ms=7, mew=1.3)
+    axes.set(xlim=(-2.2, 0.8), ylim=(-2.2, 0.8), aspect="equal", xticks=(-2, -1, 0), yticks=(-2, -1, 0))
+    axes.set_xlabel("Re L [1]", fontsize=7.5)
+
+
+def _sensitivity(axes: "Axes", Ms: float | None) -> None:
+    if Ms is not None:
+        axes.axhline(Ms, color=VERMILLION, linestyle=DOTTED, linewidth=1.1)
+    axes.set(xscale="log", xlim=(0.1, 200.0), ylim=(0.0, 4.0), xticks=(1.0, 100.0))
+    axes.minorticks_off()
+    axes.xaxis.set_major_formatter(lambda v, _: f"{v:g}")
+    axes.set_xlabel("ω [rad/s]", fontsize=7.5)
+
+
+def _steps(axes: "Axes", found: BranchSteps, names: list[str], lane: int, step: float) -> None:
+    for name in names:
+        t = found.steps[name].trajectory
+        assert t is not None
+        every = seen(len(t.time), 300)
+        axes.plot(t.time[every], t.angle[every, lane], **_look(name))
+    axes.axhline(step, color=BLACK, linewidth=0.7)
+    axes.set(xlim=(0.0, 3.0), ylim=(-2.0, 1.6 * step), xticks=(0, 1, 2, 3))
+    axes.set_xlabel("Time [s]", fontsize=7.5)
+
+
+def overshoot_figure(found: BranchSteps, limit: float | None) -> "Figure":
+    """Overshoot over the dead time of every PI, the worst over signs and initial states; a curve ends where a
+    loop no longer settles."""
+    with styled():
+        figure, (axes,) = new_figure(height=3.2)
+        for place, (name, values) in enumerate(found.overshoot.items()):
+            look = _look(name) if name in COMPARED else controller_line(_KNOWN.get(name, name), place)
+            axes.plot(1000.0 * found.dead_times, values, **{**look, "label": name})
+        if limit is not None:
+            axes.axhline(limit, color=VERMILLION, linestyle=DASHED, linewidth=1.1, label=f"limit {limit:g} %")
+        axes.set(xlabel="Added dead time [ms]", ylabel="Worst overshoot [%]", xlim=(0.0, 100.0))
+        axes.set_ylim(bottom=0.0)
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+_KNOWN = {"paper's stand-in": "paper"}

@@ -1,0 +1,155 @@
+"""The decision card, the first screen of a page: gains, limits by what they hold under, and the step.
+
+Whoever has a recommended controller per motion hands over `CardRow`s; the card does not ask what study they
+are from.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from design.studies.limits_matrix import CONDITIONS
+from design.synthesis.requirements import LIMIT_UNITS
+from reports.shared.glossary import NOT_JUDGED
+from reports.shared.html import Shown
+from reports.shared.style import BLACK, BLUE, DASHED, DOTTED, GREY, ORANGE, VERMILLION, new_figure, styled
+from reports.shared.tables import Cell, Column, Group, Table, number, row
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+LIMIT_NAMES = {
+    "overshoot_percent": "Overshoot", "Ms": "Ms", "Mt": "Mt", "delay_margin_s": "Delay margin",
+    "total_variation_V": "Variation of u", "steady_error_percent": "Steady error",
+    "settling_time_s": "Settling time",
+}  # fmt: skip
+HEADS = dict(
+    zip(
+        CONDITIONS,
+        ("nominal", "every branch and start", "longest dead time", "perturbed plants", "worst case found"),
+        strict=True,
+    )
+)
+"""What the card calls each condition."""
+
+
+@dataclass(frozen=True)
+class CardRow:
+    """What the card shows of a motion: its controller by name, gains (Kp, Ki, b, Tf), rows of the matrix as
+    `design.studies.limits_matrix.matrix` makes them, the proof, the band of steps, and a short reason."""
+
+    motion: str
+    controller: str
+    gains: Mapping[str, float]
+    matrix: Sequence[Mapping[str, Any]]
+    proved: Mapping[str, Any]
+    band: Mapping[str, Any]
+    why: str = ""
+
+    @property
+    def overshoot(self) -> float | None:
+        """The limit on overshoot [%], where there is one."""
+        return next((r["bound"] for r in self.matrix if r["limit"] == "overshoot_percent"), None)
+
+
+@dataclass(frozen=True)
+class Card:
+    """The first screen: recommended gains, limits by conditions, the step with its band."""
+
+    gains: Table
+    matrix: Table
+    step: Shown
+
+
+def gains_table(rows: Sequence[CardRow]) -> Table:
+    """Recommended controllers, a row a motion."""
+    more = [c for c in ("b", "Tf") if any(r.gains.get(c, 0.0) != (1.0 if c == "b" else 0.0) for r in rows)]
+    columns = (
+        Column("Motion", number=False), Column("Controller", number=False), Column("Kp", "kPa/deg"),
+        Column("Ki", "kPa/(deg s)"),
+        *(Column("Weight b", "1") if c == "b" else Column("Tf", "ms") for c in more),
+        *((Column("Why", number=False),) if any(r.why for r in rows) else ()),
+    )  # fmt: skip
+    found = []
+    for r in rows:
+        extra = [number(r.gains[c] * (1.0 if c == "b" else 1000.0)) for c in more]
+        words = [r.why] if any(x.why for x in rows) else []
+        gains = (number(r.gains["Kp"]), number(r.gains["Ki"]))
+        found.append(row(r.motion, r.controller, *gains, *extra, *words))
+    return Table(columns, (Group("", tuple(found), tuple(range(len(found)))),))
+
+
+def matrix_table(rows: Sequence[CardRow]) -> Table:
+    """Limits by what they are judged under, and what of them is proved."""
+    known = [
+        c for c in CONDITIONS if any(r["values"][c] is not None for of in rows for r in of.matrix)
+    ]  # what nothing was judged under has no column
+    columns = (
+        Column("Limit", number=False), Column("Bound"), *(Column(HEADS[c]) for c in known),
+        Column("Proved", number=False),
+    )  # fmt: skip
+    return Table(columns, tuple(Group(r.motion, _matrix(r, known)) for r in rows))
+
+
+def _matrix(of: CardRow, known: Sequence[str]) -> tuple[tuple[Cell, ...], ...]:
+    rows = []
+    for r in of.matrix:
+        unit = LIMIT_UNITS[r["limit"]]
+        name = LIMIT_NAMES[r["limit"]] + ("" if unit == "1" else f" [{unit}]")
+        bound = ("≥ " if r["limit"] == "delay_margin_s" else "≤ ") + number(r["bound"])
+        cells = [
+            Cell(
+                NOT_JUDGED if r["values"][c] is None else number(float(r["values"][c])),
+                broken=r["held"][c] is False, met=r["held"][c] is True,
+            )
+            for c in known
+        ]  # fmt: skip
+        rows.append(row(name, bound, *cells, NOT_JUDGED))
+    rate = of.proved["rate_1_s"]
+    words = of.proved["status"] + ("" if rate is None else f", {number(rate, 2)} 1/s")
+    blank = [NOT_JUDGED] * len(known)
+    rows.append(row("Stability", "", *blank, Cell(words, met=of.proved["status"] == "proved")))
+    return tuple(rows)
+
+
+def gains_words(gains: Mapping[str, float]) -> str:
+    """Gains in a line.
+
+    >>> gains_words({"Kp": 2.89, "Ki": 7.39, "b": 1.0, "Tf": 0.0})
+    'Kp = 2.89 kPa/deg, Ki = 7.39 kPa/(deg s)'
+    """
+    words = f"Kp = {number(gains['Kp'])} kPa/deg, Ki = {number(gains['Ki'])} kPa/(deg s)"
+    words += f", b = {number(gains['b'])}" if gains["b"] != 1.0 else ""
+    return words + (f", Tf = {number(1000 * gains['Tf'])} ms" if gains["Tf"] else "")
+
+
+def step_caption(rows: Sequence[CardRow]) -> str:
+    """Beneath the steps."""
+    b = rows[0].band
+    return (
+        f"Step of {number(b['step'])} deg from rest under the recommended gains, drawn upwards. Band: "
+        f"smallest and largest angle of {b['cases']} fresh cases of the requirement."
+    )
+
+
+def draw_steps(rows: Sequence[CardRow]) -> "Figure":
+    """The step of each motion: nominal, behind the longest dead time, and the band of fresh cases."""
+    with styled():
+        figure, axes = new_figure(1, len(rows), 3.3, sharey=True)
+        for at, r in zip(axes, rows, strict=True):
+            b = r.band
+            words = f"{b['cases']} fresh cases"
+            at.fill_between(b["time_s"], b["low"], b["high"], color=GREY, alpha=0.35, lw=0, label=words)
+            at.plot(b["time_s"], b["nominal"], color=BLUE, lw=1.6, label="plant as fitted")
+            if b["dead_time_s"]:
+                words = f"with {1000 * b['dead_time_s']:.3g} ms dead time"
+                at.plot(b["time_s"], b["late"], color=ORANGE, lw=1.6, ls=DASHED, label=words)
+            at.axhline(b["step"], color=BLACK, lw=0.7)
+            if r.overshoot is not None:
+                top = b["step"] * (1.0 + r.overshoot / 100.0)
+                words = f"overshoot limit, {r.overshoot:g} %"
+                at.axhline(top, color=VERMILLION, lw=1.1, ls=DOTTED, label=words)
+            at.set(title=r.motion, xlabel="Time [s]", xlim=(0.0, b["time_s"][-1]))
+        axes[0].set_ylabel("Angle [deg]")
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    return figure

@@ -1,0 +1,51 @@
+"""What is wrong with the words of a figure: those that leave the canvas, and pairs that overlap."""
+
+from itertools import combinations
+from typing import Any
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.text import Text
+
+SLACK = 1.5
+"""Points by which boxes may touch: they are drawn around the tallest letters of a font."""
+
+
+def faults(figure: Any) -> list[str]:
+    """Each fault in words; empty where all text of a figure can be read."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    renderer = canvas.get_renderer()
+    slack = SLACK * figure.dpi / 72.0
+    boxes = [(t.get_text(), t.get_window_extent(renderer)) for t in _drawn(figure)]
+    canvas_box = figure.bbox
+    found = [
+        f"{text!r} leaves the canvas"
+        for text, b in boxes
+        if b.x0 < canvas_box.x0 - slack
+        or b.y0 < canvas_box.y0 - slack
+        or b.x1 > canvas_box.x1 + slack
+        or b.y1 > canvas_box.y1 + slack
+    ]
+    for (one, a), (other, b) in combinations(boxes, 2):
+        wide = min(a.x1, b.x1) - max(a.x0, b.x0)
+        high = min(a.y1, b.y1) - max(a.y0, b.y0)
+        if wide > slack and high > slack:
+            found.append(f"{one!r} overlaps {other!r}")
+    return found
+
+
+def _drawn(figure: Any) -> list[Text]:
+    """The texts that are drawn: tick labels within the view, and all others that are visible."""
+    ticks: set[int] = set()
+    seen: list[Text] = []
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            for tick in (*axis.get_major_ticks(), *axis.get_minor_ticks()):
+                for label in (tick.label1, tick.label2):
+                    ticks.add(id(label))
+                    if axes.get_visible() and label.get_visible() and low <= tick.get_loc() <= high:
+                        seen.append(label)
+    hidden = {id(t) for a in figure.axes if not a.get_visible() for t in a.findobj(Text)}
+    seen += [t for t in figure.findobj(Text) if id(t) not in ticks | hidden]
+    return [t for t in seen if t.get_visible() and t.get_text().strip()]
