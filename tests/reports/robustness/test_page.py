@@ -35,7 +35,8 @@ def test_it_opens_with_three_sentences_that_hold_the_numbers(text, assessed):
     assert f"Ms is at most {number(Ms)} (limit: 2)" in opening[1]
     assert "more dead time (limit: 60 ms)" in opening[1]
     switched = [c for c in assessed.ladder if c.holds and c.dead_time and not c.remembers]
-    assert f"exponentially stable with rate {number(max(c.decay for c in switched), 2)} 1/s or faster" in opening[2]
+    rate = number(max(c.decay for c in switched), 2)
+    assert f"exponentially stable with rate {rate} 1/s or faster" in opening[2]
     tasks = [s for s in assessed.certificates if isinstance(s.claim, TasksDieAway)]
     assert all(s.holds for s in tasks)
     assert f"proved to decay at {number(min(s.value for s in tasks), 2)} 1/s for ever" in opening[2]
