@@ -8,12 +8,13 @@ than one point.  Dead time of the plant is part of its response.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.pi import PI
+from plants.kernel import pytrees
 from plants.linearisation import RATES, branch_slopes, branch_ss, responses
 from plants.wrist import SAMPLE_TIME, Wrist
 
@@ -72,6 +73,10 @@ class FeedbackLaw(Protocol):
         """What it knows of the regulator [kPa/V]."""
         ...
 
+    def transfer(self, z: Any, dt: float = SAMPLE_TIME) -> Any:
+        """Its transfer function from the error to the command [V/deg] at points z, for a sample time [s]."""
+        ...
+
 
 def branch_responses(wrist: Wrist, points: int = 800) -> list[BranchResponse]:
     """Frequency responses on every branch of the hysteresis at both rates, up to the Nyquist frequency.
@@ -101,16 +106,13 @@ def margins(branches: Sequence[BranchResponse], controller: FeedbackLaw) -> Marg
     Kp, Ki, Tf = (
         np.ravel(np.asarray(k, float)) for k in np.broadcast_arrays(controller.Kp, controller.Ki, filtered)
     )
-    plain = not np.any(Tf)
+    shape, plain = np.broadcast(controller.Kp, controller.Ki, filtered).shape, not np.any(Tf)
     sensitivity, complement, delay = np.empty((3, len(branches), Kp.size))
     stable = np.empty((len(branches), Kp.size), bool)
     for i, branch in enumerate(branches):
         z = np.exp(1j * branch.omega * branch.dt)
         for piece in np.array_split(np.arange(Kp.size), -(-Kp.size // 256)):  # bounds the memory
-            c = Kp[piece, None] + Ki[piece, None] * (branch.dt / (z - 1.0))
-            loop = c * (branch.response / controller.gain)
-            if not plain:
-                loop = loop * filter_response(z, Tf[piece, None], branch.dt)
+            loop = _piece(controller, shape, piece).transfer(z, branch.dt) * branch.response
             turned = np.abs(1.0 + loop)
             sensitivity[i, piece] = 1.0 / _least(turned)
             complement[i, piece] = 1.0 / _least(turned / np.maximum(np.abs(loop), 1e-300))
@@ -121,7 +123,6 @@ def margins(branches: Sequence[BranchResponse], controller: FeedbackLaw) -> Marg
             stable[i] = _stable(branch, Kp / controller.gain, Ki / controller.gain)
     complement = np.where(Ki > 0.0, np.maximum(complement, 1.0), complement)  # T is 1 at zero frequency
     sensitivity[~stable], complement[~stable], delay[~stable] = np.inf, np.inf, 0.0
-    shape = np.broadcast(controller.Kp, controller.Ki, filtered).shape
     return Margins(
         sensitivity.max(axis=0).reshape(shape),
         delay.min(axis=0).reshape(shape),
@@ -132,11 +133,10 @@ def margins(branches: Sequence[BranchResponse], controller: FeedbackLaw) -> Marg
     )
 
 
-def filter_response(z: NDArray[np.complex128], Tf: Array, dt: float) -> NDArray[np.complex128]:
-    """Frequency response of the first-order filter of the angle, time constant Tf [s], at points
-    z = exp(j omega dt); it acts without a delay on the sample it is given."""
-    keep = np.where(Tf > 0.0, np.exp(-dt / np.where(Tf > 0.0, Tf, 1.0)), 0.0)
-    return np.asarray((1.0 - keep) * z / (z - keep), complex)
+def _piece(controller: FeedbackLaw, shape: tuple[int, ...], piece: NDArray[np.intp]) -> FeedbackLaw:
+    """Some of the controllers, in columns."""
+    columns = [np.ravel(np.broadcast_to(v, shape))[piece, None] for v in pytrees.leaves(controller)]
+    return cast(FeedbackLaw, pytrees.like(controller, columns))
 
 
 def _least(rows: Array) -> Array:
@@ -213,8 +213,7 @@ def loop_tf(wrist: Wrist, controller: PI, branch: str, rate: str) -> Any:
     import control
 
     dt = wrist.rig.sample_time
-    integrator = control.tf([dt], [1.0, -1.0], dt)
-    c = (controller.Kp + controller.Ki * integrator) / controller.gain
+    c = controller.transfer(control.tf([1.0, 0.0], [1.0], dt), dt)
     return control.ss(c) * branch_ss(wrist, branch, rate)
 
 
@@ -243,8 +242,7 @@ def open_loops(
 
     def known(omega: Array) -> NDArray[np.complex128]:
         z = np.exp(1j * omega * dt)
-        c = (controller.Kp + controller.Ki * (dt / (z - 1.0))) / controller.gain
-        return np.asarray(c * np.exp(-1j * omega * dead_time), complex)
+        return np.asarray(controller.transfer(z, dt) * np.exp(-1j * omega * dead_time), complex)
 
     if wrist.effects:
         names = [(r.branch, r.rate) for r in responses(wrist, np.array([1.0]))]

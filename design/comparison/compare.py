@@ -24,6 +24,7 @@ from design.comparison.on_tasks import (
     together,
 )
 from design.comparison.rows import FORWARD, PAPER, TUNED, Row, Standing, row_record
+from design.comparison.tolerated import tolerated
 from design.controllers.controller import Controller
 from design.controllers.feedforward import Feedforward
 from design.controllers.pi import PI
@@ -163,7 +164,9 @@ def _standing(
         "steady_error_percent": 100.0 * worst["steady_state_error_deg"] / wrist.rig.task.step,
     }
     breaks = [n for n, v in held.items() if n in limits.named and v > limits.named[n] * ROUNDING]
-    if "delay_margin_s" in limits.named and delay < limits.named["delay_margin_s"] / ROUNDING:
+    borne = tolerated(wrist, controller) if np.isnan(delay) else None
+    late = delay if borne is None else borne.delay_s
+    if "delay_margin_s" in limits.named and late < limits.named["delay_margin_s"] / ROUNDING:
         breaks.append("delay_margin_s")
     pi = getattr(controller, "pi", None)
     Kp, Ki = (pi.Kp, pi.Ki) if pi is not None else (None, None)
@@ -172,6 +175,7 @@ def _standing(
         motion, name, Kp, Ki, Ms, delay, worst["overshoot_percent"], worst["settling_time_s"],
         worst["iae_deg_s"], tuple(breaks), _settings(controller), design,
         *(None if None in values else max(values) for values in ratios_),
+        *((borne.delay_s, borne.gain) if borne is not None else ()),
     )  # fmt: skip
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from design.comparison.on_tasks import METRICS
 
 TUNED = "tuned"
+WITHOUT_DEAD_TIME = "PI tuned without dead time"
 PAPER = "paper"
 FORWARD = "feedforward"
 
@@ -39,7 +40,9 @@ class Standing:
     breaks (margins, and overshoot on the tasks).
 
     Kp, Ki: None of a controller that has others; settings: all of its settings by name; design: what was
-    designed, of one that neither tuning nor a rule gave; worst ratios to the lower bounds over the tasks.
+    designed, of one that neither tuning nor a rule gave; worst ratios to the lower bounds over the tasks;
+    tolerated_delay_s, tolerated_gain: of a controller without a linear law what it bears in simulation
+    (`design.comparison.tolerated`), by which its delay margin is judged; else None.
     """
 
     motion: str
@@ -56,6 +59,8 @@ class Standing:
     design: Mapping[str, Any] = field(default_factory=dict)
     worst_settling_ratio: float | None = None
     worst_iae_ratio: float | None = None
+    tolerated_delay_s: float | None = None
+    tolerated_gain: float | None = None
 
 
 def row_record(row: Row) -> dict[str, Any]:

@@ -64,15 +64,6 @@ def intervals(differences: Array, level: float = LEVEL, seed: int = 0) -> list[C
     return [ConfidenceInterval(float(m), float(a), float(b)) for m, a, b in zip(mean, low, high, strict=True)]
 
 
-def paired(one: Array, other: Array, level: float = LEVEL, seed: int = 0) -> ConfidenceInterval:
-    """Mean of ``one - other``, arrays (plants,), and its interval.
-
-    >>> paired(np.arange(12.0) + 1.0, np.arange(12.0))
-    ConfidenceInterval(mean=1.0, low=1.0, high=1.0)
-    """
-    return intervals((np.asarray(one, float) - np.asarray(other, float))[None], level, seed)[0]
-
-
 def ranks(values: Mapping[str, Array], level: float = LEVEL, seed: int = 0) -> dict[str, tuple[int, int]]:
     """Best and worst rank of each of some controllers, 1 being the least mean, that the pairs support
     together at a level; `values`: (plants,) of each.

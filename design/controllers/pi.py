@@ -73,6 +73,20 @@ class PI:
         """The command [V] that a state gives while the error is zero."""
         return (self.rest_pressure + state.integral) / self.gain
 
+    def transfer(self, z: Any, dt: float = SAMPLE_TIME) -> Any:
+        """What closes the loop: the transfer function [V/deg] from the error to the command, not clipped, at
+        points z or of a python-control z, for a sample time [s]; gains that are lanes go by broadcasting.
+
+        >>> PI(2.0, 0.0, gain=50.0).transfer(1j)
+        (0.04+0j)
+        """
+        return (self.Kp + self.Ki * dt / (z - 1.0)) * (1.0 / self.gain)
+
+    def swinging(self, held: Any, swing: Any, z: Any, dt: float = SAMPLE_TIME) -> Any:
+        """A state beside which the angle swings about a reference that stands: the imaginary part of swing
+        [deg], which one sample [s] multiplies by z."""
+        return held._replace(integral=held.integral - (self.Ki * dt / (z - 1.0) * swing).imag)
+
 
 class SampledPI(NamedTuple):
     """Coefficients of the controller for one sample time."""

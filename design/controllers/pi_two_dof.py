@@ -55,11 +55,10 @@ class TwoDofPI(PI):
 
     def sampled(self, dt: float = SAMPLE_TIME) -> Any:
         """Coefficients for a sample time `dt` [s]."""
-        Tf = np.asarray(self.Tf, float)
-        share = np.where(Tf > 0.0, -np.expm1(-dt / np.where(Tf > 0.0, Tf, 1.0)), 1.0)[()]
         return SampledTwoDofPI(
-            self.Kp, self.Ki * dt, self.b, share, 1.0 / self.gain, self.rest_pressure, self.low, self.high
-        )
+            self.Kp, self.Ki * dt, self.b, self._share(dt), 1.0 / self.gain, self.rest_pressure, self.low,
+            self.high,
+        )  # fmt: skip
 
     def holding(self, pressure: Number, seen: Measured | None = None) -> Any:
         """The state in which the controller holds a pressure [kPa] while the error is zero, the filter at
@@ -78,6 +77,25 @@ class TwoDofPI(PI):
         """The command [V] that a state gives while the error is zero."""
         weighted = self.Kp * (self.b - 1.0) * state.angle
         return (self.rest_pressure + weighted + state.integral) / self.gain
+
+    def transfer(self, z: Any, dt: float = SAMPLE_TIME) -> Any:
+        """What closes the loop: the filter, which acts without a delay on the sample it is given, and the
+        PI's transfer function [V/deg]; as `design.controllers.pi.PI.transfer`."""
+        return super().transfer(z, dt) * self._filter(z, dt)
+
+    def swinging(self, held: Any, swing: Any, z: Any, dt: float = SAMPLE_TIME) -> Any:
+        """As of a PI, the filtered angle [deg] one sample [s] behind what it is next."""
+        filtered = swing * self._filter(z, dt)
+        return super().swinging(held, filtered, z, dt)._replace(angle=held.angle + (filtered / z).imag)
+
+    def _filter(self, z: Any, dt: float) -> Any:
+        share = self._share(dt)
+        return share * z / (z - (1.0 - share))
+
+    def _share(self, dt: float) -> Any:
+        """Of the way to the measured angle that the filter goes in a sample."""
+        Tf = np.asarray(self.Tf, float)
+        return np.where(Tf > 0.0, -np.expm1(-dt / np.where(Tf > 0.0, Tf, 1.0)), 1.0)[()]
 
 
 class SampledTwoDofPI(NamedTuple):

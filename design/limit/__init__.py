@@ -65,11 +65,6 @@ class Limit:
         return None if self.achieved_s is None else self.achieved_s / self.bound_s - 1.0
 
     @property
-    def iae_gap(self) -> float | None:
-        """IAE achieved over its bound, less one."""
-        return None if self.iae_achieved is None else self.iae_achieved / self.iae_bound - 1.0
-
-    @property
     def commands(self) -> Array | None:
         """Commands [V] of the fastest replay, one per sample of 1 ms."""
         return None if self.fastest is None else self.fastest.commands

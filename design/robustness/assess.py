@@ -12,12 +12,17 @@ from design.controllers.pi import PI
 from design.robustness.box import Box
 from design.robustness.certificates.certificate import Certificate
 from design.robustness.certificates.constant import robust_stability as constant
-from design.robustness.certificates.continuous import ladder
 from design.robustness.certificates.continuous.virgin import time_on_virgin_curve
-from design.robustness.certificates.memory.ladder import certify_memory
-from design.robustness.certificates.sampled import sampled_loop
+from design.robustness.certificates.reasons import OtherLaw
+from design.robustness.certificates.rungs import certify_everything
 from design.robustness.certificates.sampled.words import Word
-from design.robustness.certificates.statements import of_ladder, of_step, of_tasks, of_virgin_curve
+from design.robustness.certificates.statements import (
+    NotFound,
+    of_ladder,
+    of_step,
+    of_tasks,
+    of_virgin_curve,
+)
 from design.robustness.checks import Check, check
 from design.robustness.loop_model import LoopModel
 from design.robustness.predictions import limit_cycles as cycles
@@ -96,6 +101,11 @@ class Assessment:
         return LoopModel.of(self.wrist, self.controller).left_out
 
     @property
+    def other_law(self) -> str:
+        """What the controller has that no certificate knows, in words; empty where nothing."""
+        return LoopModel.of(self.wrist, self.controller).other_law
+
+    @property
     def statements(self) -> tuple[Statement, ...]:
         """All statements, certificates first."""
         return (*self.certificates, *self.predictions, *self.samples)
@@ -131,7 +141,10 @@ def assess(
     stable = all(row["stable"] for row in rows)
     tell("limit cycles", 0.0)
     found, swings = cycles.limit_cycles(wrist, controller), large_swings(wrist, controller)
-    rungs, word = _ladder(box, controller, stable, tell)
+    tell("certificates", 0.0)
+    rungs, word = certify_everything(
+        wrist, controller, DEAD_TIMES, box, stable, lambda share: tell("certificates", share)
+    )
     tell("constant parameters", 0.0)
     fixed = _constant(box, controller)
     left = ColouredRemainder.of(box.plant.remainder.get("angle_deg"))
@@ -158,20 +171,6 @@ def assess(
     )  # fmt: skip
 
 
-def _ladder(box: Box, controller: PI, stable: bool, tell: Tell) -> tuple[list[Certificate], Word | None]:
-    """Every rung, in continuous time and sampled, and a word that speaks against some."""
-    wrist = box.wrist
-    model = LoopModel.of(wrist, controller)
-    tell("certificates", 0.0)
-    rungs = ladder.certify(model, wrist, controller, wrist.rig.task.step, DEAD_TIMES)
-    tell("certificates", 0.4)
-    word = sampled_loop.word_of(model) if stable else None
-    tell("certificates", 0.5)
-    rungs = [*rungs, *sampled_loop.certify_sampled(model, DEAD_TIMES, word)]
-    tell("certificates", 0.7)
-    return [*rungs, *certify_memory(model, wrist, controller, DEAD_TIMES, box)], word
-
-
 def _virgin(wrist: Wrist, controller: PI) -> list[Statement]:
     """The time on the virgin curve, for a step either way."""
     size = wrist.rig.task.step
@@ -181,6 +180,13 @@ def _virgin(wrist: Wrist, controller: PI) -> list[Statement]:
 def _constant(box: Box, controller: PI) -> list[Statement]:
     """What holds of constant parameters; of a loop that is unstable at the centre, that it does not."""
     found: list[Statement] = []
+    other = LoopModel.of(box.wrist, controller).other_law
+    if other:
+        why = NotFound(OtherLaw(other), None)
+        return [
+            Statement(Status.OPEN, constant.StableWhileConstant(False, t), None, None, why, "x the box")
+            for t in DEAD_TIMES
+        ]
     for dead_time in DEAD_TIMES:
         try:
             found += constant.statements(constant.robust_stability_everywhere(box, controller, dead_time))

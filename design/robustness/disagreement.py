@@ -59,7 +59,7 @@ def disagreements(a: Assessment) -> list[Disagreement]:
 
 
 def _switching(a: Assessment) -> list[StableYetUnproved]:
-    if not a.stable or any(c.holds for c in _switched(a) if c.dead_time == 0.0):
+    if not a.stable or a.other_law or any(c.holds for c in _switched(a) if c.dead_time == 0.0):
         return []
     unsettled = [v for v in a.cases.violations if v.requirement == "settles"]
     settled = unsettled[0].trials if unsettled and not unsettled[0].count else 0

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from design.controllers.pi import PI
 from design.robustness.certificates.continuous.ladder import certifies
 from design.robustness.loop_model import LoopModel
-from design.synthesis.requirements import Evaluation, Problem, controller, evaluate
+from design.synthesis.requirements import Evaluation, Problem, controller, evaluate_with
 from design.synthesis.tuning import join
 
 Array = NDArray[np.float64]
@@ -44,10 +45,12 @@ def gain_plane(
     Ki: tuple[float, float] = (0.3, 200.0),
     points: int = 20,
     progress: Callable[[str, float], None] | None = None,
+    law: Callable[[Problem, Array, Array], PI] = controller,
 ) -> GainPlane:
     """Evaluate a grid of gains on a problem's scenarios and branches, and try each rung of `rungs` on them.
 
-    Certificates are tried only where the linear loop is stable, since there are none elsewhere.
+    law: the controllers of gains (n,), PIs if not given.  Certificates are tried only where the linear loop
+    is stable, since there are none elsewhere.
     """
     tell = progress or (lambda stage, share: None)
     rows, columns = np.geomspace(*Kp, points), np.geomspace(*Ki, points)
@@ -56,7 +59,8 @@ def gain_plane(
     parts = []
     for number, piece in enumerate(pieces):
         tell("gain plane", 0.3 * number / len(pieces))
-        parts.append(evaluate(problem, piece[:, 0], piece[:, 1]))
+        some = piece[:, 0], piece[:, 1]
+        parts.append(evaluate_with(problem, law(problem, *some), *some))
     at = join(parts)
     stable = np.isfinite(at.values["Ms"])
     certified = {rung: np.zeros(len(grid), bool) for rung in rungs}
@@ -64,7 +68,7 @@ def gain_plane(
         tell("gain plane", 0.3 + 0.7 * n / len(grid))
         if not stable[n]:
             continue
-        model = LoopModel.of(problem.wrist, controller(problem, p, i))
+        model = LoopModel.of(problem.wrist, law(problem, p, i))
         for rung in rungs:
             certified[rung][n] = certifies(model, rung)
     return GainPlane(

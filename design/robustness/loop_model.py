@@ -32,6 +32,8 @@ Array = NDArray[np.float64]
 
 STATES = ("r - y [deg]", "h - y [deg]", "gain v - P [kPa]")
 
+FILTER = "a filter of the angle"
+
 
 @dataclass(frozen=True)
 class LoopModel:
@@ -40,7 +42,9 @@ class LoopModel:
     Kp [kPa/deg], Ki [kPa/(deg s)] as they act on the plant; slopes [deg/kPa] by branch; k_slow, k_fast
     [1/s]; Tw [s]; dead_time [s]: of the plant's own tube, 0 for a declared wrist; left_out: effects of
     the plant that this model knows nothing of, so that what is proved of it is not
-    proved of the plant; dt: sample time [s].
+    proved of the plant; dt: sample time [s]; weight [1]: of the reference, which the loop does not see but a
+    step's start does; other_law: what the controller has, in words, that this model has not, so that nothing
+    that is proved of it is proved of the loop.
     """
 
     Kp: float
@@ -52,6 +56,8 @@ class LoopModel:
     dead_time: float = 0.0
     left_out: tuple[str, ...] = ()
     dt: float = SAMPLE_TIME
+    weight: float = 1.0
+    other_law: str = ""
 
     @classmethod
     def of(cls, wrist: Wrist, controller: PI) -> "LoopModel":
@@ -73,6 +79,8 @@ class LoopModel:
             float(dead_time_of(wrist.effects)),
             tuple(e.NAME for e in wrist.effects if not e.only_delays),
             wrist.rig.sample_time,
+            float(getattr(controller, "b", 1.0)),
+            FILTER if float(getattr(controller, "Tf", 0.0)) > 0.0 else "",
         )
 
     @property

@@ -69,8 +69,12 @@ COARSE = (8, 20)
 WEIGHTS = tuple(float(np.round(0.5 + 0.1 * k, 10)) for k in range(21))
 """Reference weights that are tried, 0.5 to 2.5: to a tenth, since the cost is flat along it."""
 
-FILTERS = (0.0, 0.005, 0.01, 0.02)
-"""Time constants [s] of the filter that are tried."""
+FILTERS = (0.01, 0.02, 0.005)
+"""Time constants [s] of the filter that are tried, as long as the first of them lowers the cost."""
+
+FILTER_PAYS = 0.02
+"""Share of the cost that a filter has to take away: it costs phase and a number more on the target, and no
+certificate knows it."""
 
 Ended = Literal["no worse case found", "rounds used up", "no gains hold the grown set", "out of reach"]
 
@@ -186,9 +190,8 @@ def tune_robustly(
         problem = replace(problem, adverse=(*problem.adverse, *worse.added))
     tell("map", 0.9)
     last = done[-1]
-    law = plain if last.tuning.at.b is None else weighted(last.tuning.b, last.tuning.Tf)
     if starts > 0:
-        done[-1] = replace(last, tuning=_with_evidence(last.tuning, law, starts))
+        done[-1] = replace(last, tuning=with_evidence(last.tuning, starts))
     tell("done", 1.0)
     return RobustTuning(requirement, tuple(done), ended, fresh)
 
@@ -299,12 +302,22 @@ def _near(problem: Problem, region: Region, known: Evaluation, ratio: float, two
             if _rank(better) >= _rank(best):
                 break
             best, b = better, float(better.b[0])  # type: ignore[index]
-    for filtered in FILTERS if strides[0] > 1 else ():
-        other = at(b, filtered, best)
-        # A filter is taken where it pays: it costs phase, and one more number on the target.
-        if _rank(other) < _rank(best) and float(other.cost[0]) < 0.99 * float(best.cost[0]):
+    unfiltered = at(b, 0.0, best)
+    best = unfiltered if Tf == 0.0 or not _filter_pays(best, unfiltered) else best
+    for filtered in FILTERS if known.b is None else ():
+        other = at(b, filtered, unfiltered)
+        if _rank(other) >= _rank(unfiltered):
+            break
+        if _filter_pays(other, unfiltered) and _rank(other) < _rank(best):
             best = other
     return best
+
+
+def _filter_pays(filtered: Evaluation, without: Evaluation) -> bool:
+    """Whether a filter holds what nothing else does, or takes away enough of the cost."""
+    if not (filtered.feasible[0] and without.feasible[0]):
+        return bool(filtered.feasible[0])
+    return float(filtered.cost[0]) < (1.0 - FILTER_PAYS) * float(without.cost[0])
 
 
 def _rank(at: Evaluation) -> tuple[bool, float]:
@@ -365,8 +378,9 @@ def evaluate_law(problem: Problem, law: Law, Kp: Array, Ki: Array) -> Evaluation
     return evaluate_with(problem, law(problem, Kp, Ki), Kp, Ki)
 
 
-def _with_evidence(found: Tuning, law: Law, starts: int) -> Tuning:
-    """The tuning with a map of the whole region and local searches from cells drawn in it."""
+def with_evidence(found: Tuning, starts: int) -> Tuning:
+    """The tuning with a map of the whole region and so many local searches from cells drawn in it."""
+    law = plain if found.at.b is None else weighted(found.b, found.Tf)
     rows, columns = found.region.grid
     Kp, Ki = (g.ravel() for g in np.meshgrid(rows, columns, indexing="ij"))
     whole = evaluate_law(found.problem, law, Kp, Ki)

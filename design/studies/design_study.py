@@ -21,6 +21,7 @@ from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
 from design.robustness.box import Box
 from design.robustness.checks import check, worst_found
+from design.robustness.recommended import PLAIN, TWO_DOF, pays, tune_candidates
 from design.robustness.requirement import Requirement, requirement, requirement_record
 from design.robustness.robust_tuning import FRESH, GUARD, RobustTuning, tune_robustly
 from design.studies.limits_matrix import matrix, step_band
@@ -40,10 +41,7 @@ from plants.wrist import Wrist
 Array = NDArray[np.float64]
 Tell = Callable[[str, float], None]
 
-PAYS = 0.05
-"""A second degree of freedom is recommended where it lowers the worst cost by this share."""
-
-PLAIN, TWO_DOF, FORWARD = "PI", "2-DOF PI", FORWARD_PI
+FORWARD = FORWARD_PI
 BARE = "PI, remainder left out"
 """What a PI would be whose plant left nothing: told beside, to show what the remainder costs."""
 STAGES = ("trace", "tune", "check", "proof", "prices", "page")
@@ -236,10 +234,8 @@ def _designed(
         f"tune-{motion}", asked, lambda: _tuned(required, effort, seed, jobs, _at("tune", tell))
     )
     relaxed = designs.pop("relaxed")
-    best = min((PLAIN, TWO_DOF), key=lambda n: (not designs[n]["holds"], n == TWO_DOF))
-    both = designs[PLAIN]["holds"] and designs[TWO_DOF]["holds"]
-    if both and designs[TWO_DOF]["cost"] < (1.0 - PAYS) * designs[PLAIN]["cost"]:
-        best = TWO_DOF
+    one, two = designs[PLAIN], designs[TWO_DOF]
+    best = TWO_DOF if pays((one["holds"], two["holds"]), [one["cost"], two["cost"]]) else PLAIN
     gains = designs[best]["gains"]
     mine = {**asked, "gains": gains}
     controller = law(wrist, gains)
@@ -275,18 +271,10 @@ def _tuned(
 ) -> dict[str, Any]:
     """Both controllers under the requirement; where neither holds it, what would have to be taken away."""
     region = Region(points=effort.points)
-    plain = tune_robustly(
-        required, region, 0, seed, effort.rounds, jobs, lambda s, h: tell(f"{PLAIN}: {s}", 0.5 * h)
-    )
-    found = {PLAIN: _tuning_record(plain)}
-    if plain.ended == "out of reach":
-        found[TWO_DOF] = found[PLAIN]
-    else:
-        two = tune_robustly(
-            required, region, 0, seed, effort.rounds, jobs,
-            lambda s, h: tell(f"{TWO_DOF}: {s}", 0.5 + 0.5 * h), two_dof=True, base=plain.final,
-        )  # fmt: skip
-        found[TWO_DOF] = _tuning_record(two)
+    both = tune_candidates(required, region, seed, effort.rounds, jobs, tell)
+    plain = both.plain
+    found = {PLAIN: _tuning_record(plain), TWO_DOF: _tuning_record(both.two_dof or plain)}
+    if both.two_dof is not None:
         other = _forward(
             required, plain.final.problem, seed, jobs, lambda s, h: tell(f"{FORWARD}: {s}", 0.98)
         )

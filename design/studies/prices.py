@@ -20,13 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.pi import PI
-from design.evaluation.scenarios import tuning_scenarios
 from design.evaluation.sequence import Sequence, play
 from design.evaluation.tasks import steps as step_tasks
 from design.limit import limits_of
-from design.margins import branch_responses
 from design.robustness.requirement import Requirement
-from design.synthesis.requirements import Problem, default_problem
+from design.synthesis.requirements import Problem, default_problem, late_problem
 from design.synthesis.tuning import Region, tune
 from plants.errors import InputError
 from plants.simulation.disturbance import burdened
@@ -102,10 +100,7 @@ def simpler(requirement: Requirement, jobs: int | None = None) -> dict[str, Prob
     }
     if requirement.space.dead_time > 0.0:
         late = requirement.space.dead_time
-        scenarios = [replace(s, wrist=burdened(s.wrist, late, None)) for s in tuning_scenarios(wrist)]
-        plain = Problem.of(wrist, scenarios, limits, cost, requirement.duration, jobs)
-        both = (*branch_responses(wrist), *branch_responses(burdened(wrist, late, None)))
-        found["dead time"] = replace(plain, branches=both, screened=True)
+        found["dead time"] = late_problem(wrist, limits, cost, late, requirement.duration, jobs)
     return found
 
 

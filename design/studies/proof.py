@@ -6,9 +6,7 @@ from typing import Any
 from design.controllers.pi import PI
 from design.robustness.box import Box
 from design.robustness.certificates.certificate import Certificate
-from design.robustness.certificates.continuous import ladder
-from design.robustness.certificates.memory.ladder import certify_memory
-from design.robustness.certificates.sampled import sampled_loop
+from design.robustness.certificates.rungs import certify_everything
 from design.robustness.loop_model import LoopModel
 from design.status import Status
 from plants.errors import InputError
@@ -19,40 +17,32 @@ def proof(wrist: Wrist, controller: PI, dead_time: float, box: Box | None = None
     """Whether the sampled loop behind a dead time [s] is proved to decay under a controller, at which rate,
     and whether the proof covers the tasks; beside it every rung, also that for all plants in a box.
 
-    A reference weight changes no loop, and a run from a task its own way; a filter of the angle changes the
-    loop, so that none of these certificates is about it.  A proof for the loop in continuous time, or without
-    the dead time, is in the list and does not count.
+    A reference weight changes no loop, and a run from a task its own way; with a filter of the angle all
+    rungs are open.  A proof for the loop in continuous time, or without the dead time, is in the list and
+    does not count.
     """
-    plain = PI.of(wrist, controller.Kp, controller.Ki)
-    model = LoopModel.of(wrist, plain)
+    model = LoopModel.of(wrist, controller)
     times = tuple(dict.fromkeys((0.0, dead_time)))
-    if getattr(controller, "Tf", 0.0) != 0.0:
-        return _record((), (), model, dead_time, "the loop has a filter of the angle")
     try:
-        rungs = ladder.certify(model, wrist, plain, wrist.rig.task.step, times)
-        sampled = [
-            *sampled_loop.certify_sampled(model, times, sampled_loop.word_of(model)),
-            *certify_memory(model, wrist, controller, times, box),
-        ]
+        rungs, _ = certify_everything(wrist, controller, times, box)
     except (InputError, ArithmeticError, ValueError) as error:  # a loop that no certificate knows
-        return _record((), (), model, dead_time, str(error))
-    return _record(rungs, sampled, model, dead_time, "")
+        return _record((), model, dead_time, str(error))
+    why = f"the controller has {model.other_law}, which no certificate knows" if model.other_law else ""
+    return _record(rungs, model, dead_time, why)
 
 
-def _record(
-    rungs: Sequence[Certificate], sampled: Sequence[Certificate], model: LoopModel, dead_time: float, why: str
-) -> dict[str, Any]:
+def _record(rungs: Sequence[Certificate], model: LoopModel, dead_time: float, why: str) -> dict[str, Any]:
     """The best rung of the sampled loop with its dead time: one that covers the tasks before one that does
     not, then the faster."""
-    good = [c for c in sampled if c.holds and c.dead_time == dead_time]
+    good = [c for c in rungs if _sampled(c) and c.holds and c.dead_time == dead_time]
     best = max(good, key=lambda c: (_covers(c), _rate(c)), default=None)
     proved = best is not None and not model.left_out
     told = [
         {
-            "rung": c.rung, "sampled": c in sampled, "status": c.status.value, "dead_time_s": c.dead_time,
+            "rung": c.rung, "sampled": _sampled(c), "status": c.status.value, "dead_time_s": c.dead_time,
             "rate_1_s": c.decay if c.holds else None, "covers_task": _covers(c),
         }
-        for c in (*rungs, *sampled)
+        for c in rungs
     ]  # fmt: skip
     return {
         "status": (Status.PROVED if proved else Status.OPEN).value,
@@ -64,6 +54,10 @@ def _record(
         "why": why,
         "rungs": told,
     }
+
+
+def _sampled(c: Certificate) -> bool:
+    return c.about is not None and c.about.switching.sampled
 
 
 def _covers(c: Certificate) -> bool:

@@ -1,7 +1,7 @@
 """A study of a PI's robustness: what can be trusted of its gains, and all that its page shows beside."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from design.evaluation.sequence import PlayedSequence, play
 from design.robustness.assess import Assessment
@@ -35,7 +35,11 @@ def robustness_study(
 ) -> RobustnessStudy:
     """The study of an assessment, with a plane of `points` gains either way, which takes its time."""
     problem = default_problem(assessment.wrist, assessment.limits, jobs=jobs)
-    return study_of(assessment, gain_plane(problem, tuple(RUNGS), points=points, progress=progress))
+    plane = gain_plane(
+        problem, tuple(RUNGS), points=points, progress=progress,
+        law=lambda problem, Kp, Ki: replace(assessment.controller, Kp=Kp, Ki=Ki),
+    )  # fmt: skip
+    return study_of(assessment, plane)
 
 
 def study_of(assessment: Assessment, plane: GainPlane) -> RobustnessStudy:

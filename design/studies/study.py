@@ -1,5 +1,9 @@
 """A study of controllers: what was asked of which plants, and all that came of it.
 
+The tuned PI is the one that is recommended, for all that the rig states that it may do, dead time included;
+beside it stands the one that is tuned for the steps alone, and other designs, which are made under the limits
+and on the scenarios of that one.
+
 Whoever shows one (the command, a page, a notebook) takes the value and computes nothing.
 """
 
@@ -12,14 +16,19 @@ from design.alternatives.designs import FORWARD_PI, Design, design_mpcs, design_
 from design.comparison.break_even import BreakEven, break_even
 from design.comparison.compare import FORWARD, TUNED, Comparison, compare, controllers
 from design.comparison.execution_time import deadlines
+from design.comparison.rows import WITHOUT_DEAD_TIME
 from design.contest import Contest, contest
 from design.controllers.controller import Controller
 from design.mpc.timing import Ledger
+from design.robustness.recommended import tune_candidates
+from design.robustness.requirement import requirement
+from design.robustness.robust_tuning import with_evidence
 from design.studies.panels import Panel
 from design.studies.paper import redrawn
 from design.studies.verdict import Verdict, verdicts
 from design.synthesis.answer import Answer, Refusal, answer
-from design.synthesis.requirements import controller, default_problem
+from design.synthesis.requirements import default_problem
+from design.synthesis.retune import without_sensor
 from design.synthesis.tuning import Region, Tuning, tune
 from plants.errors import InputError
 from plants.measured.fit import Fit
@@ -27,6 +36,8 @@ from plants.parameters.quantities import ParameterSet
 from plants.wrist import Wrist
 
 Tell = Callable[[str, float], None]
+STARTS = 2
+"""Local searches that show whether other valleys are as low as that of the recommended gains."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +46,8 @@ class Question:
 
     plants: a parameter set for each motion, in the order in which they are shown; fits: those that sets
     came from, of motions that were measured; points: of the map in each gain; samples: perturbed plants of
-    each motion, 0 for none; mpc_plants: of these, plants that the MPCs meet too; more: further controllers
+    each motion, 0 for none; mpc_plants: of these, plants that the MPCs meet too; plain: tune for the steps
+    alone; more: further controllers
     by motion and name; jobs: threads, all processors where None.
     """
 
@@ -44,6 +56,7 @@ class Question:
     points: int = 40
     samples: int = 50
     mpc_plants: int = 10
+    plain: bool = False
     more: Mapping[str, Mapping[str, Controller]] = field(default_factory=dict)
     seed: int = 0
     jobs: int | None = None
@@ -117,22 +130,26 @@ def study(question: Question, progress: Tell | None = None) -> Study:
     """
     tell = progress or (lambda stage, share: None)
     wrists, jobs = question.wrists, question.jobs
-    tunings = {
+    simple = {
         m: tune(
             default_problem(w, jobs=jobs), Region(points=question.points), seed=question.seed,
-            progress=_part(tell, f"tune {m}"),
+            progress=_part(tell, f"tune {m} without dead time"),
         )
         for m, w in wrists.items()
     }  # fmt: skip
-    tuned = {m: controller(t.problem, t.Kp, t.Ki) for m, t in tunings.items()}
+    tunings = simple if question.plain else _recommended(question, tell)
+    more: dict[str, dict[str, Controller]] = {m: dict(question.more.get(m, {})) for m in wrists}
+    if not question.plain:
+        more = {m: {WITHOUT_DEAD_TIME: simple[m].controller, **of} for m, of in more.items()}
+    tuned = {m: t.controller for m, t in tunings.items()}
     tell("MPCs", 0.0)
     mpcs, without_mpc = _mpcs(wrists)
-    designs = {m: design_others(t.problem, _part(tell, f"{m}, other designs")) for m, t in tunings.items()}
+    designs = {m: design_others(t.problem, _part(tell, f"{m}, other designs")) for m, t in simple.items()}
     comparison = compare(
-        wrists, tuned, designs=designs, more=question.more, periodic=mpcs,
+        wrists, tuned, designs=designs, more=more, periodic=mpcs,
         progress=_part(tell, "compare"),
     )  # fmt: skip
-    alone = _alone(question, tuned, designs)
+    alone = _alone(wrists, tuned, designs, more)
     maps = _break_evens(wrists, alone, jobs, tell)
     tell("times of steps", 0.0)
     times = {m: deadlines(w, alone[m], mpcs.get(m)) for m, w in wrists.items()}
@@ -155,13 +172,30 @@ def _mpcs(wrists: Mapping[str, Wrist]) -> tuple[dict[str, dict[str, Any]], str]:
         return {}, str(error)
 
 
+def _recommended(question: Question, tell: Tell) -> dict[str, Tuning]:
+    """The recommended tuning of each motion, with the map of its gains."""
+    found: dict[str, Tuning] = {}
+    for m, plant in question.plants.items():
+        asked, region = requirement(without_sensor(plant)), Region(points=question.points)
+        both = tune_candidates(
+            asked, region, question.seed, jobs=question.jobs, progress=_part(tell, f"tune {m}")
+        )
+        best = both.best
+        tell(f"tune {m}, map", 0.9)
+        found[m] = best.final if best.ended == "out of reach" else with_evidence(best.final, STARTS)
+    return found
+
+
 def _alone(
-    question: Question, tuned: Mapping[str, Any], designs: Mapping[str, Mapping[str, Design | str]]
+    wrists: Mapping[str, Wrist],
+    tuned: Mapping[str, Any],
+    designs: Mapping[str, Mapping[str, Design | str]],
+    more: Mapping[str, Mapping[str, Controller]],
 ) -> dict[str, dict[str, Controller]]:
     """One controller of each kind, by motion and name: of the paper's range the stand-in."""
     return {
-        m: {n: alike[0] for n, alike in controllers(w, tuned[m], designs[m], question.more.get(m)).items()}
-        for m, w in question.wrists.items()
+        m: {n: alike[0] for n, alike in controllers(w, tuned[m], designs[m], more[m]).items()}
+        for m, w in wrists.items()
     }
 
 

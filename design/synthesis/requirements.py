@@ -19,8 +19,10 @@ from design.evaluation.sequence import play, repeated
 from design.evaluation.sequence import stack as stack_adverse
 from design.evaluation.steps import run
 from design.margins import BranchResponse, branch_responses, margins
+from plants.effects.regulator.dead_time import DeadTime
 from plants.kernel import pytrees
 from plants.rig import Rig, built_in_rig
+from plants.simulation.disturbance import burdened
 from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
@@ -215,6 +217,31 @@ def default_problem(
     if nominal:
         scenarios = [s for s in scenarios if (s.plant, s.start) == ("nominal", "virgin")]
     return Problem.of(wrist, scenarios, limits, cost, jobs=jobs)
+
+
+def late_problem(
+    wrist: Wrist,
+    limits: Limits | None = None,
+    cost: str = "iae",
+    dead_time: float | None = None,
+    duration: float | None = None,
+    jobs: int | None = None,
+) -> Problem:
+    """All scenarios behind a dead time [s], the longest that the rig states if not given, which is in the
+    margins too; a plant with a dead time of its own keeps that.
+
+    >>> from plants.wrist import Wrist
+    >>> problem = late_problem(Wrist.flexion())
+    >>> {float(s.wrist.values["dead-time.delay"]) for s in problem.scenarios}, len(problem.branches)
+    ({0.05}, 12)
+    """
+    late = wrist.rig.uncertainty.dead_time[1] if dead_time is None else dead_time
+    if late == 0.0 or any(e.NAME == DeadTime.NAME for e in wrist.effects):
+        return default_problem(wrist, limits, cost, jobs=jobs)
+    scenarios = [replace(s, wrist=burdened(s.wrist, late, None)) for s in tuning_scenarios(wrist)]
+    plain = Problem.of(wrist, scenarios, limits, cost, duration, jobs)
+    both = (*branch_responses(wrist), *branch_responses(burdened(wrist, late, None)))
+    return replace(plain, branches=both, screened=True)
 
 
 def rollouts(problem: Problem, Kp: Array, Ki: Array) -> Metrics:

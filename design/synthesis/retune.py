@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from design.controllers.pi import PI
 from design.evaluation.steps import run
 from design.synthesis.answer import Refusal, out_of_reach, refusal
-from design.synthesis.requirements import ROUNDING, Limits, Problem, default_problem, evaluate, out_of_range
+from design.synthesis.requirements import ROUNDING, Limits, Problem, evaluate, late_problem, out_of_range
 from design.synthesis.tuning import Region, Tuning, tune
 from plants.parameters.quantities import ParameterSet
 from plants.rig import StepTask
@@ -148,13 +148,13 @@ def retune(
 ) -> Control:
     """Tune a PI on the declared plant and one on the revised, and run both on a judge.
 
-    judge: runs a PI on a rig that `where` names; the revised plant where None.  Both are tuned as
-    ``wrist tune`` does it, for its limits, on a map of `region` from `starts` local searches, and
-    without what sits in the sensor: a drift is the same under any gains.
+    judge: runs a PI on a rig that `where` names; the revised plant where None.  Both are tuned behind the
+    longest dead time that the rig states, where the plant has none of its own, on a map of `region` from
+    `starts` local searches, and without what sits in the sensor: a drift is the same under any gains.
     """
     tell = progress or (lambda what, share: None)
     wrist = Wrist.of(revised)
-    problems = [default_problem(Wrist.of(p), jobs=jobs) for p in (declared, without_sensor(revised))]
+    problems = [late_problem(Wrist.of(p), jobs=jobs) for p in (declared, without_sensor(revised))]
     same = declared.values == revised.values and declared.effects == revised.effects
     held = wrist.hysteresis.rest_pressure / wrist.regulator.gain
     sides, task = [], wrist.rig.task

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from design.comparison.compare import PAPER, TUNED, Comparison
+from design.comparison.rows import WITHOUT_DEAD_TIME
 from plants.hysteresis import HysteresisLaw
 from plants.wrist import Wrist
 from reports.shared.names import WINDOW, name_of, title_of
@@ -31,7 +32,7 @@ SOON = 2.5
 SOONER = 1.0
 """The same for the other designs, which are quicker."""
 
-PIS = (TUNED, "robust PI", "convex-concave PI", "SIMC", "AMIGO", "Ziegler-Nichols", PAPER)
+PIS = (TUNED, WITHOUT_DEAD_TIME, "robust PI", "convex-concave PI", "SIMC", "AMIGO", "Ziegler-Nichols", PAPER)
 """Controllers that are drawn together as PIs; all others are other designs."""
 
 

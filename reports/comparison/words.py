@@ -231,6 +231,12 @@ def found(answer: Answer) -> str:
     unit = COST_WORDS.get(t.problem.cost, "").partition("[")[2].rstrip("]")
     where = t.problem.place("cost", int(t.at.cost_at[0]))
     words = f"Worst cost {number(float(t.at.cost[0]))} {unit}, on {spaced(where)}."
+    if t.problem.adverse:
+        words += (
+            " Every limit holds for all that the rig states that it may do, dead time included: beside "
+            f"{len(t.problem.scenarios)} steps the gains are tuned on {len(t.problem.adverse)} cases that a "
+            "search for the worst found."
+        )
     if answer.refusal is not None:
         return f"{words} The answer is {refused(answer.refusal)}."
     if t.active:

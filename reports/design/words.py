@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-from design.studies.design_study import BARE, PLAIN, DesignStudy, MotionDesign
+from design.robustness.recommended import PLAIN
+from design.studies.design_study import BARE, DesignStudy, MotionDesign
 from reports.shared.tables import listed, number
 
 

@@ -19,6 +19,7 @@ def assessment_record(a: Assessment) -> dict[str, Any]:
         "axis": a.box.plant.axis,
         "Kp": float(a.controller.Kp),
         "Ki": float(a.controller.Ki),
+        **{n: float(getattr(a.controller, n)) for n in ("b", "Tf") if hasattr(a.controller, n)},
         "stable": a.stable,
         "certificates": [statement_record(s) for s in a.certificates],
         "predictions": [statement_record(s) for s in a.predictions],

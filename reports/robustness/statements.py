@@ -22,6 +22,7 @@ from design.robustness.certificates.reasons import (
     NoSolver,
     NotConfirmed,
     NotOnePlay,
+    OtherLaw,
     UnstableBranch,
     UnstableMode,
 )
@@ -298,6 +299,8 @@ def no_certificate(reason: NoCertificate | None) -> str:
             return "one branch at one rate is unstable on its own"
         case NotOnePlay():
             return "the hysteresis is not one play between two straight lines"
+        case OtherLaw(has):
+            return f"the controller has {has}, which no certificate knows"
         case NoSolver(said):
             return f"no solver found one: {said}"
         case NoneOfThisKind(solver, margin, ""):

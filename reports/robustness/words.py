@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+from design.controllers.pi_two_dof import TwoDofPI
 from design.robustness.assess import Assessment
 from design.robustness.certificates.certificate import Switching
 from design.robustness.certificates.constant.robust_stability import StableWhileConstant
@@ -20,9 +21,10 @@ from reports.shared.tables import number, spaced
 
 def title(a: Assessment) -> str:
     """The heading: the gains, and in a few words what became of them."""
-    gains = (
-        f"Kp = {number(float(a.controller.Kp))} kPa/deg, Ki = {number(float(a.controller.Ki))} kPa/(deg s)"
-    )
+    c = a.controller
+    gains = f"Kp = {number(float(c.Kp))} kPa/deg, Ki = {number(float(c.Ki))} kPa/(deg s)"
+    if isinstance(c, TwoDofPI):
+        gains += f", b = {number(float(c.b))}, Tf = {number(float(c.Tf))} s"
     if not a.stable:
         return f"{gains}: unstable on some branch"
     broken = [s for s in (*a.predictions, *a.samples) if s.holds is False]
@@ -101,7 +103,8 @@ def proved(a: Assessment) -> str:
             f"branches, {dead_time} ({best.rung})"
         )
     else:
-        words = "Nothing is proved of a loop that switches between branches at will: no certificate was found"
+        words = "Nothing is proved of a loop that switches between branches at will: "
+        words += "no certificate knows its law" if a.other_law else "no certificate was found"
         words += ", and none exists where the regulator's rate switches too" if a.word is not None else ""
     words += _of_tasks(a)
     constant = [s for s in a.certificates if isinstance(s.claim, StableWhileConstant)]
@@ -317,10 +320,17 @@ def assumptions(a: Assessment) -> list[str]:
 
 def remarks(a: Assessment) -> list[str]:
     """What a reader has to know before all else."""
+    said = []
+    if a.other_law:
+        said.append(
+            f"The controller has {a.other_law}, which no certificate knows: all of them are open. "
+            "Predictions and samples do know it."
+        )
     if not a.left_out:
-        return []
+        return said
     return [
+        *said,
         f"The plant has effects that the certificates know nothing of ({', '.join(a.left_out)}): they are "
         "of the declared "
-        "wrist with these parameters. Predictions and samples do know them."
+        "wrist with these parameters. Predictions and samples do know them.",
     ]

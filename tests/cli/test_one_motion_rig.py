@@ -129,7 +129,7 @@ def test_it_is_compared_alone_and_the_page_speaks_of_it(wrist, bender, tmp_path)
         "--json",
         tmp_path / "c.json",
     )
-    assert wrist("compare", "--plant", bender, *args).code == 0
+    assert wrist("compare", "--plain", "--plant", bender, *args).code == 0
     page = re.sub(r"(?s)<(script|style|svg)\b.*?</\1>", "", (out / "comparison.html").read_text())
     words = re.sub(r"<[^>]*>", " ", page)
     assert "10 mm" in words

@@ -68,6 +68,7 @@ def test_compare_of_one_plant_is_of_that_plant_alone(wrist, revised, tmp_path):
     out = tmp_path / "report"
     outcome = wrist(
         "compare",
+        "--plain",
         "--plant",
         revised,
         "--points",

@@ -106,6 +106,33 @@ def test_unstable_gains_are_a_no_with_nothing_proved(wrist):
     assert [p["holds"] for p in stable] == [False]
 
 
+def test_a_filter_of_the_angle_stands_in_the_loop_and_nothing_is_claimed_of_it(wrist, tmp_path):
+    from design.controllers.pi_two_dof import TwoDofPI
+    from design.margins import branch_responses, margins
+    from design.tuner.gains_file import write
+    from plants import Wrist
+
+    gains = {"Kp": 3.0, "Ki": 6.0, "b": 0.7, "Tf": 0.03}
+    record = wrist("robust", "--gains", write(tmp_path / "g", gains), *QUICK, "--json", "-").json
+    assert {n: record[n] for n in gains} == gains
+    rungs = [c for c in record["certificates"] if "rung" in c or "constant" in c["statement"]]
+    assert len(rungs) > 10
+    assert {(c["status"], c["holds"], c["value"]) for c in rungs} == {("open", None, None)}
+    assert all("filter of the angle" in c["because"] for c in rungs)
+    theirs = margins(branch_responses(Wrist.flexion()), TwoDofPI(**gains))
+    (ours,) = [p["value"] for p in record["predictions"] if p["statement"].startswith("Ms ")]
+    assert ours == pytest.approx(float(theirs.Ms), rel=1e-4)
+    assert ours > max(m["Ms"] for m in plain_margins(3.0, 6.0)) * 1.02
+
+
+def plain_margins(Kp: float, Ki: float) -> list[dict[str, float]]:
+    from design.controllers.pi import PI
+    from design.margins import by_python_control
+    from plants import Wrist
+
+    return by_python_control(Wrist.flexion(), PI(Kp, Ki))
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -59,7 +59,7 @@ def answered(late, tmp_path_factory):
     place = tmp_path_factory.mktemp("out")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(design.synthesis.retune, "tune", quick_tune)
-        patch.setattr(design.synthesis.retune, "default_problem", quick_problem)
+        patch.setattr(design.synthesis.retune, "late_problem", quick_problem)
         code, out, err = run(
             "trace", late, "--json", "-", "--save", place / "deep" / "plant.toml", "--out", place / "page",
             "--retune",

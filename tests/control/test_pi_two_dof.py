@@ -5,6 +5,7 @@ from math import exp
 import control
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
@@ -13,6 +14,10 @@ from design.evaluation.sequence import Sequence, play
 from design.evaluation.steps import run
 from design.export.part import of_controller
 from design.margins import branch_responses, margins
+from design.robustness.certificates.continuous.virgin import time_on_virgin_curve
+from design.robustness.predictions.harmonic_balance import loop_gain
+from design.robustness.predictions.limit_cycles import limit_cycles
+from design.robustness.predictions.orbits import large_swings
 from plants import Wrist
 from plants.linearisation import branch_ss
 from tests.oracles.plain_loop import DT, Plant
@@ -76,6 +81,40 @@ def test_the_weight_changes_no_margin_and_the_filter_does_as_python_control_says
     found = margins(branches, TwoDofPI(4.0, 9.0, Tf=0.05))
     assert float(found.Ms) == pytest.approx(peak, rel=1e-3)
     assert float(found.Ms) > float(plain.Ms)
+
+
+def test_a_filtered_loop_swings_as_predicted_and_as_the_plain_loop_does():
+    hunting = TwoDofPI(1.0, 40.0, b=0.7, Tf=0.02)
+    (repels,) = limit_cycles(WRIST, hunting)
+    keep = exp(-1e-3 / 0.02)
+    z = np.exp(1j * repels.frequency_rad_s * 1e-3)
+    law = (1.0 + 40.0e-3 / (z - 1.0)) * (1.0 - keep) * z / (z - keep) / hunting.gain
+    plain = (1.0 + 40.0e-3 / (z - 1.0)) / hunting.gain
+    balance = loop_gain(WRIST, PI(1.0, 40.0), repels.amplitude_kPa, repels.frequency_rad_s)[0, 0]
+    assert abs(1.0 + balance * law / plain) < 1e-6
+    assert repels.confirmed
+    swings = large_swings(WRIST, hunting)
+    went = by_hand(1.0, 40.0, 0.7, 0.02, (30.0, 0.0), 30.0)[-10_000:]
+    assert swings.persisting == swings.lanes
+    assert swings.amplitude_deg == pytest.approx(0.5 * np.ptp(went), rel=1e-3)
+
+
+@pytest.mark.parametrize("b", [0.6, 1.8])
+def test_a_weighted_step_leaves_the_virgin_curve_within_its_bounds(b):
+    weighted = TwoDofPI(3.0, 8.0, b=b, Tf=0.01)
+    bounds = time_on_virgin_curve(WRIST, weighted, 15.0)
+    p = WRIST.hysteresis
+    most = weighted.high * weighted.gain - p.rest_pressure
+    command = lambda t: min((b * 3.0 + 8.0 * t) * 15.0, most)  # noqa: E731
+    for rate, expected in (
+        (WRIST.regulator.k_fast, bounds.earliest),
+        (WRIST.regulator.k_slow, bounds.latest),
+    ):
+        solved = solve_ivp(
+            lambda t, x, k=rate: k * (command(t) - x), (0.0, 3.0), [0.0], rtol=1e-9, atol=1e-9,
+            max_step=0.01, events=lambda t, x: x[0] - p.w1 / p.a1,
+        )  # fmt: skip
+        assert float(solved.t_events[0][0]) == pytest.approx(expected, rel=1e-5)
 
 
 def test_it_becomes_c():

@@ -31,7 +31,7 @@ from design.mpc.problem import MPCProblem as Problem_of_MPC
 from design.synthesis.requirements import Limits, Problem
 from design.synthesis.tuning_rules import baselines, paper_range
 from plants import Wrist
-from plants.effects import Creep
+from plants.effects import Creep, DeadTime
 
 WRISTS = {"flexion": Wrist.flexion(), "deviation": Wrist.deviation()}
 GAINS = {"flexion": PI(3.0, 9.0), "deviation": PI(6.0, 18.0)}
@@ -202,6 +202,11 @@ def test_an_MPC_stands_in_the_table_without_margins_that_it_has_not():
     )
     (s,) = (s for s in found.standings if s.controller == "MPC")
     assert np.isnan([s.Ms, s.delay_margin_s]).all()
+    late = [
+        loop.run(w + DeadTime(s.tolerated_delay_s + more), mpc, 15.0, duration=5.0) for more in (0.0, 5e-3)
+    ]
+    assert [bool(np.isfinite(x.metrics.settling_time_s[0])) for x in late] == [True, False]
+    assert "delay_margin_s" in s.breaks  # at least 60 ms is asked for
     assert s.settings["horizon"] == 30.0
     assert s.settings["weights.move"] == mpc.problem.weights.move
     rows = [r for r in found.rows if r.controller == "MPC"]

@@ -43,6 +43,7 @@ def found(**changes):
         "worst": SimpleNamespace(violated=()),
         "cycles": (),
         "left_out": (),
+        "other_law": "",
     }
     return SimpleNamespace(**{**agreeing, **changes})
 

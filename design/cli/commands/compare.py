@@ -16,7 +16,10 @@ if TYPE_CHECKING:
     from plants.parameters.quantities import ParameterSet
 
 NAME = "compare"
-HELP = "Compare the tuned PI with the paper's, the textbook rules and other designs; write a report."
+HELP = (
+    "Compare the recommended PI, tuned for all that the rig may do, with one tuned without dead time, the "
+    "paper's, the textbook rules and other designs; write a report."
+)
 EXAMPLE = "Example: wrist compare plants/measured/examples/flexion --out build/compare"
 
 
@@ -42,7 +45,11 @@ def command(
         "build/compare"
     ),
     json: JsonOption = None,
-    points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 40,
+    points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 24,
+    plain: Annotated[
+        bool,
+        typer.Option("--plain", help="Tune for steps alone: no dead time, load or search; quicker."),
+    ] = False,
     samples: Annotated[
         int, typer.Option(help="Perturbed plants of each motion, at least 10; 0 leaves them out.", min=0)
     ] = 50,
@@ -80,14 +87,15 @@ def command(
     folders = list(campaigns or []) + (example_campaigns() if example else [])
     fits, sets = _plants(folders, plant or [], seed, said)
     more = robust(robust_gains or [], {name: Wrist.of(s) for name, s in sets.items()})
-    question = Question(sets, fits, points, samples, mpc_plants, more, seed, jobs)
+    question = Question(sets, fits, points, samples, mpc_plants, plain, more, seed, jobs)
     with progress("compare") as tell:
         found = study(question, tell)
     if found.without_mpc:
         said.print(f"MPCs are left out: {found.without_mpc}")
     for name, answer in found.answers.items():
         t = answer.tuning
-        said.print(f"{name}: Kp = {t.Kp:.4g} kPa/deg, Ki = {t.Ki:.4g} kPa/(deg s)")
+        weight = "" if t.at.b is None else f", b = {t.b:.3g}, Tf = {t.Tf:.3g} s"
+        said.print(f"{name}: Kp = {t.Kp:.4g} kPa/deg, Ki = {t.Ki:.4g} kPa/(deg s){weight}")
     for name, no in found.refusals.items():
         said.print(f"{name}: {refused(no)}")
     for line in table(found.comparison):

@@ -15,6 +15,10 @@ STANDING = (
     "controller", "Kp", "Ki", "settle\ns", "settle\n/bound", "over\n%", "IAE\ndeg s", "IAE\n/bound",
     "Ms", "delay\nms",
 )  # fmt: skip
+LEGEND = (
+    "! beyond its limit; /bound: largest ratio over the tasks to what none can beat",
+    "~ what the loop bears in simulation, of a controller without a linear law",
+)
 SCORE = (
     "controller", "IAE\ndeg s", "less tuned PI's\n95 %", "rank", "settle\ns", "95 % in\ns", "over\n%",
     "total var.\nV",
@@ -27,7 +31,7 @@ def table(comparison: "Comparison") -> list[object]:
     for motion in dict.fromkeys(s.motion for s in comparison.standings):
         rows = tuple(_standing(s) for s in comparison.standings if s.motion == motion)
         parts += [Sheet(STANDING, rows, f"{motion}: gains, worst values over the tasks, and margins"), ""]
-    return [*parts, "! beyond its limit; /bound: largest ratio over the tasks to what none can beat", ""]
+    return [*parts, *LEGEND, ""]
 
 
 def _standing(s: "Standing") -> tuple[str, ...]:
@@ -41,9 +45,16 @@ def _standing(s: "Standing") -> tuple[str, ...]:
         (_short(s.worst_iae_deg_s), ""),
         (_short(s.worst_iae_ratio), ""),
         (_short(s.Ms), "Ms"),
-        (f"{1000 * s.delay_margin_s:.0f}" if isfinite(s.delay_margin_s) else "-", "delay_margin_s"),
+        (_delay(s), "delay_margin_s"),
     )
     return (s.controller, *(text + ("!" if limit in s.breaks else " ") for text, limit in cells))
+
+
+def _delay(s: "Standing") -> str:
+    """The delay margin [ms], with a tilde where it is what a simulation bears."""
+    if s.tolerated_delay_s is not None:
+        return f"~{1000 * s.tolerated_delay_s:.0f}"
+    return f"{1000 * s.delay_margin_s:.0f}" if isfinite(s.delay_margin_s) else "-"
 
 
 def _short(value: float | None) -> str:

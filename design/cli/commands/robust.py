@@ -163,8 +163,8 @@ def intervals(texts: list[str]) -> dict[str, tuple[float, float]]:
 
 
 def controller(gains: str, wrist: "Wrist") -> "PI":
-    """The PI of ``--gains``, with the reference weight of a file that has one; raises InputError for gains
-    that are not both above zero, and for a filter of the angle."""
+    """The PI of ``--gains``, with the reference weight and the filter of a file that has them; raises
+    InputError for gains that are not both above zero."""
     from design.controllers.pi import PI
     from design.controllers.pi_two_dof import TwoDofPI
     from design.tuner.gains_file import read_more
@@ -176,9 +176,7 @@ def controller(gains: str, wrist: "Wrist") -> "PI":
             f"--gains: {gains!r}: Kp and Ki must both be above 0; without Ki the error never goes"
         )
     b, Tf = read_more(gains) if gains.endswith(".toml") else (1.0, 0.0)
-    if Tf > 0.0:
-        raise InputError(f"--gains: {gains}: Tf = {Tf:g} s: no certificate knows a filter; give Tf = 0")
-    return PI.of(wrist, Kp, Ki) if b == 1.0 else TwoDofPI.of(wrist, Kp, Ki, b)
+    return PI.of(wrist, Kp, Ki) if (b, Tf) == (1.0, 0.0) else TwoDofPI.of(wrist, Kp, Ki, b, Tf)
 
 
 def lines(found: "Assessment") -> list[Any]:

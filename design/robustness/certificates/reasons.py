@@ -23,6 +23,13 @@ class NotOnePlay:
 
 
 @dataclass(frozen=True)
+class OtherLaw:
+    """The controller has something, in words, that the loops of the rung do not have."""
+
+    has: str
+
+
+@dataclass(frozen=True)
 class NoSolver:
     """No solver came to an end; what each said."""
 
@@ -47,5 +54,7 @@ class NotConfirmed:
     margin: float
 
 
-NoCertificate = UnstableBranch | UnstableMode | NotOnePlay | NoSolver | NoneOfThisKind | NotConfirmed
+NoCertificate = (
+    UnstableBranch | UnstableMode | NotOnePlay | OtherLaw | NoSolver | NoneOfThisKind | NotConfirmed
+)
 """Why a rung certifies nothing."""

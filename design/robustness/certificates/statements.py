@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from design.robustness.certificates.certificate import Certificate, LoopClass, Switching
 from design.robustness.certificates.continuous.virgin import VirginBounds
-from design.robustness.certificates.reasons import NoCertificate
+from design.robustness.certificates.reasons import NoCertificate, OtherLaw
 from design.robustness.certificates.sampled.words import Word
 from design.robustness.statement import Claim, Reason, Statement
 from design.status import Status, of_proof
@@ -138,7 +138,9 @@ def of_class(switching: Switching, rungs: Sequence[Certificate], left_out: Seque
     if best.holds:
         return _statement(best, claim, left_out, best.name)
     disproved = next((c for c in rungs if c.status is Status.DISPROVED), best)
-    reason = NoneFound(tuple(c.name for c in rungs), disproved.word)
+    reason: Reason = NoneFound(tuple(c.name for c in rungs), disproved.word)
+    if isinstance(best.reason, OtherLaw):
+        reason = NotFound(best.reason, None)
     return _of(disproved, claim, reason)
 
 

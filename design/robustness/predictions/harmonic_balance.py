@@ -2,12 +2,13 @@
 
 With an amplitude A of the pressure and a frequency w,
 
-    1 + PI(jw) regulator(jw; w A) N(A) lag(jw) = 0,
+    1 + C(jw) regulator(jw; w A) N(A) lag(jw) = 0,
 
-N of the hysteresis and the regulator's own rate K(E) both from `describing_function`.  The pressure is
-the integral of k(e) e, so that its amplitude A and frequency w tell the amplitude of the flow, w A,
-and this the error E and the rate: the two nonlinearities have one amplitude between them, and a scan
-over rates between slow and fast is not needed.  Transfer functions are those of the sampled loop.
+C the controller's own transfer function, N of the hysteresis and the regulator's own rate K(E) both from
+`describing_function`.  The pressure is the integral of k(e) e, so that its amplitude A and frequency w tell
+the amplitude of the flow, w A, and this the error E and the rate: the two nonlinearities have one amplitude
+between them, and a scan over rates between slow and fast is not needed.  Transfer functions are those of the
+sampled loop.
 
 Stability by Loeb's criterion: a cycle attracts where, with 1 + G(A, w) = U + j V,
 
@@ -58,7 +59,7 @@ def parts(wrist: Wrist, controller: PI, omega: Any) -> Parts:
     command, joint = np.ones_like(z), (c.before + c.after * z) / (z - c.keep)
     for part in (e.linear(wrist, z, wrist.rig.sample_time, reach) for e in wrist.effects):
         command, joint = command * part.command, (joint if part.joint is None else part.joint) * part.static
-    known = (controller.Kp + controller.Ki * wrist.rig.sample_time / (z - 1.0)) * (p.gain / controller.gain)
+    known = np.asarray(controller.transfer(z, wrist.rig.sample_time) * p.gain, complex)
     return Parts(z, known, command, joint)
 
 

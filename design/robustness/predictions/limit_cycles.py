@@ -180,9 +180,8 @@ def _from_scales(wrist: Wrist, controller: PI, cycle: LimitCycle, scales: Array,
     N, mean = hysteresis_function(wrist.hysteresis, A, cycle.centre_kPa)
     _, static = swept(wrist.hysteresis, A, cycle.centre_kPa)
     swing = N * known.joint * A  # of the angle, to a pressure that rises through its centre
-    part = controller.Ki * wrist.rig.sample_time / (known.z - 1.0) * -swing
     state, held = on_orbit(
-        wrist, controller, cycle.centre_kPa, static[0], np.asarray(mean + swing.imag), np.asarray(part.imag)
+        wrist, controller, cycle.centre_kPa, static[0], np.asarray(mean), np.asarray(swing), known.z
     )
     period = 2.0 * np.pi / w
     every = max(1, round(period / PER_PERIOD / wrist.rig.sample_time))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design.controllers.pi import PI, PIState
+from design.controllers.pi import PI
 from design.evaluation.runner import play, step_from
 from design.evaluation.steps import holding
 from plants.equilibrium import at_pressure
@@ -81,7 +81,7 @@ def _frequency(time: Array, signal: Array) -> float:
 
 
 def rollout(
-    wrist: Wrist, controller: PI, reference: float, state: State, held: PIState, duration: float, every: int
+    wrist: Wrist, controller: PI, reference: float, state: State, held: Any, duration: float, every: int
 ) -> Rollout:
     """The loop of `design.evaluation.steps` from given states, for a duration [s].
 
@@ -94,14 +94,23 @@ def rollout(
 
 
 def on_orbit(
-    wrist: Wrist, controller: PI, centre: float, static: Array, angle: Array, integral: Array
-) -> tuple[State, PIState]:
-    """States of lanes as the pressure of an oscillation rises through its centre [kPa].
+    wrist: Wrist,
+    controller: PI,
+    centre: float,
+    static: Array,
+    mean: Array,
+    swing: NDArray[np.complex128],
+    z: Any,
+) -> tuple[State, Any]:
+    """States of lanes, of plant and controller, as the pressure of an oscillation rises through its centre
+    [kPa].
 
-    static: angle of the loop, angle [deg], integral: oscillating part of the controller's integral
-    [kPa], each (lanes,).  Effects are at rest there: what is under way in a tube is not known.
+    static: angle of the loop; mean of the angle [deg] and its swing about it, whose imaginary part it is and
+    which one sample multiplies by z, each (lanes,).  Effects are at rest there: what is under way in a tube
+    is not known.
     """
-    hold = holding(wrist, controller, State(centre, wrist.rest().memory, 0.0)).integral
+    hold = holding(wrist, controller, wrist.rest()._replace(pressure=centre, angle=np.asarray(mean)))
+    angle = np.asarray(mean + swing.imag, float)
     lanes = [
         tree.leaves(
             State(
@@ -112,7 +121,7 @@ def on_orbit(
         for h, y in zip(static, angle, strict=True)
     ]  # fmt: skip
     state = tree.like(wrist.rest(), list(np.array(lanes, float).T))
-    return state, PIState(hold + integral)
+    return state, controller.swinging(hold, swing, z, wrist.rig.sample_time)
 
 
 def large_swings(wrist: Wrist, controller: PI, reference: float = 0.0, duration: float = 120.0) -> Swings:
@@ -120,15 +129,16 @@ def large_swings(wrist: Wrist, controller: PI, reference: float = 0.0, duration:
     both lines, with the integrator holding them and with it far on the other side."""
     low, high = (wrist.regulator.gain * v for v in wrist.rig.command_range)
     starts: list[Any] = []
-    held = []
+    held: list[Any] = []
     for share in (0.05, 0.25, 0.75, 0.95):
         for line in ("line1", "line2"):
             state = at_pressure(wrist, line, float(low + share * (high - low)))
-            here = float(holding(wrist, controller, state).integral)
+            here = holding(wrist, controller, state)
             starts += [tree.leaves(state)] * 2
-            held += [here, -here]
+            held += [tree.leaves(h) for h in (here, here._replace(integral=-here.integral))]
     state = tree.like(wrist.rest(), list(np.array(starts, float).T))
-    went = rollout(wrist, controller, reference, state, PIState(np.array(held)), duration, every=5)
+    begin = tree.like(here, list(np.array(held, float).T))
+    went = rollout(wrist, controller, reference, state, begin, duration, every=5)
     before, last = went.swing(0.6 * duration, 0.8 * duration), went.swing(0.8 * duration, duration)
     lasts = (last.kPa > STILL) & (last.kPa > SUSTAINED * before.kPa) & np.isfinite(last.frequency)
     if not lasts.any():

@@ -64,7 +64,7 @@ def certifies(model: LoopModel, rung: str, dead_time: float = 0.0) -> bool:
     >>> [certifies(loop, rung) for rung in RUNGS]
     [False, True]
     """
-    if hopeless(model, dead_time) is not None:
+    if model.other_law or hopeless(model, dead_time) is not None:
         return False
     return search(model, rung, 0.0, dead_time, convex.SOLVERS[:1]).form is not None
 

@@ -10,9 +10,9 @@ start with V <= c, V only falls while the command is not clipped, and {V <= c} l
 (Q = P without dead time); so where that ellipsoid lies between the planes the command is not clipped at
 any time.  A dead time tau puts tau Z_0 on the left, for the command is ahead of q by what is on its way.
 
-A step of r from rest on a line starts at x = (r, 0, Kp r), with a dead time tau after the step, the
-command having risen at Ki r all the while.  What holds for steps of r and -r holds for all between:
-the planes come no nearer, and the start comes nearer to 0 in proportion.
+A step of r from rest on a line starts at x = (r, 0, b Kp r), b the weight of the reference, with a dead time
+tau after the step, the command having risen at Ki r all the while.  What holds for steps of r and -r holds
+for all between: the planes come no nearer, and the start comes nearer to 0 in proportion.
 """
 
 from dataclasses import dataclass
@@ -83,11 +83,11 @@ def level(form: Form, g: Array, b: Array) -> float:
 
 
 def at_start(form: Form, model: LoopModel, reference: float, q: float | None = None) -> float:
-    """V at most at the start of a step [deg] from rest, of q [kPa], Kp r where not given.
+    """V at most at the start of a step [deg] from rest, of q [kPa], b Kp r where not given.
 
     int_0^q psi <= kappa q^2 / 2, and z was Ki r for as long as the dead time.
     """
-    q = model.Kp * reference if q is None else q
+    q = model.weight * model.Kp * reference if q is None else q
     start, weights = _start(model, reference, q, form.order)
     numbers = {"popov": form.popov, "S": form.S, "R": form.R}
     return float(start @ form.P @ start + sum(w * numbers[n] for n, w in weights.items()))
@@ -147,7 +147,7 @@ def largest(
         g, b = bounds(r)
         if not (b > 0.0).all():
             return None
-        start, weights = _start(model, r, model.Kp * r, signals.order)
+        start, weights = _start(model, r, model.weight * model.Kp * r, signals.order)
         u = program(signals, rung, 0.0, signals.scale * (r / signals.scale[0]))
         # A hair inside, so that what the solver leaves open does not decide.
         found: FormSearch = confirmed(
@@ -165,7 +165,7 @@ def largest(
 
     g, b = bounds(0.0)
     # The step at which a plane passes through 0, or a start lies beyond one.
-    start = _start(model, 1.0, model.Kp, signals.order)[0]
+    start = _start(model, 1.0, model.weight * model.Kp, signals.order)[0]
     b1 = bounds(1.0)[1]
     low, high = 0.0, float(np.min(b / np.maximum(b - b1, np.abs(g @ start) + b - b1)))
     for _ in range(STEPS):

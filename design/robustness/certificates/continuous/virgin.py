@@ -1,8 +1,9 @@
 """How long a step from rest stays on the virgin curve, which has slope 0, occurs once and is no vertex.
 
-On it h = 0 and y = 0, so the error is the reference r all the while and the PI's command a ramp,
+On it h = 0 and y = 0, so the error is the reference r all the while, whatever filters the angle, and the PI's
+command a ramp, b being its weight of the reference,
 
-    gain v = rest + c(t),    c(t) = Kp r + Ki r t,  up to the end of the range and then held there
+    gain v = rest + c(t),    c(t) = b Kp r + Ki r t,  up to the end of the range and then held there
                                                     (the integrator stops),
 
 and the pressure above rest, p, follows it by dp/dt = k(q) q, q = c - p, with k between k_slow and
@@ -102,8 +103,8 @@ def time_on_virgin_curve(wrist: Wrist, controller: PI, reference: float) -> Virg
     meets = (p.ascending_pressure if up else p.descending_pressure)(0.0)
     threshold = abs(float(meets) - rest) if p.DEAD_ZONE else 0.0
     end = gain * controller.high - rest if up else rest - gain * controller.low
-    ratio = gain / controller.gain
-    ramp = _Ramp(ratio * controller.Kp * size, ratio * controller.Ki * size, float(end))
+    ratio, b = gain / controller.gain, float(getattr(controller, "b", 1.0))
+    ramp = _Ramp(ratio * b * controller.Kp * size, ratio * controller.Ki * size, float(end))
     slow, fast = sorted((float(wrist.regulator.k_slow), float(wrist.regulator.k_fast)))
     furthest = ramp.end if ramp.c1 > 0.0 else min(ramp.c0, ramp.end)
     if furthest <= threshold:
