@@ -39,7 +39,7 @@ def at_rest(wrist: Wrist, start: Start = "virgin", angle: Number = 0.0) -> State
     virgin = start == "virgin"
     if virgin and np.any(np.asarray(angle) != 0.0):
         raise ValueError("a virgin wrist rests at angle 0; start on line1, line2 or inside")
-    h = _static_angle(wrist, angle) if wrist.effects and not virgin else angle
+    h = static_angle(wrist, angle) if wrist.effects and not virgin else angle
     if virgin:
         # A law without a dead zone of its own leaves the initial curve with the slightest pressure.
         state = State(loop.rest_pressure, loop.initial(), angle)
@@ -97,9 +97,10 @@ def _held_angle(wrist: Wrist, h: Number) -> Number:
     return after
 
 
-def _static_angle(wrist: Wrist, angle: Number) -> Number:
-    """The loop's angle [deg] from which the effects make the angle that is held; by secants."""
-    stops = wrist.sampled().at("stop")
+def static_angle(wrist: Wrist, angle: Number, against: bool = True) -> Number:
+    """The loop's angle [deg] from which the effects make the angle that is held; by secants.  against:
+    whether a stop may hold the joint, so that the loop is further on."""
+    stops = wrist.sampled().at("stop") if against else []
 
     def held(h: Number) -> Number:
         static = _held_angle(wrist, h)
@@ -115,6 +116,8 @@ def _static_angle(wrist: Wrist, angle: Number) -> Number:
     h1 = h0 + 0.1
     f0, f1 = held(h0), held(h1)
     for _ in range(20):
+        if np.all(np.abs(f1) < 1e-12):
+            break
         slope = np.where(np.abs(f1 - f0) > 1e-12, (f1 - f0) / np.where(h1 == h0, 1.0, h1 - h0), 1.0)
         h0, f0 = h1, f1
         h1 = h1 - f1 / slope

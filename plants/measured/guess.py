@@ -29,6 +29,12 @@ DELAYS, LAGS = 14, 14
 LONGEST_DELAY, LONGEST_LAG = 1.5, 8.0
 """Largest of them [s]."""
 
+REACHED = (0.1, 0.15, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9)
+"""Shares of the command's range from which on the pressure may rise no more, that are tried."""
+
+BENT = 0.7
+"""Share of the error that is left by a line that ends there, below which it is taken to end."""
+
 PLAYS = 4
 REACHES = (0.02, 0.04, 0.07, 0.12, 0.2, 0.3, 0.45)
 """Largest thresholds of the plays that are tried, as shares of the range of the pressure."""
@@ -50,13 +56,14 @@ OF_LAG = 1.0 / 30.0
 @dataclass(frozen=True)
 class Lagged:
     """Output = gain * (lag of time constant `tau` [s] of the input, `delay` [s] late) + offset; rms: what it
-    leaves."""
+    leaves.  most: input above which the output rises no more, infinite where there is none."""
 
     gain: float
     offset: float
     tau: float
     delay: float
     rms: float
+    most: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -127,8 +134,11 @@ def guessed_set(
     rate = 1.0 / max(seen.tau, 1e-3)
     span = high - low
     values = {"gain": gain, "k_fast": rate, "k_slow": rate, "e0": 0.2 * span}
+    # Where the pressure ends below what is commanded, the declared regulator is best with a smaller gain.
+    share = (high - low) / (abs(gain) * float(np.ptp(rig.command_range))) if np.isfinite(seen.most) else 1.0
+    ends = (0.5 * min(share, 1.0) * gain, 2.0 * gain)
     bounds = {
-        "gain": (gain / 2.0, 2.0 * gain) if gain > 0.0 else (2.0 * gain, gain / 2.0),
+        "gain": (min(ends), max(ends)),
         "k_fast": (rate / wide, rate * wide), "k_slow": (rate / wide**2, rate * wide),
         "e0": (1e-3 * span, 2.0 * span),
     }  # fmt: skip
@@ -200,16 +210,31 @@ def first_order(runs: Sequence[tuple[Array, Array, float]]) -> Lagged:
     longest = min(len(x) * dt for x, _, dt in runs)
     dt = runs[0][2]
     lags = np.geomspace(dt, min(LONGEST_LAG, 0.1 * longest), LAGS)
-    if np.ptp(np.concatenate([x for x, _, _ in runs])) == 0.0:
+    low, high = _range([x for x, _, _ in runs])
+    if high == low:
         return min((_decay(runs, float(tau)) for tau in lags), key=lambda f: f.rms)
     delays = np.unique(np.round(np.linspace(0.0, min(LONGEST_DELAY, 0.05 * longest), DELAYS) / dt) * dt)
-    found = []
+    line = _late_line(runs, delays, lags)
+    ended = [_late_line(runs, (line.delay,), lags[::2], low + s * (high - low)) for s in REACHED]
+    least = min(ended, key=lambda f: f.rms)
+    return _late_line(runs, delays, lags, least.most) if least.rms < BENT * line.rms else line
+
+
+def _late_line(
+    runs: Sequence[tuple[Array, Array, float]],
+    delays: Sequence[float] | Array,
+    lags: Array,
+    most: float = np.inf,
+) -> Lagged:
+    """The best of some delays and lags, the input taken to be `most` where it is above."""
+    found, y = [], np.concatenate([v for _, v, _ in runs])
     for delay, tau in product(delays, lags):
-        shaped = np.concatenate([_lagged(x, h, tau, delay) for x, _, h in runs])
-        y = np.concatenate([v for _, v, _ in runs])
+        shaped = np.concatenate([_lagged(np.minimum(x, most), h, tau, delay) for x, _, h in runs])
+        if np.ptp(shaped) == 0.0:
+            continue
         gain, offset = np.polyfit(shaped, y, 1)
         rms = float(np.sqrt(np.mean((y - gain * shaped - offset) ** 2)))
-        found.append(Lagged(float(gain), float(offset), float(tau), float(delay), rms))
+        found.append(Lagged(float(gain), float(offset), float(tau), float(delay), rms, most))
     return min(found, key=lambda f: f.rms)
 
 

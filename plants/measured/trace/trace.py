@@ -27,8 +27,8 @@ from plants.measured.trace.search.choose import search
 from plants.measured.trace.search.learnt import learn
 from plants.measured.trace.size import MATTERS, NAMED, span
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.stages.remainders import begun, remainders
-from plants.measured.trace.stages.stage import Stage
+from plants.measured.trace.stages.remainders import remainders
+from plants.measured.trace.stages.stage import Stage, begun
 from plants.measured.trace.start import starting
 from plants.measured.trace.suspect import check
 from plants.measured.trace.two_rigs import rigs_differ
