@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from plants.hysteresis import LAWS, HysteresisLaw
 from plants.measured.campaign import Campaign
-from plants.measured.logger import recorded
 from plants.measured.recording import Recording
 from plants.parameters.quantities import Guessed, Parameter, ParameterSet, declared_kinds
 from plants.rig import Rig, built_in_rig
@@ -22,6 +21,9 @@ from plants.rig import Rig, built_in_rig
 Array = NDArray[np.float64]
 ROWS = 6000
 """Rows of all recordings together that a guess looks at, about."""
+
+LONG = 30_000
+"""Rows of all recordings together that a lag is guessed from, at most."""
 
 DELAYS, LAGS = 14, 14
 """Dead times and time constants that are tried."""
@@ -130,12 +132,16 @@ def guessed_set(
         drives = [r.pressure for r in campaign.fit if r.pressure is not None]
     else:
         gain = (high - low) / (rig.command_range[1] - rig.command_range[0])
-        drives = [_lagged(gain * r.command, _dt(r), seen.tau, seen.delay) for r in campaign.fit]
+        drives = [lagged(gain * r.command, _dt(r), seen.tau, seen.delay) for r in campaign.fit]
     rate = 1.0 / max(seen.tau, 1e-3)
     span = high - low
     values = {"gain": gain, "k_fast": rate, "k_slow": rate, "e0": 0.2 * span}
     # Where the pressure ends below what is commanded, the declared regulator is best with a smaller gain.
-    share = (high - low) / (abs(gain) * float(np.ptp(rig.command_range))) if np.isfinite(seen.most) else 1.0
+    share = (
+        (high - low) / (abs(gain) * (rig.command_range[1] - rig.command_range[0]))
+        if np.isfinite(seen.most)
+        else 1.0
+    )
     ends = (0.5 * min(share, 1.0) * gain, 2.0 * gain)
     bounds = {
         "gain": (min(ends), max(ends)),
@@ -201,12 +207,22 @@ def _of_law(
     return values, bounds
 
 
+def recorded(recordings: Sequence[Recording], field: str) -> list[tuple[Array, Array, float]]:
+    """Command, a measured channel (`pressure` or `angle`) and sample time [s] of recordings that have it."""
+    return [
+        (r.command, v, float(np.median(np.diff(r.time))))
+        for r in recordings
+        if (v := getattr(r, field)) is not None
+    ]
+
+
 def first_order(runs: Sequence[tuple[Array, Array, float]]) -> Lagged:
     """The lag, late by a dead time, that takes inputs to outputs with least squares; `runs`: input (n,),
     output (n,) and sample time [s] of each.
 
     Where the input is one and the same throughout, it is the lag by which outputs come to rest.
     """
+    runs = _short(runs)
     longest = min(len(x) * dt for x, _, dt in runs)
     dt = runs[0][2]
     lags = np.geomspace(dt, min(LONGEST_LAG, 0.1 * longest), LAGS)
@@ -220,6 +236,13 @@ def first_order(runs: Sequence[tuple[Array, Array, float]]) -> Lagged:
     return _late_line(runs, delays, lags, least.most) if least.rms < BENT * line.rms else line
 
 
+def _short(runs: Sequence[tuple[Array, Array, float]]) -> Sequence[tuple[Array, Array, float]]:
+    """The beginnings of long runs, where the input moves there: enough for a guess."""
+    kept = LONG // len(runs)
+    short = [(x[:kept], v[:kept], h) for x, v, h in runs]
+    return runs if np.ptp(np.concatenate([x for x, _, _ in short])) == 0.0 else short
+
+
 def _late_line(
     runs: Sequence[tuple[Array, Array, float]],
     delays: Sequence[float] | Array,
@@ -228,13 +251,16 @@ def _late_line(
 ) -> Lagged:
     """The best of some delays and lags, the input taken to be `most` where it is above."""
     found, y = [], np.concatenate([v for _, v, _ in runs])
+    middle = float(np.mean(y))
+    about = y - middle
     for delay, tau in product(delays, lags):
-        shaped = np.concatenate([_lagged(np.minimum(x, most), h, tau, delay) for x, _, h in runs])
+        shaped = np.concatenate([lagged(np.minimum(x, most), h, tau, delay) for x, _, h in runs])
         if np.ptp(shaped) == 0.0:
             continue
-        gain, offset = np.polyfit(shaped, y, 1)
-        rms = float(np.sqrt(np.mean((y - gain * shaped - offset) ** 2)))
-        found.append(Lagged(float(gain), float(offset), float(tau), float(delay), rms, most))
+        mean, power = float(np.mean(shaped)), float(np.var(shaped))
+        gain = float(np.mean(shaped * about)) / power
+        rms = float(np.sqrt(max(np.mean(about**2) - gain**2 * power, 0.0)))
+        found.append(Lagged(gain, middle - gain * mean, float(tau), float(delay), rms, most))
     return min(found, key=lambda f: f.rms)
 
 
@@ -267,7 +293,7 @@ def loop_guess(runs: Sequence[Recording], drives: Sequence[Array]) -> LoopGuess:
     thin = slice(None, None, max(1, len(y) // ROWS))
     best: LoopGuess | None = None
     for tau in JOINT_LAGS:
-        columns = np.concatenate([_lagged(p, _dt(r), tau, 0.0) for p, r in zip(played, runs, strict=True)])
+        columns = np.concatenate([lagged(p, _dt(r), tau, 0.0) for p, r in zip(played, runs, strict=True)])
         for k, reach in enumerate(REACHES):
             own = columns[thin][:, [0, *range(1 + PLAYS * k, 1 + PLAYS * (k + 1))]]
             ones = np.ones((len(own), 1))
@@ -296,7 +322,14 @@ def plays(x: Array, thresholds: Array) -> Array:
     return found
 
 
-def _lagged(x: Array, dt: float, tau: float, delay: float) -> Array:
+def static_guess(loop: LoopGuess, drives: Sequence[Array]) -> list[Array]:
+    """The static angle [deg] of a guessed loop under pressures [kPa], but for a constant."""
+    n = len(loop.weights)
+    thresholds = np.array([loop.reach * (i + 1) / n for i in range(n)])
+    return [loop.inner * d + plays(d, thresholds) @ np.array(loop.weights) for d in drives]
+
+
+def lagged(x: Array, dt: float, tau: float, delay: float) -> Array:
     """A series, or its columns, through a delay and a first-order lag, from rest at its first value."""
     from scipy.signal import lfilter
 

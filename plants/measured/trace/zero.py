@@ -12,8 +12,8 @@ import numpy as np
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.regulator.fill_exhaust import PressureDependentRates
 from plants.measured.campaign import Campaign
-from plants.measured.guess import first_order, guessed_set
-from plants.measured.logger import Remark, recorded, shifted
+from plants.measured.guess import first_order, guessed_set, recorded
+from plants.measured.logger import Remark, shifted
 from plants.measured.noise import noise_of_campaign
 from plants.measured.playback import Playback
 from plants.measured.problem import first_begin

@@ -162,7 +162,7 @@ def search(
         for start in beam:
             tell(f"ranking effects beyond {', '.join(start.model.effects) or 'none'}")
             left = [n for n in names or declared.stage.effects if n not in start.model.effects]
-            found = screen(start.model, left, seed)
+            found = screen(start.model, left, seed, now.lacks_something)
             ranking = ranking or found
             if now.lacks_something:
                 candidates += refit(start.model, shortlist(found))
