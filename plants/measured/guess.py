@@ -259,7 +259,7 @@ def _late_line(
             continue
         mean, power = float(np.mean(shaped)), float(np.var(shaped))
         gain = float(np.mean(shaped * about)) / power
-        rms = float(np.sqrt(max(np.mean(about**2) - gain**2 * power, 0.0)))
+        rms = max(float(np.mean(about**2)) - gain**2 * power, 0.0) ** 0.5
         found.append(Lagged(gain, middle - gain * mean, float(tau), float(delay), rms, most))
     return min(found, key=lambda f: f.rms)
 
