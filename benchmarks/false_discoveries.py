@@ -19,7 +19,7 @@ from scipy.stats import beta
 from plants.files import json_text, write_atomically
 from plants.measured.campaign import load_campaign
 from plants.measured.trace.trace import trace_campaign
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 from tests.rig.campaign import make_campaign
 from tests.rig.rig import Noise
 

@@ -16,7 +16,7 @@ from design.robustness.samples.conditions import NONE, Conditions
 from design.robustness.samples.draws import CHUNK, Draw, SamplingTask, draw
 from design.robustness.samples.monte_carlo import Samples, monte_carlo
 from plants.kernel import pytrees as tree
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 from plants.simulation.closed_loop import advance, clock
 from plants.wrist import SAMPLE_TIME
 

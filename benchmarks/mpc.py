@@ -24,7 +24,7 @@ from design.mpc.prediction import roll, start_of
 from design.mpc.problem import MPCProblem, MPCWeights
 from design.mpc.real_time import RealTimeMPC
 from design.mpc.timing import Ledger, ledger
-from plants import wrist as plant
+from plants import dynamics as plant
 from plants.hysteresis import Memory
 from plants.simulation.sensor import HOLD, sensor
 from plants.wrist import SAMPLE_TIME, STARTS, State, Wrist

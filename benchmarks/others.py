@@ -15,7 +15,7 @@ from benchmarks.timing import duel
 from design.controllers import pi
 from design.controllers.pi import PIState
 from design.evaluation.steps import run
-from plants import wrist as plant
+from plants import dynamics as plant
 from plants.kernel import pytrees as tree
 from plants.simulation.closed_loop import ClosedLoop, SampledClosedLoop
 from plants.wrist import SAMPLE_TIME, State

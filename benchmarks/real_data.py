@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.files import write_atomically
-from plants.parameters.quantities import Assumed, ParameterSet, built_in, dump
+from plants.parameters.files import built_in, dump
+from plants.parameters.quantities import Assumed, ParameterSet
 
 Array = NDArray[np.float64]
 Columns = Mapping[str, Array]

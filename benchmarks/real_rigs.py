@@ -21,13 +21,14 @@ from benchmarks.real_data import Rig, checksums, convert, rigs
 from benchmarks.real_figures import draw_rig
 from plants.errors import InputError
 from plants.files import json_text, write_atomically
+from plants.measured.begin import measured
 from plants.measured.campaign import Campaign, load_campaign
 from plants.measured.fit import CHANNELS, Fit, fit_campaign
 from plants.measured.free_run import FreeRun
-from plants.measured.problem import measured
 from plants.measured.trace.result import Trace
 from plants.measured.trace.trace import trace_campaign
-from plants.parameters.quantities import Fitted, load
+from plants.parameters.files import load
+from plants.parameters.quantities import Fitted
 from reports.shared.style import save
 
 ROOT = Path(__file__).parent.parent
@@ -203,8 +204,8 @@ def main() -> int:
     }
     write_atomically(KEPT / "real-rigs.json", json_text(content))
     laws = {
-        "what": "laws of hysteresis and friction from displacement to force, errors of free runs on runs held "
-        "out; null for a library that is not installed",
+        "what": "laws of hysteresis and friction from displacement to force, errors of free runs on runs "
+        "held out; null for a library that is not installed",
         "tasks": shortened(friction.table(data)),
     }
     write_atomically(KEPT / "friction.json", json_text(laws))

@@ -13,7 +13,8 @@ from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.wrist.creep import Creep
 from plants.errors import InputError, InputWarning
 from plants.hysteresis import FourSegment, HysteresisLaw, Memory, PrandtlIshlinskii
-from plants.parameters.quantities import ParameterSet, built_in, load
+from plants.parameters.files import built_in, load
+from plants.parameters.quantities import ParameterSet
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, STARTS, State, Wrist
 
 _HOMES = {

@@ -1,12 +1,16 @@
 """Wrists that hold still: at which pressure, and with what memory."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from plants import lag
+from plants.dynamics import Number, State
 from plants.effects.effect import Around
-from plants.wrist import STARTS, Number, Start, State, Wrist
+from plants.hysteresis import STARTS, Start
+
+if TYPE_CHECKING:
+    from plants.wrist import Wrist
 
 BEYOND = (1.5, 2.5)
 """By how many spans below and above the range of its pressure a wrist with effects is looked for at rest."""
@@ -15,7 +19,7 @@ TRIED = 40
 """Pressures that are tried in a span before the rest is narrowed down."""
 
 
-def searched(wrist: Wrist) -> tuple[float, float, float]:
+def searched(wrist: "Wrist") -> tuple[float, float, float]:
     """Pressures between which a wrist with effects is looked for at rest (one that is found at an end of them
     rests nowhere), and how far apart they are tried at first."""
     low, high = wrist.rig.pressure_range
@@ -23,7 +27,7 @@ def searched(wrist: Wrist) -> tuple[float, float, float]:
     return low - BEYOND[0] * span, high + BEYOND[1] * span, span / TRIED
 
 
-def at_rest(wrist: Wrist, start: Start = "virgin", angle: Number = 0.0) -> State:
+def at_rest(wrist: "Wrist", start: Start = "virgin", angle: Number = 0.0) -> State:
     """The state of a wrist that holds still at an angle [deg], having come there by `start`.
 
     ``virgin``: never moved from the rest pressure; only at angle 0.  ``line1``,
@@ -52,17 +56,17 @@ def at_rest(wrist: Wrist, start: Start = "virgin", angle: Number = 0.0) -> State
     return State(pressure, _memory(wrist, start, h, pressure), angle, _effects(wrist, pressure, h))
 
 
-def _memory(wrist: Wrist, start: Start, h: Number, pressure: Number) -> Any:
+def _memory(wrist: "Wrist", start: Start, h: Number, pressure: Number) -> Any:
     """The memory at rest of a loop that effects drive and bend."""
     driven, down, up = _bent(wrist, pressure, h)
     return wrist.hysteresis.resting(start, h, driven, down, up)
 
 
-def _effects(wrist: Wrist, pressure: Number, h: Number) -> tuple[Any, ...]:
+def _effects(wrist: "Wrist", pressure: Number, h: Number) -> tuple[Any, ...]:
     return tuple(e.rest(wrist, pressure, h) for e in wrist.effects)
 
 
-def at_pressure(wrist: Wrist, start: Start, pressure: float) -> State:
+def at_pressure(wrist: "Wrist", start: Start, pressure: float) -> State:
     """The state of a wrist that holds still on ``line1`` or ``line2`` at a pressure [kPa]."""
     line = {"line1": 0, "line2": 1}[start]
     loop = wrist.hysteresis
@@ -73,7 +77,7 @@ def at_pressure(wrist: Wrist, start: Start, pressure: float) -> State:
     return State(pressure, memory, float(_held_angle(wrist, h)), _effects(wrist, pressure, h))
 
 
-def obstacle(wrist: Wrist, start: Start, angle: float) -> str | None:
+def obstacle(wrist: "Wrist", start: Start, angle: float) -> str | None:
     """What keeps a wrist from holding still at an angle [deg] on ``line1`` or ``line2``, in words; None
     where nothing does.  Whether a command in the range gives the pressure is not asked."""
     if not wrist.effects:
@@ -87,7 +91,7 @@ def obstacle(wrist: Wrist, start: Start, angle: float) -> str | None:
     return None if lowest < pressure < highest else f"a branch that no pressure takes to {angle:+g} deg"
 
 
-def _held_angle(wrist: Wrist, h: Number) -> Number:
+def _held_angle(wrist: "Wrist", h: Number) -> Number:
     """The angle [deg] at which the effects let a wrist rest whose loop is at h [deg]; stops left out."""
     c = wrist.sampled()
     s = _effects(wrist, wrist.hysteresis.rest_pressure, h)
@@ -97,7 +101,7 @@ def _held_angle(wrist: Wrist, h: Number) -> Number:
     return after
 
 
-def static_angle(wrist: Wrist, angle: Number, against: bool = True) -> Number:
+def static_angle(wrist: "Wrist", angle: Number, against: bool = True) -> Number:
     """The loop's angle [deg] from which the effects make the angle that is held; by secants.  against:
     whether a stop may hold the joint, so that the loop is further on."""
     stops = wrist.sampled().at("stop") if against else []
@@ -125,14 +129,14 @@ def static_angle(wrist: Wrist, angle: Number, against: bool = True) -> Number:
     return h1
 
 
-def _line_angle(wrist: Wrist, line: int, pressure: Number, h: Number) -> Number:
+def _line_angle(wrist: "Wrist", line: int, pressure: Number, h: Number) -> Number:
     """The angle [deg] of line 1 (0) or line 2 (1), as the effects bend it, at a pressure [kPa]."""
     loop = wrist.hysteresis
     driven, *shifts = _bent(wrist, pressure, h)
     return (loop.ascending, loop.descending)[line](driven) + shifts[line]
 
 
-def _bent(wrist: Wrist, pressure: Number, h: Number) -> tuple[Number, Number, Number]:
+def _bent(wrist: "Wrist", pressure: Number, h: Number) -> tuple[Number, Number, Number]:
     """The pressure [kPa] that drives a loop at rest at a pressure [kPa], and the shifts of its branches
     [deg]."""
     c, loop = wrist.sampled(), wrist.hysteresis
@@ -146,7 +150,7 @@ def _bent(wrist: Wrist, pressure: Number, h: Number) -> tuple[Number, Number, Nu
     return driven, down, up
 
 
-def _pressure_on(wrist: Wrist, line: int, h: Number) -> Number:
+def _pressure_on(wrist: "Wrist", line: int, h: Number) -> Number:
     """The pressure [kPa] at which line 1 (0) or line 2 (1) has the angle h [deg]; by bisection.
 
     A curved line may have it more than once: of the pressures where the line rises

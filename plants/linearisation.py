@@ -7,7 +7,7 @@ response all the same: `responses` multiplies it together from its parts.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,16 +15,19 @@ from numpy.typing import NDArray
 from plants import lag
 from plants.actuator import regulator
 from plants.actuator.regulator import Regulator
+from plants.dynamics import step
 from plants.hysteresis import Side
 from plants.kernel import pytrees as tree
 from plants.kernel.graphs import jacobians
-from plants.wrist import Wrist, step
+
+if TYPE_CHECKING:
+    from plants.wrist import Wrist
 
 RATES = ("slow", "fast")
 """The two ends of the regulator's rate: near to and far from the commanded pressure."""
 
 
-def nlsys(wrist: Wrist) -> Any:
+def nlsys(wrist: "Wrist") -> Any:
     """The sampled wrist as a discrete ``control.nlsys``: command [V] to pressure [kPa] and angle [deg].
 
     States are pressure, static angle and the rest of the memory, and angle, at 1 ms; they start at 0
@@ -64,12 +67,12 @@ def nlsys(wrist: Wrist) -> Any:
     )  # fmt: skip
 
 
-def wrist_x0(wrist: Wrist) -> Any:
+def wrist_x0(wrist: "Wrist") -> Any:
     """Initial state of `nlsys` for a wrist at rest, shape (states,); (4,) for four segments."""
     return np.array(tree.leaves(wrist.rest()), float)
 
 
-def branch_slope(wrist: Wrist, branch: str) -> float:
+def branch_slope(wrist: "Wrist", branch: str) -> float:
     """Slope [deg/kPa] of a branch of the wrist's hysteresis law, such as ``transit``, ``line1`` or ``line2``.
 
     Raises ValueError for another name.
@@ -80,7 +83,7 @@ def branch_slope(wrist: Wrist, branch: str) -> float:
     return slopes[branch]
 
 
-def branch_slopes(wrist: Wrist) -> dict[str, float]:
+def branch_slopes(wrist: "Wrist") -> dict[str, float]:
     """Slopes [deg/kPa] of the branches on which the closed loop can work, within the range of the command.
 
     >>> branch_slopes(Wrist.flexion())
@@ -90,7 +93,7 @@ def branch_slopes(wrist: Wrist) -> dict[str, float]:
     return {name: float(slope) for name, slope in wrist.hysteresis.branches(low, high).items()}
 
 
-def branch_ss(wrist: Wrist, branch: str, rate: str = "fast") -> Any:
+def branch_ss(wrist: "Wrist", branch: str, rate: str = "fast") -> Any:
     """Linearisation on one branch at one regulator rate, a discrete ``control.ss`` at 1 ms.
 
     Deviations from an equilibrium; input command [V], states pressure [kPa] and
@@ -142,7 +145,7 @@ class FrequencyResponse:
     response: NDArray[np.complex128]
 
 
-def responses(wrist: Wrist, omega: Any) -> list[FrequencyResponse]:
+def responses(wrist: "Wrist", omega: Any) -> list[FrequencyResponse]:
     """Frequency responses of a wrist with effects at omega [rad/s], on every branch at every rate.
 
     To the command [V], of small motions about an equilibrium: what comes from
@@ -188,5 +191,5 @@ def _products(factors: list[tuple[float, ...]]) -> list[float]:
     return list(dict.fromkeys(float(np.prod(chosen)) for chosen in product(*factors)))
 
 
-def _named(wrist: Wrist) -> str:
+def _named(wrist: "Wrist") -> str:
     return f"a wrist with {', '.join(e.NAME for e in wrist.effects)}"

@@ -5,11 +5,14 @@ are those of a rig, and stand in a TOML file; ``plants/parameters/wrist.toml``, 
 format.
 """
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from plants.errors import InputError
 from plants.toml import Reader, read_toml
@@ -85,6 +88,44 @@ class Rig:
     task: StepTask
     limits: Mapping[str, float] = field(hash=False)
     uncertainty: Uncertainty
+
+    @property
+    def rest_pressure(self) -> float:
+        """Pressure of a motion at rest where nothing else says it: the middle of the range."""
+        return 0.5 * (self.pressure_range[0] + self.pressure_range[1])
+
+    @property
+    def half_range(self) -> float:
+        """Half the range of the pressure, by which effects measure how far a pressure is from rest.
+
+        >>> built_in_rig().rest_pressure, built_in_rig().half_range
+        (100.0, 100.0)
+        """
+        return 0.5 * (self.pressure_range[1] - self.pressure_range[0])
+
+    def scaled(self, value: float, unit: str) -> float:
+        """A value [unit] of the built-in rig in the units of this one, where that has others: what was so
+        large a share of command range, pressure range or step of the task is so here.
+
+        >>> from dataclasses import replace
+        >>> bender = replace(built_in_rig(), units=Units("V", "bar", "deg"), pressure_range=(0.0, 2.0))
+        >>> round(bender.scaled(0.36, "deg/kPa"), 3), bender.scaled(5.0, "deg")
+        (36.0, 5.0)
+        """
+        own = built_in_rig()
+        sizes = {
+            own.units.command: np.ptp(self.command_range) / np.ptp(own.command_range),
+            own.units.pressure: self.half_range / own.half_range,
+            own.units.angle: self.task.step / own.task.step,
+        }
+        factor, power = 1.0, 1.0
+        for part in re.split(r"([/ ()]+)", unit):
+            if "/" in part:
+                power = -1.0
+            named = part.strip("/ ()^2")
+            if named in sizes and self.units.of(named, own.units) != named:
+                factor *= float(sizes[named]) ** (power * (2.0 if part.endswith("^2") else 1.0))
+        return value * factor
 
     @property
     def record(self) -> dict[str, Any]:

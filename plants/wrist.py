@@ -1,20 +1,21 @@
 """The wrist drive system: regulator, hysteresis and lag in series (section 5.2 of the paper).
 
 A wrist is a value: its parameters, and the effects that were added to it.  Its
-state is another value, and ``step`` takes one to the next.  Parameters may be
+state is another value, and `plants.dynamics.step` takes one to the next.  Parameters may be
 floats, arrays (one lane each, for batches) or CasADi symbols: the laws are the same.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from plants import hysteresis, lag
 from plants.actuator import regulator
 from plants.actuator.regulator import Regulator
-from plants.effects.effect import Around, Effect
-from plants.hysteresis import STARTS, Bend, HysteresisLaw, Start
-from plants.meanings import remembers
+from plants.dynamics import SampledWrist, State
+from plants.effects.effect import Effect
+from plants.equilibrium import at_rest
+from plants.hysteresis import STARTS, HysteresisLaw, Start
 from plants.rig import Rig, built_in_rig
 
 if TYPE_CHECKING:
@@ -28,109 +29,6 @@ COMMAND_RANGE = built_in_rig().command_range
 """Range of the command [V] of the built-in rig, likewise."""
 
 __all__ = ["COMMAND_RANGE", "SAMPLE_TIME", "STARTS", "Start", "State", "Wrist"]
-
-
-@remembers(pressure=("kPa", "pressure of the model"), angle=("deg", "angle of the model"))
-class State(NamedTuple):
-    """What the wrist remembers: pressure [kPa], the memory of its hysteresis, which has the static angle
-    `h` [deg], angle [deg], and the state of each effect."""
-
-    pressure: Number
-    memory: Any
-    angle: Number
-    effects: tuple[Any, ...] = ()
-
-
-class SampledWrist(NamedTuple):
-    """Coefficients of the wrist, and of each effect, for one sample time."""
-
-    regulator: regulator.SampledRegulator
-    hysteresis: HysteresisLaw
-    lag: lag.SampledLag
-    effects: tuple[Any, ...] = ()
-
-    def at(self, port: str) -> list[tuple[int, Any]]:
-        """The effects that act at a port, with their places, in order."""
-        return [(i, getattr(e, port)) for i, e in enumerate(self.effects) if hasattr(e, port)]
-
-
-QUIET = Around()
-"""Surroundings that disturb nothing: the other motion at rest."""
-
-
-def step(state: State, command: Number, c: SampledWrist, around: Around = QUIET) -> State:
-    """The wrist one sample later, the command [V] held in between."""
-    pressure, effects = press(state, command, c, around)
-    return bend(state, pressure, effects, c, around)
-
-
-def press(
-    state: State, command: Number, c: SampledWrist, around: Around = QUIET
-) -> tuple[Number, tuple[Any, ...]]:
-    """First half of a step: pressure [kPa] after the sample, and the states of the effects."""
-    s = list(state.effects)
-    target = c.regulator.gain * command
-    for i, effect in c.at("target"):
-        s[i], target = effect(s[i], target, around)
-    error, speeds = target - state.pressure, []
-    for i, effect in c.at("valve"):
-        error, speed = effect(s[i], state.pressure, error, around)
-        speeds.append(speed)
-    share = regulator.share(error, c.regulator)
-    for speed in speeds:
-        share = speed * share * (1.0 + 0.5 * (1.0 - speed) * share)  # of 1 - exp(-speed k dt), to 2nd order
-    after = state.pressure + share * error
-    for i, effect in c.at("supply"):
-        s[i], after = effect(s[i], state.pressure, after)
-    return after, tuple(s)
-
-
-def bend(
-    state: State, pressure: Number, effects: tuple[Any, ...], c: SampledWrist, around: Around = QUIET
-) -> State:
-    """Second half of a step: the wrist as its pressure [kPa] has moved on."""
-    s, loop, bend_by = list(effects), c.hysteresis, None
-    before, after = state.pressure, pressure
-    for i, effect in c.at("drive"):
-        s[i], before, after = effect(s[i], before, after, around)
-    for i, effect in c.at("bend"):
-        s[i], *shifts = effect(s[i], before, after, loop, around)
-        more = Bend(*shifts)
-        bend_by = (
-            more
-            if bend_by is None
-            else Bend(bend_by.low + more.low, bend_by.high + more.high, bend_by.slope * more.slope)
-        )
-    memory = loop.step(state.memory, before, after, bend_by)
-
-    before, after = state.memory.h, memory.h
-    for i, effect in c.at("static"):
-        s[i], before, after = effect(s[i], before, after, around)
-    joints = c.at("joint")
-    for i, effect in joints:
-        s[i], angle = effect(s[i], state.angle, before, after, pressure)
-    if not joints:
-        angle = lag.step(state.angle, before, after, c.lag)
-    for i, effect in c.at("stop"):
-        angle = effect(s[i], angle)
-    return State(pressure, memory, angle, tuple(s))
-
-
-def settled(state: State, c: SampledWrist, around: Around) -> State:
-    """The state with the angle [deg] where it comes to rest in its surroundings, such as a pressure of
-    the other motion that moves it."""
-    angle = state.memory.h
-    for i, effect in c.at("static"):
-        _, _, angle = effect(state.effects[i], angle, angle, around)
-    return state._replace(angle=angle)
-
-
-def read(state: State, c: SampledWrist, around: Around = QUIET) -> Number:
-    """What the sensor shows of the angle [deg] at the time of `around`."""
-    angle = state.angle
-    for i, effect in c.at("sensor"):
-        angle = effect(state.effects[i], angle, around)
-    return angle
 
 
 @dataclass(frozen=True)
@@ -194,14 +92,14 @@ class Wrist:
     @classmethod
     def flexion(cls) -> "Wrist":
         """Palmar/dorsal flexion with the parameters of ``plants/parameters/flexion.toml``."""
-        from plants.parameters.quantities import built_in
+        from plants.parameters.files import built_in
 
         return cls.of(built_in("flexion"))
 
     @classmethod
     def deviation(cls) -> "Wrist":
         """Radial/ulnar deviation with the parameters of ``plants/parameters/deviation.toml``."""
-        from plants.parameters.quantities import built_in
+        from plants.parameters.files import built_in
 
         return cls.of(built_in("deviation"))
 
@@ -249,8 +147,6 @@ class Wrist:
         See `plants.equilibrium.at_rest`.  Raises ValueError for an unknown start or a virgin
         wrist away from 0.
         """
-        from plants.equilibrium import at_rest
-
         return at_rest(self, start, angle)
 
     def as_lag_regulator(self, time_constant: float = 0.111) -> "Wrist":

@@ -1,10 +1,12 @@
 """The commands of ``wrist``, put together."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from design.cli.commands import compare, design, export, fit, robust, show, simulate, trace, tune
+from design.cli.completion import files
 from design.cli.strict import StrictCommand
 
 MODULES = (show, simulate, fit, trace, tune, robust, design, compare, export)
@@ -37,8 +39,21 @@ def _common(
         bool,
         typer.Option("--version", help="Show the version and stop.", callback=_say_version, is_eager=True),
     ] = False,
+    plugin: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Python file that registers effects, controllers or hysteresis laws of your own; before the "
+            "command, once for each file.",
+            envvar="WRIST_PLUGIN",
+            autocompletion=files,
+        ),
+    ] = None,
 ) -> None:
-    """Options that stand before or after any command."""
+    """Options that stand before any command."""
+    if plugin:
+        from design.cli.plugins import load_plugins
+
+        load_plugins(plugin)
     from plants.rig import built_in_rig
     from reports.shared.units import show
 

@@ -63,7 +63,7 @@ JobsOption = Annotated[int | None, typer.Option(help="Threads; all processors wh
 def parameter_set(axis: Axis, plant: Path | None) -> "ParameterSet":
     """The set of a file, or the built-in one of an axis; InputError where both are given and differ."""
     from plants.errors import InputError
-    from plants.parameters.quantities import built_in, load
+    from plants.parameters.files import built_in, load
 
     if plant is None:
         return shown(built_in(axis.value))
@@ -83,14 +83,14 @@ def shown(found: "ParameterSet") -> "ParameterSet":
 
 def rig_of(plant: Path | None) -> "Rig | None":
     """The rig of a parameter set that was given; None for the built-in one."""
-    from plants.parameters.quantities import load
+    from plants.parameters.files import load
 
     return None if plant is None else load(plant).rig
 
 
 def given_set(plant: Path | None) -> "ParameterSet | None":
     """The set that a fit starts from, if the user gave one."""
-    from plants.parameters.quantities import load
+    from plants.parameters.files import load
 
     return None if plant is None else shown(load(plant))
 

@@ -38,12 +38,12 @@ def figures(incomplete: str) -> list[tuple[str, str]]:
 
 def intervals(context: typer.Context, incomplete: str) -> list[str]:
     """The parameters of the plant that the line names, effects' too; the bounds are for people to give."""
-    from design.cli.common import Axis, parameter_set
     from plants.errors import InputError
+    from plants.parameters.files import built_in, load
 
     given = context.params
     try:
-        chosen = parameter_set(given.get("axis") or Axis.flexion, given.get("plant"))
+        chosen = load(given["plant"]) if given.get("plant") else built_in(given.get("axis") or "flexion")
     except InputError:  # no word of it in the middle of a line that is being typed
         return []
     return _begun([f"{name}=" for name in chosen.parameters], incomplete)

@@ -5,17 +5,15 @@ import sys
 import traceback
 import warnings
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from design.cli.terminal.plain import plain
+from design.cli.terminal.stopping import STOPPED, Stop
 
-if TYPE_CHECKING:
-    from design.cli.terminal.stopping import Stop
-
-DONE, BAD_INPUT, BUG, STOPPED = 0, 2, 70, 130
+DONE, BAD_INPUT, BUG = 0, 2, 70
 
 
-def answered(arguments: list[str] | None, stop: "Stop | None" = None) -> int:
+def answered(arguments: list[str] | None, stop: Stop | None = None) -> int:
     """Run the command and give its exit code, having said on stderr what went wrong.
 
     ``--verbose``, anywhere among the arguments, shows the traceback before the line.

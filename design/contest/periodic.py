@@ -27,13 +27,14 @@ def play_coupled(controllers: tuple[Periodic, Periodic], lanes: tuple[Lanes, Lan
     one, two = (begun(of, c) for c, of in zip(controllers, lanes, strict=True))
     if one.substeps != two.substeps:
         raise InputError("contest: controllers of two coupled motions need the same period")
+    rest = lanes[0].wrist.rig.rest_pressure
     for first in range(0, one.commands.shape[0], one.substeps):
-        rests = one.loop.plant.pressure, two.loop.plant.pressure
+        rests = one.loop.plant.pressure - rest, two.loop.plant.pressure - rest
         one, two = decide(one, first, rests[1]), decide(two, first, rests[0])
         after, (path,) = move(one, first, np.broadcast_to(rests[1], (one.substeps, one.late.size)))
         for _ in range(MOST_TURNS):
-            other, (beside,) = move(two, first, path[:-1])
-            after, (renewed,) = move(one, first, beside[:-1])
+            other, (beside,) = move(two, first, path[:-1] - rest)
+            after, (renewed,) = move(one, first, beside[:-1] - rest)
             change, path = float(np.abs(renewed - path).max()), renewed
             if change < CLOSE:
                 break

@@ -17,9 +17,10 @@ from design.controllers.pi import PI
 from design.controllers.reference_model import ReferenceModel, SampledReferenceModel, no_inverse, proceed
 from plants.actuator import delay
 from plants.actuator.delay import DelayLine, SampledDelay
+from plants.dynamics import Number
 from plants.effects.effect import dead_time_of
 from plants.errors import InputError
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Number, State, Wrist
+from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
 
 SPEED = 25.0
 """Rate [1/s] of the reference filter close to the reference, where none is given."""

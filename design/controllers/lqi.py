@@ -29,7 +29,7 @@ import numpy as np
 from design.controllers.controller import Measured, remembers
 from design.controllers.double_pole import double_pole
 from plants import lag
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
 
 Number = Any

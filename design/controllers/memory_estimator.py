@@ -25,9 +25,10 @@ import numpy as np
 from design.controllers.controller import remembers
 from design.controllers.double_pole import double_pole
 from plants import lag
+from plants.dynamics import Number
 from plants.hysteresis import HysteresisLaw
 from plants.kernel import pytrees
-from plants.wrist import SAMPLE_TIME, Number, Wrist
+from plants.wrist import SAMPLE_TIME, Wrist
 
 NEAR_ANGLE = 0.3
 """Angle [deg] from 0 up to which a wrist at rest may be virgin: some times a sensor's noise.  Assumed."""

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from design.controllers.controller import Measured, remembers
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
 
 Number = Any

@@ -24,10 +24,11 @@ from typing import NamedTuple
 import numpy as np
 
 from design.controllers.controller import remembers
-from plants import wrist
+from plants import dynamics
 from plants.actuator import inverse
+from plants.dynamics import Number, SampledWrist
 from plants.errors import InputError, InputWarning
-from plants.wrist import Number, SampledWrist, State, Wrist
+from plants.wrist import State, Wrist
 
 
 @remembers(
@@ -99,7 +100,7 @@ def proceed(s: ReferenceModel, reference: Number, c: SampledReferenceModel) -> t
     command = inverse.command_for(m.pressure, pressure, regulator)
     command = np.minimum(np.maximum(command, c.low), c.high)
     return ReferenceModel(
-        wrist.step(m, command, c.wrist), s.outside + np.where(r == reference, 0.0, 1.0)
+        dynamics.step(m, command, c.wrist), s.outside + np.where(r == reference, 0.0, 1.0)
     ), command
 
 

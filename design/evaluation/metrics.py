@@ -11,12 +11,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plants.kernel import pytrees
+from plants.rig import Rig, built_in_rig
 from plants.simulation.reference_profile import Asked
-from plants.wrist import SAMPLE_TIME, State
+from plants.wrist import State
 
 Number = Any
-SETTLING_BAND = 0.02
-"""Half-width of the settling band, as a share of the step."""
+SETTLING_BAND = built_in_rig().task.band
+"""Half-width of the settling band of the built-in rig, as a share of the step."""
 
 
 class Step(NamedTuple):
@@ -68,7 +69,8 @@ class Tally(NamedTuple):
 
 
 class Yardstick(NamedTuple):
-    """The judge: what a response is measured against, sample time [s] first.
+    """The judge: what a response is measured against, sample time [s] and half-width of the settling band, as
+    a share of the step, first.
 
     One step whose start is known has a `Step`.  One that begins under way, with a `Window`, is judged from
     the angle where the joint then is.  Several stairs have `Stairs`: the settling band, and the overshoot
@@ -77,6 +79,7 @@ class Yardstick(NamedTuple):
     """
 
     dt: Number
+    band: Number
     step: Any = ()
     window: Any = ()
     stairs: Any = ()
@@ -133,7 +136,7 @@ class Yardstick(NamedTuple):
         if self.stairs:
             stairs = self._next_stair(t, since == 0.0, np.abs(after.pressure - before.pressure))
             outside = np.where(since == 0.0, 0.0, outside)
-        outside = np.where(np.abs(distance) >= SETTLING_BAND, since + 1.0, outside)
+        outside = np.where(np.abs(distance) >= self.band, since + 1.0, outside)
         return Tally(
             t.iae + size,
             t.ise + size * np.abs(error),
@@ -154,7 +157,7 @@ class Yardstick(NamedTuple):
         the task's."""
         if isinstance(self.window.per_step, tuple):
             return 1.0 / size
-        least = np.abs(size) * self.window.per_step > SETTLING_BAND
+        least = np.abs(size) * self.window.per_step > self.band
         return np.where(least, 1.0 / np.where(least, size, 1.0), self.window.per_step)
 
     def _next_stair(self, t: Tally, fresh: Number, travel: Number) -> StairTally:
@@ -169,7 +172,7 @@ class Yardstick(NamedTuple):
 
     def _stairs_until(self, t: Tally) -> tuple[Number, Number]:
         """Most samples until a stair was settled, and whether one was not, the one under way included."""
-        far = np.where(np.abs(t.error * self.stairs.per_step) >= SETTLING_BAND, 1.0, 0.0)
+        far = np.where(np.abs(t.error * self.stairs.per_step) >= self.band, 1.0, 0.0)
         return np.maximum(t.stairs.latest, t.outside), np.maximum(t.stairs.unsettled, far)
 
     def finish(self, t: Tally, samples: Number) -> "Metrics":
@@ -196,34 +199,41 @@ class Yardstick(NamedTuple):
         )
 
 
-def of_step(start: Number, reference: Number, dt: float = SAMPLE_TIME) -> Yardstick:
-    """The judge of a step from `start` to `reference` [deg], by samples `dt` [s] apart.
+def _yardstick(rig: Rig | None, **parts: Any) -> Yardstick:
+    """A judge with the sample time and the band of a rig, the built-in one where not given."""
+    rig = rig or built_in_rig()
+    return Yardstick(rig.sample_time, rig.task.band, **parts)
+
+
+def of_step(start: Number, reference: Number, rig: Rig | None = None) -> Yardstick:
+    """The judge of a step of a rig from `start` to `reference` [deg].
 
     A step that begins at its reference neither rises nor settles: a controller that has never left the
     start is given no credit for a return to it.
     """
     size = np.asarray(reference, float) - start
-    return Yardstick(dt, Step(start, np.divide(1.0, size, out=np.zeros_like(size), where=size != 0.0)[()]))
+    per_step = np.divide(1.0, size, out=np.zeros_like(size), where=size != 0.0)[()]
+    return _yardstick(rig, step=Step(start, per_step))
 
 
 def of_step_under_way(
-    begins: Number, lasts: Number, dt: float = SAMPLE_TIME, task: Number | None = None
+    begins: Number, lasts: Number, rig: Rig | None = None, task: Number | None = None
 ) -> Yardstick:
-    """The judge of a step that begins at a sample, from where the joint then is, and lasts for so many, `dt`
-    [s] apart; task [deg]: the step whose band it settles in, its own where not given."""
-    return Yardstick(dt, window=Window(begins, lasts, () if task is None else 1.0 / task))
+    """The judge of a step of a rig that begins at a sample, from where the joint then is, and lasts for so
+    many; task [deg]: the step whose band it settles in, its own where not given."""
+    return _yardstick(rig, window=Window(begins, lasts, () if task is None else 1.0 / task))
 
 
-def of_stairs(step: float, begins: Number, lasts: Number, dt: float = SAMPLE_TIME) -> Yardstick:
-    """The judge of stairs from a sample on, for so many, `dt` [s] apart; relative to a step [deg]."""
-    return Yardstick(dt, window=Window(begins, lasts), stairs=Stairs(1.0 / step))
+def of_stairs(step: float, begins: Number, lasts: Number, rig: Rig | None = None) -> Yardstick:
+    """The judge of stairs of a rig from a sample on, for so many; relative to a step [deg]."""
+    return _yardstick(rig, window=Window(begins, lasts), stairs=Stairs(1.0 / step))
 
 
 @dataclass(frozen=True)
 class Metrics:
     """Judgement of one response, or of many: every field a float or an array of lanes.
 
-    rise_time_s (10 to 90 %, of one step) and settling_time_s (2 %) are infinite where the
+    rise_time_s (10 to 90 %, of one step) and settling_time_s (into the rig's band) are infinite where the
     response does not get there; overshoot_percent is relative to the step.
     """
 

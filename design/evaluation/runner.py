@@ -97,7 +97,7 @@ def step_from(
 ) -> Lanes:
     """A step to a reference [deg] at time 0, from where the wrist is, for a duration [s], begun at a time
     [s]."""
-    judge = metrics.of_step(state.angle, reference, wrist.rig.sample_time)
+    judge = metrics.of_step(state.angle, reference, wrist.rig)
     return Lanes(wrist, state, ReferenceProfile((reference,)), judge, duration, begin=begin)
 
 
@@ -124,7 +124,7 @@ def play(
     hold = HOLD
     if lanes.other_pressure is not None:  # another value in every sample
         own = {n: np.repeat(x, HOLD, axis=0)[: lanes.samples] for n, x in own.items()}
-        own["other_pressure"], hold = lanes.other_pressure, 1
+        own["other_pressure"], hold = lanes.other_pressure - lanes.wrist.rig.rest_pressure, 1
     times = clock(lanes.wrist, lanes.samples, lanes.begin)
     last, rows = advance(first, c, lanes.samples, times, own, hold, every if names else 0, names, jobs)
     went = trajectory(rows, lanes.state, c.plant, lanes.dt, lanes.begin) if record else None

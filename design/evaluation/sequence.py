@@ -218,9 +218,7 @@ def play(
     """
     b = sequences if isinstance(sequences, Batch) else stack(sequences)
     step = b.wrist.rig.task.step
-    judge = metrics.of_step_under_way(
-        b.switches[-1], b.judged, b.wrist.rig.sample_time, step if task_band else None
-    )
+    judge = metrics.of_step_under_way(b.switches[-1], b.judged, b.wrist.rig, step if task_band else None)
     profile = ReferenceProfile(tuple(b.references), tuple(b.switches[1:]))
     samples = int(np.max(b.switches[-1] + b.judged))
     if isinstance(controller, Periodic):  # to the end of the last period, which is judged no further

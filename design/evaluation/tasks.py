@@ -161,4 +161,5 @@ def batch(wrist: Wrist, state: State, given: Sequence[Task]) -> Lanes:
     begins = np.round(np.array([t.judged_from for t in given]) / dt)
     before = np.array([t.angle for t in given], float)
     profile = ReferenceProfile(tuple(references.T), tuple(switches[1:]), before)
-    return Lanes(wrist, state, profile, metrics.of_stairs(step, begins, samples - begins, dt), duration)
+    judge = metrics.of_stairs(step, begins, samples - begins, wrist.rig)
+    return Lanes(wrist, state, profile, judge, duration)

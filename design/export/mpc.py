@@ -25,10 +25,11 @@ from design.export.part import SEEN, Part, Seen
 from design.mpc import linear, observer
 from design.mpc.prediction import coefficients
 from design.mpc.problem import Believed, MPCProblem
-from plants import wrist
+from plants import dynamics
+from plants.dynamics import SampledWrist
 from plants.kernel import pytrees as tree
 from plants.kernel.graphs import baked, c_source, graph
-from plants.wrist import SampledWrist, State
+from plants.wrist import State
 
 Number = Any
 Begin = Callable[[float, float], tuple[Any, float]]
@@ -135,7 +136,7 @@ def after_period(pressure: Number, command: Number, c: SampledWrist, substeps: i
     path = [pressure]
     for _ in range(substeps):
         at = State(path[-1], None, 0.0)
-        path.append(wrist.press(at, command, c)[0])
+        path.append(dynamics.press(at, command, c)[0])
     return path
 
 
@@ -150,7 +151,7 @@ def believed_after(
     missed = seen.pressure_seen * (seen.pressure - predicted)
     state = b.plant
     for i, pressure in enumerate(path[1:], 1):
-        state = wrist.bend(state, pressure + missed * (i / g.substeps), (), c)
+        state = dynamics.bend(state, pressure + missed * (i / g.substeps), (), c)
 
     error = gain * pushed - b.plant.pressure
     large = np.abs(error) > 1e-6

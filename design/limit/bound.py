@@ -35,7 +35,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.evaluation.metrics import SETTLING_BAND
 from design.limit.braking import knows, settles_after
 from design.limit.monotone import claimed, driven, prompt, relaxed
 from design.limit.replay import DURATION, Array
@@ -75,7 +74,7 @@ def bound(wrist: Wrist, reference: float, state: State | None = None, begin: flo
     sign, samples = float(np.sign(size)), round(DURATION / wrist.rig.sample_time)
     fastest = _envelope(wrist, state, sign, samples, begin)
     left = sign * (reference - fastest.angle)
-    band = SETTLING_BAND * abs(size)
+    band = wrist.rig.task.band * abs(size)
     near = np.flatnonzero(left < band)
     entry = int(near[0]) if len(near) else None
     if entry is not None and knows(wrist, state, reference, sign):
@@ -122,8 +121,8 @@ def _throttle(wrist: Wrist, state: State, command: float, samples: int, begin: f
     pressure, loop and angle are filled; and after the last."""
     given = {"command": np.full(samples, command), **surroundings(wrist, samples, begin)}
     last, rows = run_lanes(
-        law(tuple(given)), OpenLoop(state), SampledOpenLoop(wrist.sampled()), samples, given,
-        inputs=tuple(given), every=1,
+        law(tuple(given)), OpenLoop(state), SampledOpenLoop(wrist.sampled(), wrist.rig.sample_time), samples,
+        given, inputs=tuple(given), every=1,
         record=tuple(f"plant.{n}" for n in tree.names(state) if not n.startswith("effects")), jobs=1,
     )  # fmt: skip
     bare = state._replace(effects=())

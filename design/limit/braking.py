@@ -27,8 +27,9 @@ import numpy as np
 
 from design.limit.replay import Array
 from plants.actuator import regulator
+from plants.dynamics import SampledWrist
 from plants.hysteresis import FourSegment
-from plants.wrist import SampledWrist, State, Wrist
+from plants.wrist import State, Wrist
 
 AFTER = (4, 6, 8, 11, 15, 20, 26, 33, 41, 50, 62)
 """Samples n after T at which the angle is asked to be inside the band still; any will do."""

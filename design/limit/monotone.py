@@ -28,11 +28,12 @@ from typing import Any
 import numpy as np
 
 from plants.actuator.regulator import Regulator
+from plants.dynamics import press
 from plants.effects import Effect
 from plants.effects.effect import Around
 from plants.errors import InputError
 from plants.hysteresis import FourSegment
-from plants.wrist import State, Wrist, press
+from plants.wrist import State, Wrist
 
 POINTS = 201
 """Points of the grids of pressures and of commands."""

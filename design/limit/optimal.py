@@ -24,17 +24,17 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from design.evaluation.metrics import SETTLING_BAND
 from design.limit.bound import Bound
 from design.limit.monotone import prompt
 from design.limit.replay import CommandReplay, replay
 from plants import lag
 from plants.actuator import regulator
+from plants.dynamics import SampledWrist
 from plants.effects.effect import dead_time_of
 from plants.errors import InputError
 from plants.hysteresis import FourSegment
 from plants.kernel.graphs import graph
-from plants.wrist import SampledWrist, State, Wrist
+from plants.wrist import State, Wrist
 
 Goal = Literal["settling", "iae"]
 
@@ -105,7 +105,7 @@ class TimeOptimalProblem:
     @property
     def band(self) -> float:
         """Half-width of the settling band [deg]."""
-        return float(SETTLING_BAND * abs(self.reference - self.state.angle))
+        return float(self.wrist.rig.task.band * abs(self.reference - self.state.angle))
 
     def ahead(self, pressure: Any) -> Any:
         """Static angle [deg] before the turn."""

@@ -53,7 +53,7 @@ def replay(wrist: Wrist, commands: Any, reference: float, state: State, begin: f
     if v.ndim != 1 or not 0 < len(v) <= samples or not np.isfinite(v).all():
         raise InputError(f"commands: need 1 to {samples} finite numbers of volts, one per sample of 1 ms")
     v = np.concatenate([v, np.full(samples - len(v), v[-1])])
-    judge, c = metrics.of_step(state.angle, reference, wrist.rig.sample_time), wrist.sampled()
+    judge, c = metrics.of_step(state.angle, reference, wrist.rig), wrist.sampled()
     first = ClosedLoop(state, judge=judge.begin(v[0]))
     last, rows = advance(
         first, SampledClosedLoop(c, (), ReferenceProfile((reference,)), judge), samples,

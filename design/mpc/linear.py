@@ -30,7 +30,7 @@ from design.mpc import observer, qp
 from design.mpc.fallback import Attempt, Fallback, Info, MPCState, begin, step
 from design.mpc.prediction import coefficients, example, plain, start_of, unloaded, variables
 from design.mpc.problem import Believed, MPCProblem
-from plants import wrist
+from plants import dynamics
 from plants.hysteresis import HysteresisLaw
 from plants.kernel.inlining import compiled, inlined, scalars, unpacked
 from plants.wrist import State
@@ -141,7 +141,7 @@ def _inverse(state: State, angle: Any, c: Any) -> Any:
 
 
 def _press(state: State, command: Any, c: Any) -> Any:
-    return wrist.press(state, command[0], c)[0]
+    return dynamics.press(state, command[0], c)[0]
 
 
 @cache

@@ -1,6 +1,6 @@
 """The MPC's problem as a nonlinear program for IPOPT: single shooting on the exact sampled step.
 
-The unknowns are the commands alone.  The states follow from them by `plants.wrist.step`, 20 substeps to a
+The unknowns are the commands alone.  The states follow from them by `plants.dynamics.step`, 20 substeps to a
 period, the minimum and maximum of the hysteresis as they are: nothing is smoothed.  With the states as
 unknowns too (multiple shooting) the memory, which tells whether the wrist has left the virgin curve,
 would have to hold as an equation of a quantity that is 0 or 1.

@@ -28,7 +28,7 @@ from design.controllers.double_pole import double_pole
 from design.controllers.memory_estimator import memory_at_rest
 from design.mpc.prediction import example, start_of, unloaded, variables
 from design.mpc.problem import Believed, MPCProblem
-from plants import wrist
+from plants import dynamics
 from plants.hysteresis import HysteresisLaw
 from plants.kernel import pytrees as tree
 from plants.kernel.inlining import compiled, inlined, scalars, unpacked
@@ -64,11 +64,11 @@ def run(start, command, measured, c, substeps, after):
 
 
 def _press(state: State, command: Any, c: Any) -> Any:
-    return wrist.press(state, command[0], c)[0]
+    return dynamics.press(state, command[0], c)[0]
 
 
 def _bend(state: State, pressure: Any, c: Any) -> State:
-    return wrist.bend(state, pressure[0], (), c)
+    return dynamics.bend(state, pressure[0], (), c)
 
 
 @cache

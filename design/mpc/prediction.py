@@ -1,6 +1,6 @@
 """The exact sampled wrist over a horizon, with its derivatives, as machine code.
 
-A period is 20 substeps of 1 ms of `plants.wrist.step`.  Its derivatives by the state at the start of
+A period is 20 substeps of 1 ms of `plants.dynamics.step`.  Its derivatives by the state at the start of
 the period and by the command are carried along with the substeps (forward sensitivities: CasADi
 differentiates one substep, the chain rule is unrolled with it, for whatever the hysteresis law's memory makes
 of it), then condensed: the angles at the ends
@@ -17,12 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.mpc.problem import Believed, MPCProblem
-from plants import wrist
+from plants import dynamics
+from plants.dynamics import QUIET
 from plants.hysteresis import HysteresisLaw
 from plants.kernel import pytrees as tree
 from plants.kernel.graphs import graph
 from plants.kernel.inlining import compiled, inlined, scalars, unpacked
-from plants.wrist import QUIET, State, Wrist
+from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
 
@@ -97,7 +98,7 @@ def carried(
     """
     import casadi
 
-    after, before = wrist.step(state, command[0], c), tree.leaves(state)
+    after, before = dynamics.step(state, command[0], c), tree.leaves(state)
     values = casadi.vertcat(*(tree.leaves(after)[i] for i in along.rows))
     by = casadi.jacobian(values, casadi.vertcat(*(before[i] for i in along.rows), command[0]))
     n, old = len(along.rows), dict(zip(along.entries, s, strict=True))
@@ -246,7 +247,7 @@ def run(start, commands, c, substeps, states):
 
 def plain(state: State, command: Any, c: Any) -> State:
     """One substep of the wrist; command: a tuple of one [V]."""
-    return wrist.step(state, command[0], c, QUIET)
+    return dynamics.step(state, command[0], c, QUIET)
 
 
 @cache

@@ -10,7 +10,7 @@ with q_k = angle, q_N = terminal, subject to
     low <= v_k <= high and |v_k - v_{k-1}| <= rate,
 
 the model being the exact sampled wrist
-(`plants.wrist.step`, 20 substeps of 1 ms in a period of 20 ms) with two constant disturbances that an
+(`plants.dynamics.step`, 20 substeps of 1 ms in a period of 20 ms) with two constant disturbances that an
 observer estimates: `lack` [kPa], added to the commanded pressure, and `shift` [deg], added to the
 static angle.  Rawlings, Mayne & Diehl, Model Predictive Control (2017), chapter 1.
 """

@@ -107,7 +107,7 @@ class Box:
     def at(self, shares: Array) -> Wrist:
         """The wrist at a place in the box, or, with `shares` of shape (parameters, lanes), its lanes.
 
-        >>> from plants.parameters.quantities import built_in
+        >>> from plants.parameters.files import built_in
         >>> box = box_of(built_in("flexion"))
         >>> float(box.at(np.full(len(box.names), 0.5)).Tw)
         0.16
@@ -123,7 +123,7 @@ class Box:
     def slopes(self, branch: str) -> tuple[float, float]:
         """Least and largest slope [deg/kPa] of a branch of the hysteresis in the box.
 
-        >>> from plants.parameters.quantities import built_in
+        >>> from plants.parameters.files import built_in
         >>> [round(s, 3) for s in box_of(built_in("flexion")).slopes("line1")]
         [0.324, 0.396]
         """

@@ -186,7 +186,7 @@ def requirement(
 ) -> Requirement:
     """The requirement that a plant's rig states: its limits, its box, its conditions; each may be given.
 
-    >>> from plants.parameters.quantities import built_in
+    >>> from plants.parameters.files import built_in
     >>> stated = requirement(built_in("flexion"))
     >>> stated.conditions.dead_time, stated.limits.overshoot_percent, stated.kinds
     (0.05, 5.0, ('step', 'return', 'sequence', 'load'))

@@ -33,7 +33,8 @@ from design.synthesis.tuning import Region
 from plants.errors import InputError
 from plants.measured.campaign import Campaign
 from plants.measured.trace.trace import trace_campaign
-from plants.parameters.quantities import ParameterSet, dump, load
+from plants.parameters.files import dump, load
+from plants.parameters.quantities import ParameterSet
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]

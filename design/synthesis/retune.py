@@ -11,13 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.pi import PI
-from design.evaluation.metrics import SETTLING_BAND
-from design.evaluation.scenarios import STEP
 from design.evaluation.steps import run
 from design.synthesis.answer import Refusal, out_of_reach, refusal
 from design.synthesis.requirements import ROUNDING, Limits, Problem, default_problem, evaluate, out_of_range
 from design.synthesis.tuning import Region, Tuning, tune
 from plants.parameters.quantities import ParameterSet
+from plants.rig import StepTask
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -56,7 +55,7 @@ class StepSignals(Protocol):
 
 
 class Stepped(Protocol):
-    """A closed-loop step of `design.evaluation.scenarios.STEP` from rest: its signals."""
+    """A closed-loop step of the rig's task from rest: its signals."""
 
     @property
     def run(self) -> StepSignals:
@@ -86,7 +85,7 @@ class RetunedResponse:
 class JudgedStep:
     """What a PI did on the judge in one step from rest, by the true angle.
 
-    iae_deg_s; overshoot_percent of the step; settling_time_s into 2 % for good, infinite if never or
+    iae_deg_s; overshoot_percent of the step; settling_time_s into the band for good, infinite if never or
     if it oscillates;
     steady_error_deg: largest error over the last second; total_variation_V: total variation of the command,
     a rig's noise included; oscillates: three swings of 5 % or more in the second half;
@@ -124,14 +123,15 @@ class RetunedSide:
 class Control:
     """Both PIs on one judge, which is named in words.
 
-    same: nothing was revised, so there is one PI; left_out: effects of the revised plant that sit in
-    its sensor, and that it was tuned without.
+    same: nothing was revised, so there is one PI; task: what is stepped; left_out: effects of the
+    revised plant that sit in its sensor, and that it was tuned without.
     """
 
     declared: RetunedSide
     revised: RetunedSide
     judge: str
     same: bool
+    task: StepTask
     left_out: tuple[str, ...] = ()
 
 
@@ -157,16 +157,16 @@ def retune(
     problems = [default_problem(Wrist.of(p), jobs=jobs) for p in (declared, without_sensor(revised))]
     same = declared.values == revised.values and declared.effects == revised.effects
     held = wrist.hysteresis.rest_pressure / wrist.regulator.gain
-    sides = []
+    sides, task = [], wrist.rig.task
     for name, problem in list(zip(("declared", "revised"), problems, strict=True))[: 1 if same else 2]:
         found, no = _tuned(problem, region, starts, seed, _under(f"tuning on the {name} plant", tell))
         step = None if found is None else (judge or simulated(wrist))(found.Kp, found.Ki).run
         limits = problems[1].limits if judge is None else replace(problems[1].limits, total_variation_V=None)
-        seen = None if step is None else judged(step, limits, held)
+        seen = None if step is None else judged(step, limits, held, task)
         sides.append(RetunedSide(name, found, no, seen, _breaks(found, problems[1])))
     if judge is None:
         where = ON_FITTED if same else ON_REVISED
-    return Control(sides[0], sides[-1], where, same, in_sensor(revised))
+    return Control(sides[0], sides[-1], where, same, task, in_sensor(revised))
 
 
 def _tuned(
@@ -207,9 +207,11 @@ def _breaks(found: Tuning | None, problem: Problem) -> tuple[str, ...]:
 def simulated(wrist: Wrist) -> Judge:
     """A judge that runs a wrist, without noise, under a PI that knows its declared parameters."""
 
+    task = wrist.rig.task
+
     def play(Kp: float, Ki: float) -> RetunedResponse:
         pi = PI.of(wrist, Kp, Ki)
-        _, _, t = run(wrist, pi, STEP, record=True)
+        _, _, t = run(wrist, pi, task.step, duration=task.duration, record=True)
         assert t is not None
         return RetunedResponse(
             t.time[:-1], t.angle[:-1, 0], t.command[:-1, 0]
@@ -218,13 +220,14 @@ def simulated(wrist: Wrist) -> Judge:
     return play
 
 
-def judged(signals: StepSignals, limits: Limits, held: float, step: float = STEP) -> JudgedStep:
-    """Metrics of a step from 0 to `step` [deg] at the first sample, and which limits it breaks; `held`
-    [V] is the command until then."""
+def judged(signals: StepSignals, limits: Limits, held: float, task: StepTask) -> JudgedStep:
+    """Metrics of the step of a task from 0 at the first sample, and which limits it breaks; `held` [V] is
+    the command until then."""
+    step = task.step
     time, angle = np.asarray(signals.time, float), np.asarray(signals.angle, float)
     command = np.asarray(signals.command, float)
     error, dt = step - angle, float(time[1] - time[0])
-    far = np.flatnonzero(np.abs(error) >= SETTLING_BAND * abs(step))
+    far = np.flatnonzero(np.abs(error) >= task.band * abs(step))
     settled = int(far[-1]) + 1 if far.size else 0
     values = {
         "overshoot_percent": max(0.0, 100.0 * float((angle / step).max() - 1.0)),

@@ -18,7 +18,8 @@ from design.tuner.picture import Picture, picture
 from design.tuner.regions import Regions, first, sharper
 from design.tuner.setting import REGION, Setting, initial, plant, sliders
 from plants.errors import InputError
-from plants.parameters.quantities import ParameterSet, built_in, load
+from plants.parameters.files import built_in, load
+from plants.parameters.quantities import ParameterSet
 from plants.wrist import Wrist
 
 HERE = Path(__file__).parent

@@ -2,7 +2,7 @@
 
 An effect's coefficients for one sample time are a NamedTuple whose methods are
 its laws; the method's name is the port of the wrist that it acts on.  The wrist
-(`plants.wrist.step`) calls, in this order, those that an effect has:
+(`plants.dynamics.step`) calls, in this order, those that an effect has:
 
     target(s, target, around)            -> s, target          commanded pressure [kPa]
     valve(s, pressure, error, around)    -> error, speed       pressure error [kPa], factor of the rate
@@ -26,17 +26,18 @@ from typing import Any, ClassVar, Literal, NamedTuple, Protocol
 
 from plants.hysteresis import Side
 from plants.parameters.spec import Kind
+from plants.rig import Rig, built_in_rig
 
 Number = Any
 EffectStage = Literal["regulator", "wrist", "sensor"]
 
 
 class Around(NamedTuple):
-    """What comes from outside during a sample: the time at its start [s] and the pressure of the
-    other motion [kPa]."""
+    """What comes from outside during a sample: the time at its start [s] and how far the pressure of the
+    other motion is from its rest [kPa]."""
 
     time: Number = 0.0
-    other_pressure: Number = 100.0
+    other_pressure: Number = 0.0
 
 
 @dataclass(frozen=True)
@@ -69,6 +70,11 @@ class TrialHints(Protocol):
     @property
     def channel(self) -> str:
         """``pressure_kPa`` or ``angle_deg``."""
+        ...
+
+    @property
+    def rig(self) -> Rig:
+        """The rig whose log it is."""
         ...
 
     @property
@@ -169,16 +175,18 @@ class Effect(ABC):
         return {f.name: f.metadata["kind"] for f in fields(cls)}
 
     @classmethod
-    def trials(cls) -> Iterator[dict[str, float]]:
-        """Values to try the effect at: every combination of its parameters' trial values."""
+    def trials(cls, rig: Rig | None = None) -> Iterator[dict[str, float]]:
+        """Values to try the effect at: every combination of its parameters' trial values, in the units of a
+        rig, the built-in one where not given."""
+        rig, kinds = rig or built_in_rig(), cls.kinds()
         names = [f.name for f in fields(cls)]
         for values in product(*(f.metadata["trials"] for f in fields(cls))):
-            yield dict(zip(names, values, strict=True))
+            yield {n: rig.scaled(v, kinds[n].unit) for n, v in zip(names, values, strict=True)}
 
     @classmethod
     def trials_on(cls, log: TrialHints) -> Iterable[dict[str, float]]:
         """Values to try the effect at on a log: the trials, unless the data alone can tell where."""
-        return cls.trials()
+        return cls.trials(log.rig)
 
     @classmethod
     def spreads(cls) -> dict[str, float | None]:

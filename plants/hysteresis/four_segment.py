@@ -34,6 +34,7 @@ from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Role, Side
 from plants.hysteresis.play import kept
 from plants.meanings import remembers
 from plants.parameters.spec import Kind
+from plants.rig import built_in_rig
 
 Number = Any
 
@@ -74,7 +75,7 @@ class FourSegment(HysteresisLaw):
     a2: Number
     w2: Number
     s: Number
-    rest_pressure: Number = 100.0
+    rest_pressure: Number = built_in_rig().rest_pressure
 
     @classmethod
     def kinds(cls, names: Iterable[str] = ()) -> dict[str, Kind]:

@@ -28,6 +28,7 @@ from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Role, Star
 from plants.hysteresis.play import kept, play
 from plants.meanings import remembers
 from plants.parameters.spec import Kind
+from plants.rig import built_in_rig
 
 Number = Any
 
@@ -74,7 +75,7 @@ class PrandtlIshlinskii(HysteresisLaw):
     b1: Number = 1.0
     c1: Number = 1.0
     c2: Number = 1.0
-    rest_pressure: Number = 100.0
+    rest_pressure: Number = built_in_rig().rest_pressure
 
     @classmethod
     def kinds(cls, names: Iterable[str] = ()) -> dict[str, Kind]:

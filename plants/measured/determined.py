@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from plants.measured.begin import Begin
 from plants.measured.estimate import Estimate, estimate
 from plants.measured.problem import FitProblem
 from plants.parameters.quantities import ParameterSet
@@ -29,11 +30,16 @@ def estimate_determined(
         kept = tuple(n for n in problem.names if n != worst)
         values = {**problem.values, **{n: float(found.x[i]) for i, n in enumerate(problem.names)}}
         values[worst] = start.values[worst]
-        problem = replace(problem, names=kept, values=values, begins=problem.begins_at(found.x))
+        problem = begun_at(replace(problem, names=kept, values=values), problem.begins_at(found.x))
         if problem.bounds(start).size == 0:
             return problem, replace(found, x=np.empty(0), std_errors=[]), blind
         found = estimate(problem, problem.bounds(start), 1, seed)
     return problem, found, blind
+
+
+def begun_at(problem: FitProblem, begins: tuple[Begin, ...] | None) -> FitProblem:
+    """The same problem, its recordings starting elsewhere."""
+    return replace(problem, stage=replace(problem.stage, begins=begins))
 
 
 def _least_determined(problem: FitProblem, found: Estimate, start: ParameterSet) -> str | None:
@@ -51,17 +57,17 @@ def _with_memory(
 ) -> tuple[FitProblem, Estimate]:
     """The same, each recording of unknown start on the virgin curve or off it, as fits better."""
     begins = problem.begins_at(found.x)
-    if begins is None or problem.channel != "angle_deg":
+    if begins is None or problem.stage.channel != "angle_deg":
         return problem, found
     better = list(begins)
     for i, begin in enumerate(begins):
         other = replace(begin, virgin=not begin.virgin)
-        flipped = replace(problem, begins=(*begins[:i], other, *begins[i + 1 :]))
+        flipped = begun_at(problem, (*begins[:i], other, *begins[i + 1 :]))
         sizes = [float(np.mean(np.abs(p.residuals_of(i, found.x[None, :])))) for p in (problem, flipped)]
         if sizes[1] < 0.99 * sizes[0]:
             better[i] = other
     if tuple(better) == begins:
         return problem, found
     values = {**problem.values, **{n: float(found.x[i]) for i, n in enumerate(problem.names)}}
-    problem = replace(problem, begins=tuple(better), values=values)
+    problem = begun_at(replace(problem, values=values), tuple(better))
     return problem, estimate(problem, problem.bounds(start), 1, seed)

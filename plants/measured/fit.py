@@ -15,14 +15,16 @@ from numpy.typing import NDArray
 
 from plants.errors import InputError, InputWarning
 from plants.hysteresis import with_values
+from plants.measured.begin import Begin, at_rest, first_begin, measured
 from plants.measured.campaign import Campaign
 from plants.measured.determined import estimate_determined
 from plants.measured.estimate import Estimate
 from plants.measured.free_run import FreeRun, rmse
-from plants.measured.noise import noise_of_campaign
 from plants.measured.playback import Playback
-from plants.measured.problem import Begin, FitProblem, at_rest, first_begin, measured
+from plants.measured.problem import FitProblem
 from plants.measured.recording import Recording
+from plants.measured.residual.stillness import noise_of_campaign
+from plants.measured.stage import Stage
 from plants.parameters.quantities import REGULATOR_NAMES, ParameterSet, loop_names
 from plants.wrist import Wrist
 
@@ -129,12 +131,13 @@ def fit_campaign(
     for number, (stage, names, channel) in enumerate(plan):
         tell(stage, number / len(plan))
         used = [i for i, r in enumerate(campaign.fit) if measured(r, channel) is not None]
-        problem = FitProblem(
-            tuple(Playback(campaign.fit[i], start.rig.sample_time) for i in used), values, names, channel,
-            noise[channel] or 1.0, start.rig,
-            None if begins is None else tuple(begins[i] for i in used),
-            () if begins is None else _free(channel, any(with_pressure)),
+        asked = Stage(
+            "regulator" if stage == "regulator" else "whole", channel, noise[channel] or 1.0,
+            tuple(Playback(campaign.fit[i], start.rig.sample_time) for i in used), names, start.rig,
+            begins=None if begins is None else tuple(begins[i] for i in used),
         )  # fmt: skip
+        free = () if begins is None else _free(channel, any(with_pressure))
+        problem = FitProblem(asked, (), names, values, free=free)
         problem, found, blind = estimate_determined(problem, start, starts, seed)
         stages[stage] = found
         undetermined += blind

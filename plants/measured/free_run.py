@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.problem import measured
+from plants.measured.begin import measured
 from plants.measured.recording import Recording
 
 Array = NDArray[np.float64]

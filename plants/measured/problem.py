@@ -2,22 +2,24 @@
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.hysteresis import HysteresisLaw
 from plants.kernel.batches import default_jobs
+from plants.measured.begin import Begin, measured
 from plants.measured.playback import Playback
-from plants.measured.recording import Recording
+from plants.measured.stage import Form, Stage
 from plants.parameters.quantities import ParameterSet
-from plants.rig import Rig
-from plants.wrist import Number, State, Wrist
 
 Array = NDArray[np.float64]
 BLOCK = 2.0
 """Residuals within so many seconds may be correlated in any way, as far as standard errors go."""
+
+WILD = 1e6
+"""Residual, over the noise, beyond which nothing more is learnt."""
 
 
 def block_length(playbacks: Sequence[Playback]) -> float:
@@ -27,81 +29,39 @@ def block_length(playbacks: Sequence[Playback]) -> float:
 
 
 @dataclass(frozen=True)
-class Begin:
-    """Where a recording starts that does not start at rest: pressure [kPa], angle [deg], and
-    whether the wrist is still on its virgin curve."""
-
-    pressure: float
-    angle: float
-    virgin: bool
-
-    def state(self, loop: HysteresisLaw) -> State:
-        """The state of a wrist with a loop; on the virgin curve the static angle is 0."""
-        return begun(loop, self.pressure, self.angle, self.virgin)
-
-
-def begun(loop: HysteresisLaw, pressure: Number, angle: Number, virgin: bool) -> State:
-    """A wrist at rest at a pressure [kPa] and an angle [deg], on the virgin curve or between the branches."""
-    memory = loop.initial() if virgin else loop.resting("inside", angle, pressure)
-    return State(pressure, memory, angle)
-
-
-def first_begin(recording: Recording, rest_pressure: float) -> Begin:
-    """The start that the first rows of a recording show.
-
-    Where a channel was not logged the wrist's rest stands in for it.  A wrist at
-    rest in both is taken to be on the virgin curve.
-    """
-    pressure = rest_pressure if recording.pressure is None else float(np.median(recording.pressure[:3]))
-    angle = 0.0 if recording.angle is None else float(np.median(recording.angle[:3]))
-    return Begin(pressure, angle, at_rest(recording, rest_pressure))
-
-
-def at_rest(recording: Recording, rest_pressure: float) -> bool:
-    """Whether the first rows of a recording look like a wrist that rests at its rest pressure."""
-    off = 0.0 if recording.pressure is None else float(np.median(recording.pressure[:3])) - rest_pressure
-    angle = 0.0 if recording.angle is None else float(np.median(recording.angle[:3]))
-    return abs(off) < 5.0 and abs(angle) < 1.0
-
-
-def measured(recording: Recording, channel: str) -> Array | None:
-    """A measured channel of a recording by its column name, None where it was not logged."""
-    return recording.pressure if channel == "pressure_kPa" else recording.angle
-
-
-@dataclass(frozen=True)
 class FitProblem:
-    """Residuals of lanes of vectors, for `plants.measured.estimate`.
+    """Residuals of a stage with some effects, for `plants.measured.estimate`; in units of the noise.
 
-    A vector holds the parameters in `names`, then of each recording what is
-    `free` of its start (``pressure``, ``angle`` or both).  Everything else is as
-    in `values` and `begins`; `begins` is None where all recordings start at rest.
-    noise: what each channel is divided by.
+    A vector holds the parameters in `names`, then of each recording what is `free` of its start
+    (``pressure``, ``angle`` or both).  Everything else is as in `values` and in the stage's begins.  rows:
+    those that count; None for all.
     """
 
-    playbacks: tuple[Playback, ...]
-    values: Mapping[str, float]
+    stage: Stage
+    forms: tuple[Form, ...]
     names: tuple[str, ...]
-    channel: str
-    noise: float
-    rig: Rig
-    begins: tuple[Begin, ...] | None = None
+    values: Mapping[str, float]
+    rows: NDArray[np.bool_] | None = None
     free: tuple[str, ...] = ()
 
     @property
     def blocks(self) -> NDArray[np.intp]:
-        """Number of the block of time that each residual falls in, (rows,)."""
-        numbers = [
-            1e6 * i + np.floor((p.recording.time - p.recording.time[0]) / block_length(self.playbacks))
-            for i, p in enumerate(self.playbacks)
-        ]
-        return np.unique(np.concatenate(numbers), return_inverse=True)[1]
+        """Blocks within which residuals may be correlated in any way, (rows,)."""
+        return self.stage.blocks(block_length(self.stage.playbacks))
 
     def bounds(self, parameters: ParameterSet) -> Array:
-        """Start, lower and upper bound of each entry of the vector, shape (3, n)."""
-        known = parameters.parameters
-        rows = [(self.values[n], known[n].low, known[n].high) for n in self.names]
-        for playback, begin in zip(self.playbacks, self.begins or (), strict=False):
+        """Start, lower and upper bound of each entry of the vector, (3, n); the start is put inside."""
+        known, scaled = parameters.parameters, parameters.rig.scaled
+        kinds = {f"{f.NAME}.{n}": k for f in self.forms for n, k in f.kinds().items()}
+        rows = []
+        for n in self.names:
+            low, high = (
+                (known[n].low, known[n].high)
+                if n in known
+                else (scaled(kinds[n].low, kinds[n].unit), scaled(kinds[n].high, kinds[n].unit))
+            )
+            rows.append((float(np.clip(self.values[n], low, high)), low, high))
+        for playback, begin in zip(self.stage.playbacks, self.stage.begins or (), strict=False):
             for entry in self.free:
                 truth = measured(playback.recording, "pressure_kPa" if entry == "pressure" else "angle_deg")
                 reach = 20.0 if truth is None else 3.0 * float(np.ptp(truth[:20])) + 1.0
@@ -109,43 +69,42 @@ class FitProblem:
                 rows.append((first, first - reach, first + reach))
         return np.array(rows, float).reshape(-1, 3).T
 
-    def wrist(self, x: Array) -> Wrist:
-        """Wrists of vectors (lanes, n)."""
-        lanes = {n: np.full(len(x), v) for n, v in self.values.items()}
-        return Wrist.from_values({**lanes, **{n: x[:, i] for i, n in enumerate(self.names)}}, rig=self.rig)
-
     def begins_at(self, x: Array) -> tuple[Begin, ...] | None:
-        """The starts that one vector (n,) stands for."""
-        if self.begins is None:
-            return None
-        entries = np.reshape(x[len(self.names) :], (len(self.begins), len(self.free)))
-        return tuple(
-            Begin(**{**vars(begin), **dict(zip(self.free, map(float, row), strict=True))})
-            for begin, row in zip(self.begins, entries, strict=True)
-        )
+        """The starts that one vector (n,), or vectors (n, lanes), stand for."""
+        begins = self.stage.begins
+        if begins is None or not self.free:
+            return begins
+        entries = np.reshape(x[len(self.names) :], (len(begins), len(self.free), *np.shape(x)[1:]))
+        found = []
+        for begin, row in zip(begins, entries, strict=True):
+            moved: Any = {n: v if np.ndim(v) else float(v) for n, v in zip(self.free, row, strict=True)}
+            found.append(replace(begin, **moved))
+        return tuple(found)
 
     def residuals(self, x: Array) -> Array:
-        """Simulated minus measured, shape (rows, lanes) for vectors (lanes, n)."""
+        """Simulated minus measured over noise, (rows, lanes), for vectors (lanes, n)."""
         with ThreadPoolExecutor(default_jobs()) as pool:
-            return np.concatenate(
-                list(pool.map(lambda i: self.residuals_of(i, x), range(len(self.playbacks))))
-            )
+            parts = list(pool.map(lambda i: self._difference(i, x), range(len(self.stage.playbacks))))
+        found = np.concatenate(parts)
+        if self.stage.floating:
+            found -= found.mean(axis=0)
+        # A wrist that runs away is a bad fit, not the end of the search.
+        found = np.clip(np.nan_to_num(found, nan=WILD), -WILD, WILD)
+        return found if self.rows is None else found[self.rows]
 
     def residuals_of(self, i: int, x: Array) -> Array:
         """The same for the i-th recording alone."""
-        playback = self.playbacks[i]
-        pressure, angle = playback.play(self.wrist(x), self._state(i, x))
-        truth = measured(playback.recording, self.channel)
-        assert truth is not None
-        simulated = pressure if self.channel == "pressure_kPa" else angle
-        difference: Array = (simulated - truth[:, None]) / self.noise
-        return difference
+        return np.clip(np.nan_to_num(self._difference(i, x), nan=WILD), -WILD, WILD)
 
-    def _state(self, i: int, x: Array) -> State:
-        if self.begins is None:
-            return self.wrist(x).rest()
-        offset = len(self.names) + i * len(self.free)
-        begin = self.begins[i]
-        entries = {n: x[:, offset + j] for j, n in enumerate(self.free)}
-        pressure, angle = entries.get("pressure", begin.pressure), entries.get("angle", begin.angle)
-        return begun(self.wrist(x).hysteresis, pressure, angle, begin.virgin)
+    def _difference(self, i: int, x: Array) -> Array:
+        stage = replace(self.stage, begins=self.begins_at(x.T)) if self.free else self.stage
+        values: dict[str, Any] = {**self.values, **{n: x[:, k] for k, n in enumerate(self.names)}}
+        first, last = self.stage.edges[i : i + 2]
+        simulated = stage.play(i, stage.wrists(values, self.forms))
+        simulated -= self.stage.target[first:last, None]
+        simulated /= self.stage.noise
+        return simulated
+
+    def on(self, rows: NDArray[np.bool_] | None) -> "FitProblem":
+        """The same problem on some rows."""
+        return replace(self, rows=rows)

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.errors import InputError, InputWarning
-from plants.measured.cells import Array, Text, first_bad, shorten
-from plants.measured.columns import STANDARD, Source, turned
+from plants.measured.formats.cells import Array, Text, first_bad, shorten
+from plants.measured.formats.columns import STANDARD, Source, turned
+from plants.measured.formats.tables import Table
 from plants.measured.instrument.rows import mended
-from plants.measured.tables import Table
 from plants.rig import Rig
 
 Stage = Literal["wrist", "regulator"]

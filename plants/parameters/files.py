@@ -1,6 +1,7 @@
 """Parameter sets as TOML files: reading, with every mistake told in one line, and writing."""
 
 from collections.abc import Mapping
+from functools import cache
 from math import inf, isinf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -37,7 +38,17 @@ PROVENANCE = {"stated": ("source", "section"), "assumed": ("why",), "fitted": ("
 """What is said of each kind of evidence."""
 
 
-def read(path: str | Path) -> ParameterSet:
+@cache
+def built_in(axis: str) -> ParameterSet:
+    """The parameter set that ships with the project for one motion of the paper's wrist.
+
+    >>> built_in("deviation").parameters["s"].provenance.section
+    'section 5.2'
+    """
+    return load(Path(__file__).parent / f"{axis}.toml")
+
+
+def load(path: str | Path) -> ParameterSet:
     """The parameter set of a TOML file.
 
     Raises InputError, in one line with the file, the effect and the parameter, for
@@ -182,8 +193,8 @@ def _check_loop(path: Path, values: Mapping[str, float], rig: Rig) -> None:
         raise InputError(f"{path}: {problem}; check {', '.join(names[:-1])} and {names[-1]}")
 
 
-def write(parameters: ParameterSet, path: str | Path) -> None:
-    """Write a parameter set as TOML, complete or not at all."""
+def dump(parameters: ParameterSet, path: str | Path) -> None:
+    """Write a parameter set as TOML, complete or not at all; `load` gives it back to the last bit."""
     import tomlkit
 
     from plants.files import write_atomically

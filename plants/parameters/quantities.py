@@ -7,9 +7,7 @@ such as ``creep.gain``.
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
 from math import inf
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from plants.hysteresis import HysteresisLaw, law_of
@@ -89,6 +87,7 @@ def kinds_of(names: Iterable[str], effects: "Sequence[type[Effect]]" = ()) -> di
     those of its effects, such as ``creep.gain``.
 
     >>> from plants.effects import Creep
+    >>> from plants.parameters.files import built_in
     >>> kinds_of(built_in("flexion").parameters, [Creep])["creep.time_constant"].unit
     's'
     """
@@ -162,6 +161,7 @@ class ParameterSet:
     def kinds(self) -> dict[str, Kind]:
         """Unit, meaning and bounds of each parameter: of the declared wrist, then of the effects.
 
+        >>> from plants.parameters.files import built_in
         >>> built_in("flexion").kinds["a1"].unit
         'deg/kPa'
         """
@@ -243,27 +243,3 @@ class ParameterSet:
         found = base.fitted(values, {n: errors.get(n) for n in values}, data)
         words = f"{self.axis} with {', '.join(e.NAME for e in effects)}, fitted to {data}"
         return replace(found, title=title or (words if effects else found.title))
-
-
-@cache
-def built_in(axis: str) -> ParameterSet:
-    """The parameter set that ships with the project for one motion of the paper's wrist.
-
-    >>> built_in("deviation").parameters["s"].provenance.section
-    'section 5.2'
-    """
-    return load(Path(__file__).parent / f"{axis}.toml")
-
-
-def load(path: str | Path) -> ParameterSet:
-    """The parameter set of a TOML file; see `plants.parameters.files.read` for what is refused."""
-    from plants.parameters.files import read
-
-    return read(path)
-
-
-def dump(parameters: ParameterSet, path: str | Path) -> None:
-    """Write a parameter set as TOML, complete or not at all; `load` gives it back to the last bit."""
-    from plants.parameters.files import write
-
-    write(parameters, path)

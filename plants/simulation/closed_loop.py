@@ -15,18 +15,21 @@ perfect or the plant has effects that sit in it, such as a drift.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plants import wrist as plant
+from plants import dynamics as plant
+from plants.dynamics import QUIET, SampledWrist, State
 from plants.effects.effect import Around
 from plants.kernel import pytrees
 from plants.kernel.batches import run_lanes
 from plants.simulation.reference_profile import ReferenceProfile
 from plants.simulation.sensor import PERFECT, Measured, Sensor
-from plants.wrist import QUIET, SampledWrist, State, Wrist
+
+if TYPE_CHECKING:
+    from plants.wrist import Wrist
 
 Number = Any
 Array = NDArray[np.float64]
@@ -51,9 +54,9 @@ class SampledClosedLoop(NamedTuple):
 
 
 class OutsideSignals(NamedTuple):
-    """What comes from outside in a sample: its index, its time [s], pressure of the other motion [kPa], noise
-    of standard deviation 1, the command [V] that is given where there is no controller, and the one that
-    reaches the valve where transport is kept outside the plant."""
+    """What comes from outside in a sample: its index, its time [s], how far the pressure of the other motion
+    is from rest [kPa], noise of standard deviation 1, the command [V] that is given where there is no
+    controller, and the one that reaches the valve where transport is kept outside the plant."""
 
     sample: Number
     time: Number = QUIET.time
@@ -114,14 +117,14 @@ def advance(
     return found
 
 
-def clock(wrist: Wrist, samples: int, begin: float = 0.0) -> dict[str, Array]:
+def clock(wrist: "Wrist", samples: int, begin: float = 0.0) -> dict[str, Array]:
     """The time [s] of each sample as a signal, for a plant with effects; others need none."""
     if not wrist.effects:
         return {}
     return {"time": np.asarray(begin + np.arange(samples) * wrist.rig.sample_time, float)}
 
 
-def holding(wrist: Wrist, controller: Any, state: State, begin: float = 0.0) -> Any:
+def holding(wrist: "Wrist", controller: Any, state: State, begin: float = 0.0) -> Any:
     """The state of a controller that holds the wrist still at the pressure of `state`, at a time [s]."""
     seen = plant.read(state, wrist.sampled(), Around(begin))
     measured = Measured(0.0, seen, state.pressure)

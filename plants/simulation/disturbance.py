@@ -1,22 +1,28 @@
 """Disturbances of a loop as effects of its plant: a dead time and a load beside the plant's own."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from plants import wrist as plant
+from plants import dynamics as plant
+from plants.dynamics import State
 from plants.effects.effect import Around
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.wrist.load_step import LoadStep
 from plants.errors import InputError
-from plants.wrist import Start, State, Wrist
+from plants.hysteresis import Start
+
+if TYPE_CHECKING:
+    from plants.wrist import Wrist
 
 Number = Any
 BEFORE = -1.0
 """Moment [s] of a constant load: before the run, and before the wrist came to rest."""
 
 
-def burdened(wrist: Wrist, dead_time: Number | None, load: Number | None, moment: Number = BEFORE) -> Wrist:
+def burdened(
+    wrist: "Wrist", dead_time: Number | None, load: Number | None, moment: Number = BEFORE
+) -> "Wrist":
     """The wrist with more dead time [s] and a load [deg] that is there from a moment [s] on, before the run
     where not given; None leaves an effect out.
 
@@ -37,7 +43,7 @@ def burdened(wrist: Wrist, dead_time: Number | None, load: Number | None, moment
 
 
 def at_rest(
-    wrist: Wrist,
+    wrist: "Wrist",
     start: Start,
     angle: Number,
     dead_time: Number | None = None,

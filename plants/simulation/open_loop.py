@@ -3,16 +3,19 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.dynamics import QUIET, SampledWrist, State, bend, read, settled, step
 from plants.effects.effect import Around
 from plants.errors import InputError
 from plants.kernel import pytrees
 from plants.kernel.batches import run_lanes
-from plants.wrist import QUIET, SAMPLE_TIME, SampledWrist, State, Wrist, bend, read, settled, step
+
+if TYPE_CHECKING:
+    from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 
@@ -40,7 +43,7 @@ class SampledOpenLoop(NamedTuple):
     """Coefficients of the plant, and the sample time [s]."""
 
     plant: SampledWrist
-    dt: float = SAMPLE_TIME
+    dt: float
 
 
 @cache
@@ -65,13 +68,13 @@ def law(names: tuple[str, ...]) -> Callable[..., OpenLoop]:
 
 
 def surroundings(
-    wrist: Wrist, samples: int, begin: float = 0.0, other_pressure: Any = None
+    wrist: "Wrist", samples: int, begin: float = 0.0, other_pressure: Any = None
 ) -> dict[str, Any]:
     """The signals that a plant with effects needs beside its command, from a time `begin` [s] on; others need
     none."""
     if not wrist.effects:
         return {}
-    other = np.full(samples, QUIET.other_pressure) if other_pressure is None else other_pressure
+    other = np.zeros(samples) if other_pressure is None else other_pressure - wrist.rig.rest_pressure
     return {"other": other, "time": _times(samples, begin, wrist.rig.sample_time)}
 
 
@@ -80,7 +83,7 @@ def _times(samples: int, begin: float, dt: float) -> Array:
 
 
 def open_loop(
-    wrist: Wrist,
+    wrist: "Wrist",
     commands: Any,
     state: State | None = None,
     every: int = 1,
@@ -125,7 +128,7 @@ def open_loop(
 
 
 def driven(
-    wrist: Wrist,
+    wrist: "Wrist",
     pressures: Any,
     state: State | None = None,
     every: int = 1,
@@ -143,7 +146,7 @@ def driven(
     """
     p = np.asarray(pressures, float)
     steps, dt = len(p) - 1, wrist.rig.sample_time if dt is None else dt
-    other = np.full(steps, QUIET.other_pressure) if other_pressure is None else other_pressure
+    other = np.zeros(steps) if other_pressure is None else other_pressure - wrist.rig.rest_pressure
     c, first = wrist.sampled(dt), Around(begin, other[0] if steps else QUIET.other_pressure)
     start = (settled(wrist.rest(), c, first) if state is None else state)._replace(pressure=p[0])
     signals = {"pressure": p[1:], "other": other, "time": _times(steps, begin, dt)}

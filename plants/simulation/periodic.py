@@ -8,19 +8,22 @@ the command that is late.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plants import wrist as plant
+from plants import dynamics as plant
 from plants.actuator.delay import arriving
+from plants.dynamics import QUIET, State
 from plants.effects.effect import Around
 from plants.errors import InputError
 from plants.simulation.closed_loop import ClosedLoop, SampledClosedLoop, advance
 from plants.simulation.reference_profile import ReferenceProfile
 from plants.simulation.sensor import HOLD, PERFECT, Measured, Sensor
-from plants.wrist import QUIET, State, Wrist
+
+if TYPE_CHECKING:
+    from plants.wrist import Wrist
 
 Number = Any
 Array = NDArray[np.float64]
@@ -72,17 +75,17 @@ class PeriodicLoop:
         return int(self.controller.problem.substeps)
 
     def around(self, sample: int, other: Number) -> Around:
-        """Surroundings at a sample; other: pressure of the other motion [kPa]."""
+        """Surroundings at a sample; other: how far the other motion's pressure is from rest [kPa]."""
         return Around(self.begin + sample * self.dt, other)
 
 
-def prompt(wrist: Wrist) -> Wrist:
+def prompt(wrist: "Wrist") -> "Wrist":
     """The wrist with the transport of its dead time taken out."""
     return wrist.with_values(**{DELAY: 0.0 * wrist.values[DELAY]}) if DELAY in wrist.values else wrist
 
 
 def begin(
-    wrist: Wrist,
+    wrist: "Wrist",
     controller: Periodic,
     state: State,
     reference: ReferenceProfile,
@@ -130,8 +133,8 @@ def shown(s: PeriodicLoop, sample: int, other: Number) -> Array:
 
 
 def decide(s: PeriodicLoop, first: int, other: Number = QUIET.other_pressure) -> PeriodicLoop:
-    """The loop with the commands of the period from a sample on; other: pressure of the other motion then
-    [kPa]."""
+    """The loop with the commands of the period from a sample on; other: how far the other motion's
+    pressure is from rest then [kPa]."""
     seen = shown(s, first, other)
     error = np.broadcast_to(s.c.reference.at(float(first)).reference, seen.shape) - seen
     pressure = np.broadcast_to(s.loop.plant.pressure, seen.shape)
@@ -149,8 +152,8 @@ def move(
     s: PeriodicLoop, first: int, other: Array | None = None, record: tuple[str, ...] = ("plant.pressure",)
 ) -> tuple[ClosedLoop, Array]:
     """Plants and judges after the period from a sample on, and what is recorded on the way, (signals,
-    substeps + 1, lanes); other: pressure of the other motion [kPa] at the start of each sample, (substeps,
-    lanes), at rest where not given."""
+    substeps + 1, lanes); other: how far the other motion's pressure is from rest [kPa] at the start of
+    each sample, (substeps, lanes), at rest where not given."""
     index = np.arange(first, first + s.substeps, dtype=float)
     own = {
         "command": s.commands[first : first + s.substeps],

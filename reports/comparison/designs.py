@@ -9,7 +9,6 @@ from design.alternatives.feedforward_design import FeedforwardDesign
 from design.alternatives.lqi_design import RobustLQI
 from design.comparison.compare import TUNED, Comparison
 from design.synthesis.tuning import Tuning
-from plants.wrist import SAMPLE_TIME
 from reports.shared.names import COST_WORDS, limit_name, name_of
 from reports.shared.tables import number
 
@@ -97,7 +96,7 @@ def _lqi(d: RobustLQI) -> str:
         "whatever order branches and rates come, while the command is not clipped."
     )
     if d.pole is not None:
-        speed = -log(d.pole[0]) / SAMPLE_TIME
+        speed = -log(d.pole[0]) / d.problem.scenarios[0].wrist.rig.sample_time
         words += (
             f" With the observer, on a single branch, the slowest mode decays at {number(speed, 2)} 1/s "
             f"({d.pole[1]})."

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 from design.comparison.break_even import BreakEven
 from design.comparison.compare import Comparison
 from design.contest import Contest
-from design.evaluation.metrics import SETTLING_BAND
 from design.mpc.timing import Ledger
 from design.studies.study import Study
 from design.synthesis.answer import Answer
@@ -102,7 +101,7 @@ def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:
         verdicts=[v[:1].upper() + v[1:] for v in verdict_sentences(study)],
         step=comparison.rig.task.step, sample_ms=1000.0 * comparison.rig.sample_time,
         command_range=comparison.rig.command_range, window=WINDOW,
-        band=100.0 * SETTLING_BAND, tasks=_tasks(comparison),
+        band=100.0 * comparison.rig.task.band, tasks=_tasks(comparison),
         limits=tables.limits_table(comparison.limits),
         plants=[_plant(m, s, study.fits.get(m), shown) for m, s in study.plants.items()],
         cost=" and ".join(COST_WORDS.get(c, c) for c in sorted(least)),

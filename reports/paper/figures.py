@@ -13,7 +13,8 @@ import numpy as np
 
 from design.studies.panels import Panel
 from design.synthesis.tuning_rules import PAPER_FACTOR, PAPER_GAINS
-from plants.parameters.quantities import REGULATOR_NAMES, Fitted, ParameterSet, built_in
+from plants.parameters.files import built_in
+from plants.parameters.quantities import REGULATOR_NAMES, Fitted, ParameterSet
 from reports.paper import plots
 from reports.paper.plots import Plot
 from reports.shared.style import styled

@@ -15,7 +15,7 @@ from design.robustness.predictions.describing_function import (
 from design.robustness.predictions.harmonic_balance import parts, regulator_response
 from design.robustness.predictions.limit_cycles import LimitCycle
 from design.synthesis.requirements import Limits
-from plants.wrist import SAMPLE_TIME, Wrist
+from plants.wrist import Wrist
 from reports.shared.style import (
     BLACK,
     BLUE,
@@ -36,17 +36,20 @@ if TYPE_CHECKING:
 MS_DISC = 2.0
 """Peak of the sensitivity whose disc is marked: loops that stay out of it have Ms of 2 at the most."""
 
-OMEGA = np.geomspace(3e-2, 0.9 * np.pi / SAMPLE_TIME, 3000)
-"""Frequencies [rad/s] of the curves."""
+
+def _frequencies(wrist: Wrist) -> Any:
+    """Frequencies [rad/s] of the curves, up to nine tenths of Nyquist's."""
+    return np.geomspace(3e-2, 0.9 * np.pi / wrist.rig.sample_time, 3000)
 
 
 def overlaid(wrist: Wrist, controller: PI) -> dict[str, OpenLoopTransfer]:
     """The open loops that differ, by the branch and rate they belong to in words, those that are alike
     under one name; the largest slopes first."""
+    omega = _frequencies(wrist)
     seen: dict[bytes, list[OpenLoopTransfer]] = {}
     for loop in open_loops(wrist, controller):
-        seen.setdefault(loop.at(OMEGA[::300]).round(12).tobytes(), []).append(loop)
-    alike = sorted(seen.values(), key=lambda same: -abs(same[0].at(OMEGA[:1])[0]))
+        seen.setdefault(loop.at(omega[::300]).round(12).tobytes(), []).append(loop)
+    alike = sorted(seen.values(), key=lambda same: -abs(same[0].at(omega[:1])[0]))
     names = (f"{_together([x.branch for x in same])}, {same[0].rate}" for same in alike)
     return dict(zip(names, (same[0] for same in alike), strict=True))
 
@@ -76,7 +79,7 @@ def nyquist(wrist: Wrist, controllers: Mapping[str, PI]) -> "Figure":
         figure, axes = new_figure(rows, columns, height=0.9 + rows * (4.7, 3.8, 2.9)[columns - 1])
         for panel, (name, controller) in zip(axes, controllers.items(), strict=False):
             for words, loop in overlaid(wrist, controller).items():
-                L = loop.at(OMEGA)
+                L = loop.at(_frequencies(wrist))
                 panel.plot(L.real, L.imag, label=words, **looks.get(words, LINES[0]))
             _around_minus_one(panel)
             panel.set_title(f"{name}\nKp {controller.Kp:.3g} kPa/deg\nKi {controller.Ki:.3g} kPa/(deg s)")
@@ -113,18 +116,18 @@ def sensitivities(wrist: Wrist, controller: PI, limits: Limits) -> "Figure":
     1 / |exp(-j w d) - 1| for the worst d up to the limit (small gain)."""
     with styled():
         figure, (left, right) = new_figure(1, 2, height=3.9, sharey=True)
-        loops = overlaid(wrist, controller)
+        loops, omega = overlaid(wrist, controller), _frequencies(wrist)
         looks = _looks(list(loops))
         for words, loop in loops.items():
-            L = loop.at(OMEGA)
-            left.plot(OMEGA, np.abs(1.0 / (1.0 + L)), label=words + _verdict(loop, L), **looks[words])
-            right.plot(OMEGA, np.abs(L / (1.0 + L)), **looks[words])
+            L = loop.at(omega)
+            left.plot(omega, np.abs(1.0 / (1.0 + L)), label=words + _verdict(loop, L), **looks[words])
+            right.plot(omega, np.abs(L / (1.0 + L)), **looks[words])
         if limits.Ms is not None:
-            _limit(left, np.full(OMEGA.size, limits.Ms), f"limit: Ms {limits.Ms:g}")
+            _limit(left, omega, np.full(omega.size, limits.Ms), f"limit: Ms {limits.Ms:g}")
         if limits.delay_margin_s is not None and limits.delay_margin_s > 0.0:
-            turn = np.minimum(OMEGA * limits.delay_margin_s, np.pi)
+            turn = np.minimum(omega * limits.delay_margin_s, np.pi)
             words = f"below: {1e3 * limits.delay_margin_s:g} ms of\ndelay are safe"
-            _limit(right, 0.5 / np.sin(0.5 * turn), words)
+            _limit(right, omega, 0.5 / np.sin(0.5 * turn), words)
         for axes, title, label in (
             (left, "Sensitivity S", "|S|, |T| [1]"),
             (right, "Complementary sensitivity T", ""),
@@ -144,8 +147,8 @@ def _verdict(loop: OpenLoopTransfer, L: Any) -> str:
     return "" if stable else " (unstable)"
 
 
-def _limit(axes: "Axes", bound: Any, words: str) -> None:
-    axes.plot(OMEGA, bound, color=BLACK, linestyle=DASHED, linewidth=1.1)
+def _limit(axes: "Axes", omega: Any, bound: Any, words: str) -> None:
+    axes.plot(omega, bound, color=BLACK, linestyle=DASHED, linewidth=1.1)
     axes.text(
         0.98, 0.965, words, transform=axes.transAxes, fontsize=8.5, ha="right", va="top",
         bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
@@ -159,16 +162,16 @@ def describing(
     loop without it: at the slow rate, at the fast one, and at the rate of each limit cycle that is
     predicted, which is where its curve meets -1/N."""
     loop = wrist.hysteresis
-    A = np.geomspace(1.0, 250.0, 2000)
+    A = wrist.rig.half_range * np.geomspace(0.01, 2.5, 2000)
     N, _ = hysteresis_function(loop, A, centre_of(loop, A, reference))
-    inverse = -1.0 / N[np.abs(N) > 1e-12]
+    inverse, omega = -1.0 / N[np.abs(N) > 1e-12], _frequencies(wrist)
     with styled():
         figure, (axes,) = new_figure(height=5.0)
         axes.plot(inverse.real, inverse.imag, color=BLACK, linewidth=2.2, label="-1/N(A), hysteresis")
         _amplitudes(axes, wrist, reference)
         for look, rate in zip(LINES, ("slow", "fast"), strict=False):
             speed = float(getattr(wrist.regulator, f"k_{rate}"))
-            L = _without(wrist, controller, OMEGA, speed)
+            L = _without(wrist, controller, omega, speed)
             axes.plot(L.real, L.imag, label=f"loop without N, {rate} rate", **look)
         for look, cycle in zip(LINES[2:], cycles, strict=False):
             _cycle(axes, wrist, controller, cycle, look)
@@ -197,13 +200,14 @@ def _without(wrist: Wrist, controller: PI, omega: Any, rate: Any) -> Any:
 def _amplitudes(axes: "Axes", wrist: Wrist, reference: float) -> None:
     """Dots at some amplitudes [kPa] on -1/N(A), those that lie apart."""
     loop, last = wrist.hysteresis, None
-    for A in (10.0, 24.0, 30.0, 40.0, 60.0, 100.0):
+    for share in (0.1, 0.24, 0.3, 0.4, 0.6, 1.0):
+        A = share * wrist.rig.half_range
         N, _ = hysteresis_function(loop, A, centre_of(loop, A, reference))
         at = -1.0 / N[0]
         if last is not None and abs(at - last) < 0.13 / loop.flattest:
             continue
         last = at
-        aside = (-4, -12) if A < 28.0 else (-3, 6)  # off the curve, which falls at first and then rises
+        aside = (-4, -12) if share < 0.28 else (-3, 6)  # off the curve, which falls at first and then rises
         axes.plot(at.real, at.imag, "o", color=BLACK, markerfacecolor="white", ms=4.5, zorder=4)
         axes.annotate(
             f"{A:g} kPa", (at.real, at.imag), aside, textcoords="offset points", fontsize=8.5, ha="right",
@@ -213,9 +217,9 @@ def _amplitudes(axes: "Axes", wrist: Wrist, reference: float) -> None:
 
 def _cycle(axes: "Axes", wrist: Wrist, controller: PI, cycle: LimitCycle, look: dict[str, Any]) -> None:
     """The Nyquist curve at a cycle's own rate, and the cycle on it."""
-    w = cycle.frequency_rad_s
+    w, omega = cycle.frequency_rad_s, _frequencies(wrist)
     rate = float(regulator_rate(wrist.regulator, cycle.amplitude_kPa * w))
-    L = _without(wrist, controller, OMEGA, rate)
+    L = _without(wrist, controller, omega, rate)
     kind = "attracts" if cycle.stable else "repels"
     words = f"{kind}: {cycle.amplitude_kPa:.3g} kPa, {w:.3g} rad/s (rate {rate:.2g}/s)"
     axes.plot(L.real, L.imag, label=words, **{**look, "linewidth": 1.2})

@@ -108,9 +108,9 @@ def _limit_lines(axes: "Axes", plane: GainPlane, limits: Limits) -> list[Any]:
     return handles
 
 
-def draw_envelopes(bands: Envelopes, reference: float) -> "Figure":
+def draw_envelopes(bands: Envelopes, reference: float, band: float = SETTLING_BAND) -> "Figure":
     """The middle of the samples over time and the band that holds 90 % of them, in the direction of the
-    step; beneath, the same about the reference."""
+    step; beneath, the same about the reference, with the settling band, a share of it."""
     with styled():
         figure, (whole, near) = new_figure(2, 1, height=4.8, sharex=True, height_ratios=(3, 2))
         every = seen(len(bands.time), 400)
@@ -124,13 +124,11 @@ def draw_envelopes(bands: Envelopes, reference: float) -> "Figure":
             axes.axhline(reference, color=BLACK, linewidth=0.9, linestyle=DASHED, label="reference")
         whole.set(ylabel="Angle [deg]", title=f"{bands.cases} of the cases")
         whole.legend(loc="lower right")
-        room = 4.0 * SETTLING_BAND * reference
+        room = 4.0 * band * reference
         for side in (-1.0, 1.0):
-            near.axhline(
-                reference * (1.0 + side * SETTLING_BAND), color=GREY, linewidth=0.9, linestyle=DOTTED
-            )
+            near.axhline(reference * (1.0 + side * band), color=GREY, linewidth=0.9, linestyle=DOTTED)
         near.text(
-            0.995, reference * (1.0 + SETTLING_BAND), f"±{100 * SETTLING_BAND:g} %", ha="right", va="bottom",
+            0.995, reference * (1.0 + band), f"±{100 * band:g} %", ha="right", va="bottom",
             transform=near.get_yaxis_transform(), fontsize=8.5, color=GREY,
         )  # fmt: skip
         near.set(

@@ -65,7 +65,9 @@ def draw_all(study: RobustnessStudy) -> dict[str, "Figure"]:
         "worst": robust_figures.draw_worst(a.worst, study.worst_run),
     }
     if study.envelopes is not None:
-        found["samples"] = robust_figures.draw_envelopes(study.envelopes, a.wrist.rig.task.step)
+        found["samples"] = robust_figures.draw_envelopes(
+            study.envelopes, a.wrist.rig.task.step, a.wrist.rig.task.band
+        )
     return found
 
 

@@ -8,6 +8,7 @@ from design.robustness.assess import Assessment
 from design.robustness.box import Box
 from design.robustness.certificates.constant.robust_stability import StableWhileConstant
 from design.robustness.predictions.limit_cycles import LimitCycle
+from design.robustness.predictions.margins import MarginHeld
 from design.robustness.samples.monte_carlo import QUANTILES, Samples
 from design.robustness.statement import Statement
 from design.robustness.verdict import verdict
@@ -44,12 +45,14 @@ def shown(s: Statement) -> str:
     >>> from design.robustness.predictions.margins import MarginHeld, OfRows
     >>> claim = MarginHeld("phase_margin_deg", False, None)
     >>> shown(Statement(Status.PREDICTED, claim, None, 61.2, OfRows(), "deg"))
-    '61.2 deg'
+    '61.2°'
     """
     if s.value is None:
         return "–"
     if s.unit == "s" and abs(s.value) < 1.0:
         return f"{number(1000 * s.value)} ms"
+    if isinstance(s.claim, MarginHeld) and s.claim.key == "phase_margin_deg":
+        return f"{number(s.value)}°"  # of phase, whatever unit the rig's angle has
     return number(s.value) + ("" if s.unit in ("", "1") else f" {s.unit}")
 
 

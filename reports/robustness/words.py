@@ -66,9 +66,9 @@ def foreseen(a: Assessment) -> str:
     late = min(float(r["delay_margin_s"]) for r in a.margins)
     limits = a.limits.named
     words = (
-        "By linear theory, on every branch of the hysteresis and at every rate of the regulator, the peak "
-        f"of the sensitivity Ms is at most {number(Ms)}{_of(limits, 'Ms', 1.0, '')} and the loop bears at "
-        f"least {1000 * late:.0f} ms more dead time{_of(limits, 'delay_margin_s', 1e3, ' ms')}"
+        "By linear theory, on every branch of the hysteresis, whether the regulator is fast or slow, the "
+        f"peak of the sensitivity Ms is at most {number(Ms)}{_of(limits, 'Ms', 1.0, '')} and the loop "
+        f"bears at least {1000 * late:.0f} ms more dead time{_of(limits, 'delay_margin_s', 1e3, ' ms')}"
     )
     there = [c for c in a.cycles if c.confirmed]
     if there:

@@ -1,10 +1,8 @@
 """What a trace's page says around its figures and tables."""
 
-from design.evaluation.metrics import SETTLING_BAND
-from design.evaluation.scenarios import STEP
 from design.synthesis.retune import Control
+from plants.measured.stage import BLOCK
 from plants.measured.trace.search.choose import SHARE, TRIFLE, WORTH
-from plants.measured.trace.stages.stage import BLOCK
 from plants.measured.trace.trace import StageTrace, Trace
 from reports.shared.names import CHANNELS
 from reports.shared.tables import listed, number
@@ -174,9 +172,10 @@ def learnt(stage: StageTrace) -> str:
 def control(control: Control) -> str:
     """What the figure of the steps shows."""
     which = "the PI that was tuned" if control.same else "the PIs of the declared and of the revised plant"
+    task = control.task
     return (
-        f"A step of {STEP:g} deg from rest on {control.judge}, under {which}: angle of the joint, and "
-        f"command. See when the angle comes to stay within the grey band of ±{100 * SETTLING_BAND:g} %."
+        f"A step of {task.step:g} deg from rest on {control.judge}, under {which}: angle of the joint, and "
+        f"command. See when the angle comes to stay within the grey band of ±{100 * task.band:g} %."
     )
 
 

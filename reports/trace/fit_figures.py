@@ -4,11 +4,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from design.evaluation.metrics import SETTLING_BAND
-from design.evaluation.scenarios import STEP
 from design.synthesis.retune import Control
+from plants.measured.begin import measured
 from plants.measured.free_run import FreeRun
-from plants.measured.problem import measured
 from plants.measured.trace.trace import Trace
 from reports.shared.fit import LOOP_SECONDS
 from reports.shared.names import CHANNELS
@@ -165,13 +163,14 @@ def draw_control(control: Control) -> "Figure | None":
     }
     with styled():
         figure, (angle, command) = new_figure(2, 1, height=4.6, sharex=True, height_ratios=(3, 2))
-        angle.axhspan(STEP * (1.0 - SETTLING_BAND), STEP * (1.0 + SETTLING_BAND), **BAND)
-        angle.axhline(STEP, color=BLACK, linewidth=0.7)
+        step, band = control.task.step, control.task.band
+        angle.axhspan(step * (1.0 - band), step * (1.0 + band), **BAND)
+        angle.axhline(step, color=BLACK, linewidth=0.7)
         for side, r in shown:
             every = seen(len(r.time))
             angle.plot(r.time[every], r.angle[every], **looks[side.plant])
             command.plot(r.time[every], r.command[every], **looks[side.plant])
-        angle.set(ylabel="Angle [deg]", title=f"A step of {STEP:g} deg from rest")
+        angle.set(ylabel="Angle [deg]", title=f"A step of {step:g} deg from rest")
         command.set(xlabel="Time [s]", ylabel="Command [V]", xlim=(0.0, float(shown[0][1].time[-1])))
         angle.legend(loc="lower right")
     return figure

@@ -26,7 +26,7 @@ def write_trace(folder: str | Path, trace: Trace, made: Made, control: Control |
     """Write trace.html, trace.json, revised.toml and the figures as PNG into a folder, each complete or
     not at all.  Returns the path of the page; raises InputError where it cannot be written."""
     from plants.files import json_text, write_atomically
-    from plants.parameters.quantities import dump
+    from plants.parameters.files import dump
 
     folder = Path(folder)
     drawn = draw_all(trace, control)

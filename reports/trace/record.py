@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from typing import Any
 
-from design.evaluation.scenarios import STEP
 from design.synthesis.answer import UNITS as GAIN_UNITS
 from design.synthesis.retune import Control, RetunedSide
 from plants.measured.logger import habits
@@ -116,7 +115,7 @@ def control_record(control: Control | None) -> dict[str, Any]:
         return {"refusal": NO_LOOP}
     return {
         "judge": control.judge,
-        "step_deg": STEP,
+        "step_deg": control.task.step,
         "same": control.same,
         "tuned_without": list(control.left_out),
         "declared": _side_record(control.declared),

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from design.cli.app import MODULES as COMMANDS
-from plants.parameters.quantities import built_in, load
+from plants.parameters.files import built_in, load
 
 ROOT = Path(__file__).parents[2]
 MODULES = {m.NAME: m for m in COMMANDS}

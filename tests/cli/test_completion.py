@@ -4,7 +4,7 @@ import pytest
 
 from design.export.catalogue import CATALOGUE
 from design.synthesis.requirements import COSTS
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 from plants.wrist import STARTS
 from reports.paper.figures import FIGURES
 from tests.cli.terminal import piped

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from design.studies.stages import Stages
-from plants.parameters.quantities import load
+from plants.parameters.files import load
 
 FLEXION = Path(__file__).parents[2] / "plants/measured/examples/flexion"
 LESS = ("--samples", "400", "--budget", "3000", "--points", "10")

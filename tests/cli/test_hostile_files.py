@@ -11,7 +11,7 @@ import pytest
 
 from plants.errors import InputError
 from plants.files import clear, file_name, replaced_folder, temporary_prefix, write_atomically
-from plants.parameters.quantities import built_in, dump, load
+from plants.parameters.files import built_in, dump, load
 from tests.cli.terminal import ROOT
 
 FLEXION = (ROOT / "plants/parameters/flexion.toml").read_text(encoding="utf-8")

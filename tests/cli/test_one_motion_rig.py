@@ -16,7 +16,8 @@ from design.controllers.pi import PI
 from design.limit import ratios
 from plants import Wrist, built_in
 from plants.errors import InputError
-from plants.parameters.quantities import Assumed, dump, load
+from plants.parameters.files import dump, load
+from plants.parameters.quantities import Assumed
 from plants.rig import Rig, StepTask, Uncertainty, Units
 
 BENDER = Rig(

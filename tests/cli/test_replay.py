@@ -9,7 +9,7 @@ from design.robustness.box import box_of
 from design.robustness.samples.adversary import worst_case
 from design.robustness.samples.scenario_file import save
 from plants.files import json_text
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 
 
 @pytest.fixture(scope="module")

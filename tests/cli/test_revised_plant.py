@@ -6,7 +6,7 @@ import pytest
 
 from plants import built_in
 from plants.effects import Creep, DeadTime, HardStop
-from plants.parameters.quantities import dump
+from plants.parameters.files import dump
 
 VALUES = {"dead-time.delay": 0.1, "creep.gain": 0.064, "creep.time_constant": 3.0}
 

@@ -149,7 +149,7 @@ def test_an_interval_that_is_given_twice_is_refused():
 @pytest.mark.suite
 def test_what_is_proved_of_a_revised_plant_says_what_it_leaves_out(wrist, tmp_path):
     from plants.effects import Creep
-    from plants.parameters.quantities import built_in, dump
+    from plants.parameters.files import built_in, dump
 
     values = {"creep.gain": 0.1, "creep.time_constant": 4.0}
     plant = built_in("flexion").revised([Creep], values, {n: 0.1 * v for n, v in values.items()}, "a rig")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from plants import Wrist
-from plants.parameters.quantities import dump, load
+from plants.parameters.files import dump, load
 from tests.laws.second_law import LOOP, second_law_file, second_law_set
 from tests.rig import signals
 

@@ -78,7 +78,7 @@ def test_ctrl_c_that_comes_out_of_an_import_as_another_error_is_still_ctrl_c(wri
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("plants.parameters.quantities.built_in", interrupted)
+    monkeypatch.setattr("plants.parameters.files.built_in", interrupted)
     outcome = wrist("show")
     assert (outcome.code, outcome.out, outcome.err) == (130, "", "wrist: stopped\n")
 

@@ -13,7 +13,7 @@ from design.cli.places import check_places
 from design.synthesis.requirements import default_problem
 from design.synthesis.tuning import Region, tune
 from plants import InputError
-from plants.parameters.quantities import load
+from plants.parameters.files import load
 from plants.simulation.open_loop import open_loop
 from plants.wrist import Wrist
 from tests.rig.campaign import make_campaign

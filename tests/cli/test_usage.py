@@ -56,7 +56,7 @@ def _broken(*_: object) -> None:
 
 
 def test_a_bug_is_said_to_be_one_with_a_code_of_its_own(wrist, monkeypatch):
-    monkeypatch.setattr("plants.parameters.quantities.built_in", _broken)
+    monkeypatch.setattr("plants.parameters.files.built_in", _broken)
     outcome = wrist("show")
     assert outcome.code == 70
     assert outcome.err.count("\n") == 1
@@ -64,7 +64,7 @@ def test_a_bug_is_said_to_be_one_with_a_code_of_its_own(wrist, monkeypatch):
 
 
 def test_verbose_shows_where_the_bug_is(wrist, monkeypatch):
-    monkeypatch.setattr("plants.parameters.quantities.built_in", _broken)
+    monkeypatch.setattr("plants.parameters.files.built_in", _broken)
     outcome = wrist("show", "--verbose")
     assert outcome.code == 70
     assert "in _broken" in outcome.err

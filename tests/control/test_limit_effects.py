@@ -6,7 +6,7 @@ import pytest
 from design.evaluation.scenarios import Scenario
 from design.limit import bound, limit
 from plants import Wrist
-from plants import wrist as plant
+from plants import dynamics as plant
 from plants.effects.effect import Around
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.regulator.fill_exhaust import TwoRates

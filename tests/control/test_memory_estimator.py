@@ -7,10 +7,11 @@ from hypothesis import strategies as st
 
 from design.controllers import memory_estimator as estimator
 from design.controllers.memory_estimator import MemoryObserver, memory_at_rest, pressure_at_rest
+from plants.dynamics import step
 from plants.hysteresis import Memory
 from plants.kernel import pytrees as tree
 from plants.kernel.batches import run_lanes
-from plants.wrist import STARTS, State, Wrist, step
+from plants.wrist import STARTS, State, Wrist
 
 WRISTS = {"flexion": Wrist.flexion(), "deviation": Wrist.deviation()}
 

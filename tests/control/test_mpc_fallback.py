@@ -110,7 +110,7 @@ def test_a_sensor_without_a_number_is_bridged(make, lost):
     controller, wrist = make(PROBLEM), Wrist.flexion()
     c, plant_state = wrist.sampled(), wrist.rest("line1")
     state, rungs = controller.init(resting("line1")), []
-    from plants.wrist import step
+    from plants.dynamics import step
 
     for k in range(100):
         P, y = float(plant_state.pressure), float(plant_state.angle)

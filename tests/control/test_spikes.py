@@ -14,7 +14,7 @@ from design.mpc.linear import linear_mpc
 from design.mpc.problem import MPCProblem, robust
 from design.mpc.real_time import real_time_mpc
 from plants import Wrist
-from plants import wrist as law
+from plants import dynamics as law
 from plants.wrist import SAMPLE_TIME
 
 WRIST = Wrist.flexion()

@@ -5,7 +5,8 @@ import pytest
 
 from plants import InputError, Wrist
 from plants.effects import EFFECTS, Creep, DeadTime, TwoTimeCreep
-from plants.parameters.quantities import Fitted, built_in, dump, kinds_of, load
+from plants.parameters.files import built_in, dump, load
+from plants.parameters.quantities import Fitted, kinds_of
 from tests.design.effect_samples import FORMS, IDS, present
 
 VALUES = {"creep.gain": 0.064, "creep.time_constant": 3.3, "dead-time.delay": 0.1, "a1": 0.341}

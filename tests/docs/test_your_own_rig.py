@@ -10,7 +10,7 @@ import pytest
 from design.cli import main
 from plants.errors import InputError
 from plants.measured.campaign import load_campaign
-from plants.measured.matlab import ADVICE
+from plants.measured.formats.matlab import ADVICE
 from plants.measured.trace.law import fit_rig
 from tests.docs.guide import DOCS, blocks, commands, missing, write
 

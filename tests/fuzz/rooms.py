@@ -32,7 +32,7 @@ def revised() -> str:
     from dataclasses import replace
 
     from plants.effects import Creep
-    from plants.parameters.quantities import built_in, dump
+    from plants.parameters.files import built_in, dump
 
     rig = replace(built_in("flexion").rig, name="mine")
     found = built_in("flexion").revised(

@@ -5,8 +5,8 @@ from itertools import pairwise
 import numpy as np
 
 from plants import Wrist
+from plants.dynamics import bend, read, step
 from plants.effects.effect import Around
-from plants.wrist import bend, read, step
 
 DT = 0.001
 WRIST = Wrist.flexion()
@@ -14,7 +14,7 @@ ONE_RATE = WRIST.with_values(k_slow=5.0, k_fast=5.0)
 """A regulator that is a first-order lag of 0.2 s."""
 
 
-def played(wrist, commands, state=None, other=100.0):
+def played(wrist, commands, state=None, other=0.0):
     """Pressures, angles and readings, (n + 1,) each, of a wrist under commands [V]."""
     c, s = wrist.sampled(), wrist.rest() if state is None else state
     rows = [(s.pressure, s.angle, read(s, c, Around(0.0, other)))]
@@ -24,7 +24,7 @@ def played(wrist, commands, state=None, other=100.0):
     return np.array(rows, float).T
 
 
-def moved(wrist, pressures, other=100.0, state=None):
+def moved(wrist, pressures, other=0.0, state=None):
     """Loop angles and joint angles, (n,) each, of a wrist whose pressure [kPa] takes given values."""
     c, s = wrist.sampled(), wrist.rest() if state is None else state
     rows = [(s.memory.h, s.angle)]

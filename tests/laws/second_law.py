@@ -6,7 +6,8 @@ from hypothesis import assume
 from hypothesis import strategies as st
 
 from plants import PrandtlIshlinskii
-from plants.parameters.quantities import Assumed, Parameter, ParameterSet, built_in, declared_kinds, dump
+from plants.parameters.files import built_in, dump
+from plants.parameters.quantities import Assumed, Parameter, ParameterSet, declared_kinds
 from tests.laws.law_strategies import REST, between
 
 LOOP = PrandtlIshlinskii(

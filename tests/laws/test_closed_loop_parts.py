@@ -34,7 +34,7 @@ def plain_loop(wrist: Wrist, seen_of: Any) -> np.ndarray:
     """Angles of one lane, the loop's halves written out; ``seen_of(angle, k)`` is what the sensor shows."""
     state, c, samples = wrist.rest(), wrist.sampled(), round(SECONDS / 0.001)
     integral, angles = state.pressure - 100.0, []
-    from plants.wrist import step
+    from plants.dynamics import step
 
     for k in range(samples):
         angles.append(float(state.angle))
@@ -118,7 +118,7 @@ def test_noise_in_the_kernel_has_its_standard_deviation_and_its_hold_time():
     """Kp alone on a wrist whose command does not clip: command = (100 + Kp (r - seen)) / gain, so that
     the command, the true angle taken off, shows the noise itself."""
     from design.robustness.box import box_of
-    from plants.parameters.quantities import built_in
+    from plants.parameters.files import built_in
 
     size, Kp, lanes = 0.2, 2.0, 64
     task = SamplingTask(box_of(built_in("flexion")), CONTROLLER, Conditions(0, 0, size, 0), 5, 15.0, 10.0)

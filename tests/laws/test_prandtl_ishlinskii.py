@@ -7,12 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from plants import FourSegment, PrandtlIshlinskii, Wrist
+from plants.dynamics import step
 from plants.errors import InputError
 from plants.hysteresis import law_of
 from plants.kernel import pytrees
 from plants.linearisation import nlsys, wrist_x0
-from plants.parameters.quantities import dump, load
-from plants.wrist import step
+from plants.parameters.files import dump, load
 from tests.laws.law_strategies import HIGH, LOW, REST, between, paths, pressures, symmetric_loops, trace, walk
 from tests.laws.second_law import LOOP, second_law_set, sums_of_plays
 

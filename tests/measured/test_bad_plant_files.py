@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from plants.errors import InputError
-from plants.parameters.quantities import built_in, dump, load
+from plants.parameters.files import built_in, dump, load
 
 
 @pytest.fixture

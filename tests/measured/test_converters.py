@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from plants.errors import InputError
 from plants.measured.campaign import load_recording
-from plants.measured.columns import parse_columns
+from plants.measured.formats.columns import parse_columns
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from plants.measured.noise import noise_floor
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.one_page import wrist as one_page
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 
 EXAMPLES = Path(plants.measured.__file__).parent / "examples"
 TRUTH = {

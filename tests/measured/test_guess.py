@@ -6,7 +6,8 @@ import pytest
 from plants.measured.campaign import load_campaign
 from plants.measured.guess import first_order, guessed_rig, guessed_set, loop_guess, plays
 from plants.measured.recording import Recording
-from plants.parameters.quantities import Guessed, dump, load
+from plants.parameters.files import dump, load
+from plants.parameters.quantities import Guessed
 from tests.rig.soft import CAMPAIGNS
 
 

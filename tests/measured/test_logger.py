@@ -7,7 +7,7 @@ import pytest
 
 from plants.measured.campaign import load_campaign
 from plants.measured.logger import corrected, longest, renewals
-from plants.measured.noise import noise_of_campaign
+from plants.measured.residual.stillness import noise_of_campaign
 from tests.rig.soft import CAMPAIGNS
 
 

@@ -10,7 +10,7 @@ import scipy.io
 
 from plants.errors import InputError
 from plants.measured.campaign import load_recording
-from plants.measured.tables import read_table
+from plants.measured.formats.tables import read_table
 
 ROWS = 6
 TIME = np.arange(ROWS) * 0.01

@@ -9,9 +9,9 @@ from scipy.signal import lfilter
 
 import plants.measured
 from plants.measured.campaign import load_campaign
-from plants.measured.noise import is_coloured, noise_of, noise_of_campaign
+from plants.measured.noise import is_coloured, noise_of
 from plants.measured.recording import Recording
-from plants.measured.residual.stillness import bent, still_rows
+from plants.measured.residual.stillness import bent, noise_of_campaign, still_rows
 
 EXAMPLES = Path(plants.measured.__file__).parent / "examples"
 DT = 0.01

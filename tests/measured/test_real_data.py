@@ -9,8 +9,8 @@ import pytest
 
 from plants.measured.campaign import load_campaign, load_recording
 from plants.measured.fit import fit_campaign
-from plants.measured.tables import read_table
-from plants.parameters.quantities import built_in
+from plants.measured.formats.tables import read_table
+from plants.parameters.files import built_in
 
 DATA = os.environ.get("WRIST_DATA")
 pytestmark = pytest.mark.skipif(not DATA, reason="WRIST_DATA is not set: no measured data at hand")

@@ -11,7 +11,7 @@ from benchmarks.real_data import Rig, checksums, convert, desired, rigs
 from benchmarks.real_rigs import Outcome, outcome, record, shortened
 from plants.files import json_text
 from plants.measured.campaign import load_campaign
-from plants.parameters.quantities import load
+from plants.parameters.files import load
 
 DATA = os.environ.get("WRIST_DATA")
 pytestmark = pytest.mark.skipif(not DATA, reason="WRIST_DATA is not set: no measured data at hand")

@@ -13,10 +13,10 @@ from plants.effects.wrist.creep import Creep
 from plants.errors import InputError
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
+from plants.measured.stage import Stage
 from plants.measured.trace.search.screening import screen
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.stages.stage import Stage
-from plants.parameters.files import write
+from plants.parameters.files import dump
 from plants.parameters.quantities import loop_names
 
 
@@ -87,7 +87,7 @@ def test_without_a_place_it_acts_last_and_again_it_takes_the_same_place(register
 def test_a_parameter_file_takes_it(registered, tmp_path):
     values = built_in("flexion").values | {"run-out.size": 0.4, "run-out.cycles": 11.0}
     revised = built_in("flexion").revised((RunOut,), values, dict.fromkeys(values), "a log")
-    write(revised, tmp_path / "plant.toml")
+    dump(revised, tmp_path / "plant.toml")
     assert Wrist.of(load(tmp_path / "plant.toml")).effects == (RunOut(0.4, 11.0),)
 
 

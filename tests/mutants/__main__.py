@@ -22,8 +22,8 @@ from tests.mutants.mutate import Mutant, drawn
 ROOT = Path(__file__).parents[2]
 ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "laws": (
-        ("plants/hysteresis", "plants/actuator", "plants/effects", "plants/lag.py", "plants/wrist.py",
-         "plants/simulation", "plants/equilibrium.py", "design/controllers"),
+        ("plants/hysteresis", "plants/actuator", "plants/effects", "plants/lag.py", "plants/dynamics.py",
+         "plants/wrist.py",         "plants/simulation", "plants/equilibrium.py", "design/controllers"),
         ("tests/laws", "tests/oracles", "tests/control"),
     ),
     "kernels": (("plants/kernel", "design/mpc"), ("tests/kernel", "tests/laws", "tests/control")),

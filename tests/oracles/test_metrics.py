@@ -1,5 +1,7 @@
 """Metrics computed sample by sample are those of ``control.step_info`` and of sums over the response."""
 
+from dataclasses import replace
+
 import control
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from design.controllers.pi import PI
 from design.evaluation import metrics
 from design.evaluation.steps import run
 from plants import Wrist
+from plants.rig import built_in_rig
 from plants.simulation.reference_profile import Asked
 
 SAMPLES = 8000
@@ -15,9 +18,9 @@ TIME = np.arange(SAMPLES) * 0.001
 REST = Wrist.flexion().rest()
 
 
-def judged(angle, command, start=0.0, reference=1.0, held=0.0):
+def judged(angle, command, start=0.0, reference=1.0, held=0.0, rig=None):
     """Metrics of signals by the running tally, in plain Python."""
-    judge, asked = metrics.of_step(start, reference), Asked(reference, start, 0.0)
+    judge, asked = metrics.of_step(start, reference, rig), Asked(reference, start, 0.0)
     tally = judge.begin(held)
     for k, (y, u) in enumerate(zip(angle, command, strict=True)):
         joint = REST._replace(angle=y)
@@ -46,6 +49,20 @@ def test_times_and_overshoot_are_those_of_python_control(seed, start, sign):
     assert float(ours.rise_time_s) == pytest.approx(theirs["RiseTime"], abs=1e-9)
     assert float(ours.settling_time_s) == pytest.approx(theirs["SettlingTime"], abs=1e-9)
     assert float(ours.overshoot_percent) == pytest.approx(theirs["Overshoot"], abs=1e-9)
+
+
+@pytest.mark.parametrize("band", [0.01, 0.05])
+def test_the_band_and_the_sample_time_are_those_of_the_rig(band):
+    own = built_in_rig()
+    rig = replace(own, sample_time=0.004, task=replace(own.task, band=band))
+    response, reference = second_order(3)
+    response, time = response[::4], TIME[::4]
+    theirs = control.step_info(response, time, SettlingTimeThreshold=band, final_output=reference)
+    ours = judged(response, np.zeros(len(time)), 0.0, reference, rig=rig)
+    assert float(ours.settling_time_s) == pytest.approx(theirs["SettlingTime"], abs=1e-9)
+    assert (
+        float(judged(response, np.zeros(len(time)), 0.0, reference).settling_time_s) != ours.settling_time_s
+    )
 
 
 def test_the_random_responses_are_of_every_kind():

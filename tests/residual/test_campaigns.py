@@ -11,7 +11,7 @@ from plants.measured.fit import fit_campaign
 from plants.measured.playback import Playback
 from plants.measured.residual.examine import examine
 from plants.measured.residual.series.remainder import remainder_of
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 from plants.wrist import Wrist
 
 EXAMPLES = Path(plants.measured.__file__).parent / "examples"

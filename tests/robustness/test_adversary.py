@@ -18,7 +18,7 @@ from design.synthesis.requirements import Limits
 from plants import Wrist
 from plants.effects.wrist.end_stop import HardStop
 from plants.errors import InputError
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 
 LIMITS = Limits()
 SHORT = 4.0
@@ -53,7 +53,7 @@ def test_never_milder_than_as_many_random_draws(seed, objective):
     x = np.random.default_rng(1000 + seed).random((space.size, 2000))
     drawn = np.where(
         space.reachable(x),
-        scores(play(space.batch(x), gains, task_band=True).values, LIMITS, objective),
+        scores(play(space.batch(x), gains, task_band=True).values, LIMITS, objective, 15.0),
         -np.inf,
     )
     found = worst_case(

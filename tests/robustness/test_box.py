@@ -8,7 +8,7 @@ from design.robustness.box import SIGMAS, box_of
 from design.status import Status
 from plants import InputError
 from plants.hysteresis import with_values
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 
 
 def fitted(**errors):

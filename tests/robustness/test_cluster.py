@@ -22,7 +22,7 @@ from design.robustness.samples.monte_carlo import Samples, monte_carlo
 from design.synthesis.requirements import Limits, Problem
 from design.synthesis.tuning import Region, tune
 from plants import InputError, Wrist
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 
 # What distributed leaves to the garbage collector when a worker was killed is not ours to close.
 pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")

@@ -14,7 +14,7 @@ from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.wrist.creep import Creep
 from plants.effects.wrist.end_stop import HardStop
 from plants.kernel import pytrees as tree
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 
 FLEXION = built_in("flexion")
 TUNED = PI(5.0, 9.0)

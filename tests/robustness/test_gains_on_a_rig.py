@@ -11,7 +11,8 @@ from design.robustness.requirement import requirement
 from design.robustness.robust_tuning import tune_robustly
 from design.synthesis.requirements import default_problem
 from design.synthesis.tuning import Region, tune
-from plants.parameters.quantities import Fitted, built_in
+from plants.parameters.files import built_in
+from plants.parameters.quantities import Fitted
 from plants.wrist import Wrist
 from tests.rig.campaign import make_rig
 

@@ -18,7 +18,7 @@ from design.robustness.certificates.memory.loop import FixedLawLoop, growth_of
 from design.robustness.certificates.memory.programme import common, line
 from design.robustness.loop_model import LoopModel
 from plants import Wrist
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 
 FLEXION = Wrist.flexion()
 GAUSS = np.polynomial.legendre.leggauss(60)

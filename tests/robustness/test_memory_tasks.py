@@ -21,7 +21,7 @@ from design.status import Status
 from plants import Wrist
 from plants.effects.regulator.dead_time import DeadTime
 from plants.hysteresis.prandtl_ishlinskii import PrandtlIshlinskii
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 from plants.simulation.disturbance import burdened
 
 WRISTS = {"flexion": Wrist.flexion(), "deviation": Wrist.deviation()}

@@ -24,7 +24,7 @@ from design.robustness.samples.statements import statements
 from design.status import Status  # fmt: skip
 from design.synthesis.requirements import Limits
 from plants import InputError
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 from plants.wrist import STARTS
 from reports.robustness.statements import because, statement_record
 

@@ -29,7 +29,7 @@ from design.status import Status
 from plants.effects import DeadTime
 from plants.errors import InputError
 from plants.linearisation import RATES, branch_slopes
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 from plants.wrist import Wrist
 from reports.robustness.statements import because, claim_words
 

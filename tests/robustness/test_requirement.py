@@ -13,7 +13,7 @@ from design.robustness.samples.hunt import hunt
 from design.robustness.samples.search_space import HOLD, KINDS
 from plants import Wrist
 from plants.effects.regulator.dead_time import DeadTime
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 
 STATED = requirement(built_in("flexion"))
 PI_ = PI.of(STATED.wrist, 2.9, 7.0)

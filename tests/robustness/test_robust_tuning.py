@@ -20,7 +20,7 @@ from design.synthesis.tuning import Region
 from plants import Wrist
 from plants.files import json_text
 from plants.linearisation import branch_slopes, branch_ss
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 from reports.robustness.tuning import lines, record
 from reports.shared.tuning import refused
 

@@ -14,8 +14,8 @@ from design.robustness.samples.scenario_file import load, save
 from plants import Wrist
 from plants.effects.wrist.creep import Creep
 from plants.errors import InputError
-from plants.parameters.quantities import built_in
-from plants.parameters.quantities import load as load_plant
+from plants.parameters.files import built_in
+from plants.parameters.files import load as load_plant
 
 
 @pytest.fixture(scope="module")

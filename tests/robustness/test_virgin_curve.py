@@ -10,7 +10,7 @@ from design.controllers.pi import PI
 from design.evaluation.steps import run
 from design.robustness.certificates.continuous.virgin import time_on_virgin_curve
 from plants import Wrist
-from plants import wrist as plant
+from plants import dynamics as plant
 from plants.wrist import SAMPLE_TIME
 from reports.robustness.statements import virgin_words
 

@@ -9,7 +9,7 @@ import pytest
 from plants.errors import InputError, InputWarning
 from plants.measured.campaign import load_campaign
 from plants.measured.trace.trace import trace_campaign
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 from tests.rig.campaign import make_campaign
 from tests.trace.traces import trace_folder
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from plants.parameters.quantities import dump, load
+from plants.parameters.files import dump, load
 from plants.wrist import Wrist
 from tests.rig.campaign import make_campaign
 from tests.trace.traces import trace_folder

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from plants.measured.campaign import load_campaign
 from plants.measured.trace.trace import Trace, trace_campaign
-from plants.parameters.quantities import built_in
+from plants.parameters.files import built_in
 
 OUTSIDE, NOTHING, KNOWN = "unexplained", "nothing-missing", "explained"
 

@@ -16,7 +16,7 @@ from design.tuner import Tuner
 from plants import Wrist
 from plants.effects import Creep, DeadTime
 from plants.errors import InputError
-from plants.parameters.quantities import built_in, dump
+from plants.parameters.files import built_in, dump
 from reports.shared import style
 
 HERE = Path(design.tuner.__file__).parent

@@ -153,7 +153,7 @@ def _plants(
     from plants.errors import InputError
     from plants.measured.campaign import load_campaign
     from plants.measured.trace.law import fit_rig
-    from plants.parameters.quantities import built_in, load
+    from plants.parameters.files import built_in, load
 
     given: dict[str, ParameterSet] = {}
     fits: dict[str, Fit] = {}

@@ -97,7 +97,7 @@ def _campaigns(folders: list[Path], files_: list[Path]) -> "dict[str, tuple[Camp
     """Campaigns by motion, each with the set that its fit starts from; all are read before any is fitted."""
     from plants.errors import InputError
     from plants.measured.campaign import load_campaign
-    from plants.parameters.quantities import load
+    from plants.parameters.files import load
 
     sets = {s.axis: s for s in (load(path) for path in files_)}
     found: dict[str, tuple[Campaign, ParameterSet | None]] = {}

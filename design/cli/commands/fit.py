@@ -42,7 +42,7 @@ def command(
 ) -> None:
     from plants.measured.campaign import load_campaign
     from plants.measured.trace.law import fit_rig
-    from plants.parameters.quantities import dump
+    from plants.parameters.files import dump
     from reports.shared.fit import fit_record, start_record
 
     check_places({"--save": save, "--json": json}, out)

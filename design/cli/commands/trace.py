@@ -54,7 +54,7 @@ def command(
 ) -> None:
     from plants.measured.campaign import load_campaign
     from plants.measured.trace.trace import trace_campaign
-    from plants.parameters.quantities import dump
+    from plants.parameters.files import dump
     from reports.trace.record import control_record, trace_record
     from reports.trace.words import control_sentence
 

@@ -12,7 +12,8 @@ import signal
 import sys
 from threading import Event, Lock, Thread
 
-from design.cli.errors import STOPPED
+STOPPED = 130
+"""Exit code of a program that Ctrl-C has ended."""
 
 GRACE = 0.5
 """Time [s] in which the program may put away what it was doing; a second Ctrl-C ends it at once."""

@@ -80,7 +80,7 @@ class Search:
         x = np.clip(x, 0.0, 1.0)
         ok = self.space.reachable(x)
         played = play(self.space.batch(x), self.controller, jobs=self.jobs, task_band=True)
-        height = np.where(ok, -scores(played.values, self.limits, self.objective), ASIDE)
+        height = np.where(ok, -scores(played.values, self.limits, self.objective, played.step), ASIDE)
         self.places.append(x)
         self.heights.append(height)
         self.aside += int(np.sum(~ok))
@@ -225,7 +225,7 @@ def _others(search: Search) -> tuple[Sequence, ...]:
         return ()
     runs = [search.space.sequence(x)[0] for x in search.best(1 + OTHERS)[1:]]
     played = [play([s], search.controller, jobs=search.jobs, task_band=True).values for s in runs]
-    broken = [float(scores(v, search.limits, "excess")[0]) > 0.0 for v in played]
+    broken = [float(scores(v, search.limits, "excess", 1.0)[0]) > 0.0 for v in played]
     return tuple(s for s, breaks in zip(runs, broken, strict=True) if breaks)
 
 

@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from design.controllers.controller import Controller
 from design.robustness.box import Box
 from design.robustness.samples.conditions import Conditions, added, left_out
+from plants.dynamics import settled
 from plants.effects.effect import Around, Effect
 from plants.equilibrium import at_rest, searched
 from plants.kernel import pytrees as tree
 from plants.simulation.sensor import HOLD
-from plants.wrist import STARTS, Start, State, Wrist, settled
+from plants.wrist import STARTS, Start, State, Wrist
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

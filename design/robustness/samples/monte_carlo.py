@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from design.cluster import each
 from design.controllers.controller import Controller
-from design.evaluation.metrics import SETTLING_BAND, Metrics
+from design.evaluation.metrics import Metrics
 from design.evaluation.runner import play, step_from
 from design.robustness.box import Box
 from design.robustness.samples.conditions import Conditions
@@ -102,7 +102,7 @@ def monte_carlo(
     numbers that make no sense, and as `design.cluster.each` does.
 
     >>> from design.controllers.pi import PI
-    >>> from plants.parameters.quantities import built_in
+    >>> from plants.parameters.files import built_in
     >>> from design.robustness.box import box_of
     >>> found = monte_carlo(box_of(built_in("flexion")), PI(5.0, 9.0), samples=200)
     >>> len(found), [v.requirement for v in found.violations]
@@ -173,7 +173,7 @@ def _gathered(task: SamplingTask, limits: Limits, parts: list[Part]) -> Samples:
     return Samples(
         task, limits, metrics, values, np.concatenate(start), np.concatenate(reference), steps, beyond,
         {f.name: quantiles(getattr(kept, f.name)) for f in fields(Metrics)},
-        tuple(_violations(kept, steps[~beyond], limits, task.duration)),
+        tuple(_violations(kept, steps[~beyond], limits, task.duration, task.box.plant.rig.task.band)),
         counted("reach", "reference, or start, beyond what any command holds", None, "", beyond),
         remarks(task),
     )  # fmt: skip
@@ -187,7 +187,7 @@ def quantiles(values: Array) -> tuple[float, ...]:
     return tuple(float(q) for q in np.quantile(values, QUANTILES, method="inverted_cdf"))
 
 
-def _violations(m: Metrics, step: Array, limits: Limits, duration: float) -> list[Violations]:
+def _violations(m: Metrics, step: Array, limits: Limits, duration: float, band: float) -> list[Violations]:
     """Requirements that a simulated run can break: the limits in force, and that it settles at all."""
     error = 100.0 * m.steady_state_error_deg / step
     values = {
@@ -202,7 +202,7 @@ def _violations(m: Metrics, step: Array, limits: Limits, duration: float) -> lis
             unit = LIMIT_UNITS[name]
             # What is not a number has broken its limit too.
             found[name] = counted(name, words.format(f"{limit:g} {unit}"), limit, unit, ~(value <= limit))
-    words = f"not settled within {100 * SETTLING_BAND:g} % of the step after {duration:g} s"
+    words = f"not settled within {100 * band:g} % of the step after {duration:g} s"
     found["settles"] = counted("settles", words, None, "", ~np.isfinite(m.settling_time_s))
     order = ("overshoot_percent", "settles", "steady_error_percent", "total_variation_V")
     return [found[n] for n in order if n in found]

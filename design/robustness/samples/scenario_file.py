@@ -94,10 +94,10 @@ def load(path: str | Path) -> Saved:
     """What a scenario file says.
 
     Raises InputError, in one line with the file and what is wrong with it, for a file that is no
-    parameter set (see `plants.parameters.files.read`), for a table or an entry that is missing, unknown
+    parameter set (see `plants.parameters.files.load`), for a table or an entry that is missing, unknown
     or of a wrong kind, and for numbers that make no run.
     """
-    plant = parameter_files.read(path)
+    plant = parameter_files.load(path)
     text = read_toml(path, "scenario file", "`wrist robust --worst`")
     asked, settings, seen = (_table(path, text, n) for n in ("scenario", "controller", "metrics"))
     names = {f.name for f in fields(Metrics)}
@@ -171,5 +171,5 @@ def _numbers(path: str | Path, where: str, values: Any) -> tuple[float, ...]:
 def _plant_text(plant: ParameterSet) -> str:
     """A parameter set as the text that its own writer makes."""
     with tempfile.TemporaryDirectory() as folder:
-        parameter_files.write(plant, Path(folder) / "plant.toml")
+        parameter_files.dump(plant, Path(folder) / "plant.toml")
         return (Path(folder) / "plant.toml").read_text(encoding="utf-8")

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from design.controllers.controller import Controller
 from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
-from design.evaluation.scenarios import STEP, tuning_scenarios, within_reach
+from design.evaluation.scenarios import tuning_scenarios, within_reach
 from design.evaluation.sequence import PlayedSequence, Sequence, play
 from design.robustness.box import Box
 from design.synthesis.requirements import Limits
@@ -117,10 +117,10 @@ def excesses(values: dict[str, Array], limits: Limits) -> dict[str, Array]:
     return {n: np.nan_to_num((values[n] - v) / (v or 1.0), nan=ASIDE, posinf=ASIDE) for n, v in named.items()}
 
 
-def scores(values: dict[str, Array], limits: Limits, objective: Objective) -> Array:
-    """What is maximised: the largest excess as a share, or the IAE per degree [s]."""
+def scores(values: dict[str, Array], limits: Limits, objective: Objective, step: float) -> Array:
+    """What is maximised: the largest excess as a share, or the IAE over the step of the task [s]."""
     if objective == "cost":
-        return values["iae_deg_s"] / STEP
+        return values["iae_deg_s"] / step
     return np.asarray(np.max(list(excesses(values, limits).values()), axis=0), float)
 
 

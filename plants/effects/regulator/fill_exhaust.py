@@ -18,15 +18,16 @@ SLOWEST = 0.02
 
 
 class SampledAsymmetry(NamedTuple):
-    """Factors of the rate at 100 kPa gauge, and their change per kPa."""
+    """Factors of the rate in the middle of the range, their change per kPa, and that middle [kPa]."""
 
     fill: Number
     fill_slope: Number
     exhaust: Number
     exhaust_slope: Number
+    middle: Number
 
     def valve(self, s: Nothing, pressure: Number, error: Number, around: Around) -> tuple[Number, Number]:
-        x = pressure - 100.0
+        x = pressure - self.middle
         speed = np.where(error > 0.0, self.fill + self.fill_slope * x, self.exhaust + self.exhaust_slope * x)
         return error, np.maximum(speed, SLOWEST)
 
@@ -56,34 +57,38 @@ class TwoRates(_TwoValves):
     ratio: Number = parameter("1", "rate of exhausting over rate of filling", 0.1, 5.0, 1.0, (0.7, 1.4))
 
     def sampled(self, wrist: Any, dt: float) -> SampledAsymmetry:
-        return SampledAsymmetry(1.0, 0.0, self.ratio, 0.0)
+        return SampledAsymmetry(1.0, 0.0, self.ratio, 0.0, wrist.rig.rest_pressure)
 
 
 @dataclass(frozen=True)
 class PressureDependentRates(_TwoValves):
     """Both speeds change linearly with the pressure: factors 1 + fill x and ratio (1 + exhaust x)
-    with x = (P - 100 kPa) / 100 kPa."""
+    with x = (P - middle) / half the range."""
 
     FORM = "rates that depend on the pressure"
 
     ratio: Number = parameter("1", "rate of exhausting over rate of filling", 0.1, 5.0, 1.0, (0.7, 1.4))
-    fill: Number = parameter("1", "change of the filling rate per 100 kPa", -0.95, 3.0, 0.0, (-0.3, 0.0))
-    exhaust: Number = parameter("1", "change of the exhausting rate per 100 kPa", -0.95, 3.0, 0.0, (0.0, 0.4))
+    fill: Number = parameter("1", "change of filling over half the range", -0.95, 3.0, 0.0, (-0.3, 0.0))
+    exhaust: Number = parameter("1", "change of exhausting over half the range", -0.95, 3.0, 0.0, (0.0, 0.4))
 
     def sampled(self, wrist: Any, dt: float) -> SampledAsymmetry:
-        return SampledAsymmetry(1.0, self.fill / 100.0, self.ratio, self.ratio * self.exhaust / 100.0)
+        half = wrist.rig.half_range
+        return SampledAsymmetry(
+            1.0, self.fill / half, self.ratio, self.ratio * self.exhaust / half, wrist.rig.rest_pressure
+        )
 
 
 class SampledOrifice(NamedTuple):
-    """Factor of the rate of exhausting at 100 kPa, its exponent, and the pressure [kPa] added to the
-    gauge's."""
+    """Factor of the rate of exhausting in the middle of the range, its exponent, the pressure [kPa] added to
+    the gauge's, and that middle [kPa]."""
 
     ratio: Number
     exponent: Number
     base: Number
+    middle: Number
 
     def valve(self, s: Nothing, pressure: Number, error: Number, around: Around) -> tuple[Number, Number]:
-        relative = np.maximum((pressure + self.base) / (100.0 + self.base), 1e-3)
+        relative = np.maximum((pressure + self.base) / (self.middle + self.base), 1e-3)
         return error, np.where(error > 0.0, 1.0, np.maximum(self.ratio * relative**self.exponent, SLOWEST))
 
 
@@ -93,9 +98,11 @@ class OrificeExhaust(_TwoValves):
 
     FORM = "exhaust through an orifice"
 
-    ratio: Number = parameter("1", "rate of exhausting over filling, at 100 kPa", 0.1, 5.0, 1.0, (0.7, 1.4))
+    ratio: Number = parameter(
+        "1", "rate of exhausting over filling, in the middle of the range", 0.1, 5.0, 1.0, (0.7, 1.4)
+    )
     exponent: Number = parameter("1", "exponent of the gauge pressure", 0.0, 2.0, 0.0, (0.5, 1.0))
     base: Number = parameter("kPa", "pressure that drives the exhaust at 0 kPa gauge", 0.5, 200.0, 20.0)
 
     def sampled(self, wrist: Any, dt: float) -> SampledOrifice:
-        return SampledOrifice(self.ratio, self.exponent, self.base)
+        return SampledOrifice(self.ratio, self.exponent, self.base, wrist.rig.rest_pressure)

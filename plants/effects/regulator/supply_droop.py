@@ -85,11 +85,11 @@ class _Droop(Effect):
     @classmethod
     def trials_on(cls, log: TrialHints) -> Iterator[dict[str, float]]:
         """The trials, and supplies at shares of the pressure that was reached, for rigs of any size."""
-        yield from cls.trials()
+        yield from cls.trials(log.rig)
         if log.channel != "pressure_kPa":
             return
-        reached, first = float(log.quantiles(0.998)[0]), next(cls.trials())["supply"]
-        for given in cls.trials():
+        reached, first = float(log.quantiles(0.998)[0]), next(cls.trials(log.rig))["supply"]
+        for given in cls.trials(log.rig):
             if given["supply"] == first:
                 for share in (1.0, 0.97, 0.9):
                     yield {**given, "supply": share * reached}

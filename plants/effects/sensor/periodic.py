@@ -44,14 +44,14 @@ class _Humming(Effect):
 
     NAME = "periodic-disturbance"
     STAGE = "sensor"
-    HAPPENS = "A hum lies on the angle"
+    HAPPENS = "The measured angle contains a sinusoid"
     FROM_REMAINDER = True
     BOUND = "kept"
 
     @classmethod
     def trials_on(cls, log: TrialHints) -> list[dict[str, float]]:
         """The lines of the remainder's spectrum."""
-        first, noise = next(cls.trials()), log.noise
+        first, noise = next(cls.trials(log.rig)), log.noise
         return [
             {**first, "frequency": f, "sine": a * noise, "cosine": b * noise}
             for f, a, b in log.spectral_lines()

@@ -9,13 +9,13 @@ from plants.effects.effect import Around, Effect, Linear, Nothing, Number, param
 from plants.hysteresis import SIDES
 
 OUTER = SIDES[:2]
-SPAN = 100.0
-"""Pressure from rest [kPa] at which the coefficients of the polynomials count in full."""
+"""Branches of the loop, outer ones.  Coefficients of the polynomials count in full at half the range of the
+pressure from rest."""
 
 
 def _from_rest(wrist: Any, reach: tuple[float, float]) -> Any:
-    """Pressures from rest, in units of SPAN, (201,), where slopes are looked at."""
-    return (np.linspace(*reach, 201) - wrist.hysteresis.rest_pressure) / SPAN
+    """Pressures from rest, in units of half the range, (201,), where slopes are looked at."""
+    return (np.linspace(*reach, 201) - wrist.hysteresis.rest_pressure) / wrist.rig.half_range
 
 
 def _least_and_largest(slope: Any) -> tuple[float, float]:
@@ -23,9 +23,10 @@ def _least_and_largest(slope: Any) -> tuple[float, float]:
 
 
 class SampledWarp(NamedTuple):
-    """Rest pressure [kPa]; quadratic and cubic coefficient of the pressure that acts."""
+    """Rest pressure and half the range [kPa]; quadratic and cubic coefficient of the pressure that acts."""
 
     rest_pressure: Number
+    span: Number
     quadratic: Number
     cubic: Number
 
@@ -35,8 +36,8 @@ class SampledWarp(NamedTuple):
         return s, self._warped(before), self._warped(after)
 
     def _warped(self, pressure: Number) -> Number:
-        x = (pressure - self.rest_pressure) * (1.0 / SPAN)
-        return pressure + SPAN * x * x * (self.quadratic + self.cubic * x)
+        x = (pressure - self.rest_pressure) * (1.0 / self.span)
+        return pressure + self.span * x * x * (self.quadratic + self.cubic * x)
 
 
 class _Curved(Effect):
@@ -51,7 +52,7 @@ class _Curved(Effect):
 
 @dataclass(frozen=True)
 class Polynomial(_Curved):
-    """The pressure acts through a cubic: x (1 + quadratic x + cubic x^2), x = (P - rest) / 100 kPa.
+    """The pressure acts through a cubic: x (1 + quadratic x + cubic x^2), x = (P - rest) / half the range.
 
     One curve for both branches and the transit.
     """
@@ -62,7 +63,7 @@ class Polynomial(_Curved):
     cubic: Number = parameter("1", "share of the cubic term", -0.33, 2.0, 0.0, (-0.15, 0.15))
 
     def sampled(self, wrist: Any, dt: float) -> SampledWarp:
-        return SampledWarp(wrist.hysteresis.rest_pressure, self.quadratic, self.cubic)
+        return SampledWarp(wrist.hysteresis.rest_pressure, wrist.rig.half_range, self.quadratic, self.cubic)
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         x = _from_rest(wrist, reach)
@@ -99,14 +100,17 @@ class Saturation(_Curved):
         return SampledSaturation(wrist.hysteresis.rest_pressure, 1.0 / np.asarray(self.range, float))
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
-        slope = _least_and_largest(1.0 - np.tanh(_from_rest(wrist, reach) * SPAN / self.range) ** 2)
+        slope = _least_and_largest(
+            1.0 - np.tanh(_from_rest(wrist, reach) * wrist.rig.half_range / self.range) ** 2
+        )
         return Linear(slopes=dict.fromkeys(SIDES, slope))
 
 
 class SampledBow(NamedTuple):
-    """Rest pressure [kPa]; quadratic and cubic of line 1 and of line 2 [deg]."""
+    """Rest pressure and half the range [kPa]; quadratic and cubic of line 1 and of line 2 [deg]."""
 
     rest_pressure: Number
+    span: Number
     bow1: Number
     bow2: Number
     cubic: Number
@@ -114,7 +118,7 @@ class SampledBow(NamedTuple):
     def bend(
         self, s: Nothing, before: Number, after: Number, loop: Any, around: Around
     ) -> tuple[Nothing, Number, Number, Number]:
-        x = (after - self.rest_pressure) * (1.0 / SPAN)
+        x = (after - self.rest_pressure) * (1.0 / self.span)
         square, cube = x * x, self.cubic * x * x * x
         return s, self.bow1 * square + cube, self.bow2 * square + cube, 1.0
 
@@ -123,7 +127,7 @@ class SampledBow(NamedTuple):
 class Bow(_Curved):
     """Each line has a bow of its own, and both the same cubic; the transit stays straight.
 
-    All in deg at 100 kPa from rest.
+    All in deg at half the range from rest.
     """
 
     FORM = "bow of each line"
@@ -133,43 +137,46 @@ class Bow(_Curved):
     cubic: Number = parameter("deg", "cubic term of both lines", -20.0, 40.0, 0.0, (0.0,))
 
     def sampled(self, wrist: Any, dt: float) -> SampledBow:
-        return SampledBow(wrist.hysteresis.rest_pressure, self.bow1, self.bow2, self.cubic)
+        return SampledBow(
+            wrist.hysteresis.rest_pressure, wrist.rig.half_range, self.bow1, self.bow2, self.cubic
+        )
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         x, slopes = _from_rest(wrist, reach), {}
         for side, bow, straight in zip(
             OUTER, (self.bow1, self.bow2), wrist.hysteresis.steepness, strict=True
         ):
-            bend = x * (2.0 * bow + 3.0 * self.cubic * x) / SPAN  # deg/kPa
+            bend = x * (2.0 * bow + 3.0 * self.cubic * x) / wrist.rig.half_range  # deg/kPa
             slopes[side] = _least_and_largest(1.0 + bend / straight)
         return Linear(slopes=slopes)
 
 
 class SampledCurve(NamedTuple):
-    """Rest pressure [kPa]; shares of the Chebyshev polynomials of degree 2 to 7."""
+    """Rest pressure and half the range [kPa]; shares of the Chebyshev polynomials of degree 2 to 7."""
 
     rest_pressure: Number
+    span: Number
     shares: tuple[Number, ...]
 
     def bend(
         self, s: Nothing, before: Number, after: Number, loop: Any, around: Around
     ) -> tuple[Nothing, Number, Number, Number]:
-        x = np.minimum(np.maximum((after - self.rest_pressure) * (1.0 / SPAN), -1.2), 1.2)
+        x = np.minimum(np.maximum((after - self.rest_pressure) * (1.0 / self.span), -1.2), 1.2)
         lower, here, curve = 1.0, x, 0.0
         for degree, share in enumerate(self.shares, start=2):
             lower, here = here, 2.0 * x * here - lower
             # Minus its value at rest, so that a wrist at rest stays at 0.
             curve = curve + share * (here - np.cos(degree * np.pi / 2.0))
         up, down = loop.steepness
-        return s, up * SPAN * curve, down * SPAN * curve, 1.0
+        return s, up * self.span * curve, down * self.span * curve, 1.0
 
 
 @dataclass(frozen=True)
 class SmoothCurve(_Curved):
     """Both lines follow one smooth curve, the transit stays straight.
 
-    Chebyshev polynomials T2 to T7 of (P - rest) / 100 kPa, as shares of the line's
-    rise over 100 kPa.
+    Chebyshev polynomials T2 to T7 of (P - rest) / half the range, as shares of the line's
+    rise over that.
     """
 
     FORM = "smooth curve of the lines"
@@ -183,7 +190,7 @@ class SmoothCurve(_Curved):
 
     def sampled(self, wrist: Any, dt: float) -> SampledCurve:
         shares = (self.t2, self.t3, self.t4, self.t5, self.t6, self.t7)
-        return SampledCurve(wrist.hysteresis.rest_pressure, shares)
+        return SampledCurve(wrist.hysteresis.rest_pressure, wrist.rig.half_range, shares)
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         shares = [0.0, 0.0, self.t2, self.t3, self.t4, self.t5, self.t6, self.t7]

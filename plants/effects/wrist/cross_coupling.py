@@ -5,9 +5,6 @@ from typing import Any, ClassVar, NamedTuple
 
 from plants.effects.effect import Around, Effect, Nothing, Number, parameter
 
-REST = 100.0
-"""Pressure of the other motion [kPa] that moves nothing."""
-
 
 class SampledCoupling(NamedTuple):
     """Linear [deg/kPa] and quadratic [deg/kPa^2] coefficient."""
@@ -18,7 +15,7 @@ class SampledCoupling(NamedTuple):
     def static(
         self, s: Nothing, before: Number, after: Number, around: Around
     ) -> tuple[Nothing, Number, Number]:
-        x = around.other_pressure - REST
+        x = around.other_pressure
         shift = x * (self.gain + self.quadratic * x)
         return s, before + shift, after + shift
 
@@ -35,7 +32,7 @@ class _Coupled(Effect):
 
 @dataclass(frozen=True)
 class Coupling(_Coupled):
-    """The static angle shifts by `gain` [deg/kPa] times the other pressure's distance from 100 kPa."""
+    """The static angle shifts by `gain` [deg/kPa] times the other pressure's distance from rest."""
 
     FORM = "shift of the angle"
 
@@ -47,17 +44,17 @@ class Coupling(_Coupled):
 
 @dataclass(frozen=True)
 class QuadraticCoupling(_Coupled):
-    """As `Coupling`, with a quadratic part, in deg at 100 kPa from rest."""
+    """As `Coupling`, with a quadratic part, in deg at half the range of the pressure from rest."""
 
     FORM = "shift of the angle, quadratic"
 
     gain: Number = parameter("deg/kPa", "shift per kPa of the other motion", -0.5, 0.5, 0.0, (-0.02, 0.02))
     quadratic: Number = parameter(
-        "deg", "quadratic shift at 100 kPa from rest", -20.0, 20.0, 0.0, (-1.0, 1.0)
+        "deg", "quadratic shift at half the range from rest", -20.0, 20.0, 0.0, (-1.0, 1.0)
     )
 
     def sampled(self, wrist: Any, dt: float) -> SampledCoupling:
-        return SampledCoupling(self.gain, self.quadratic / 1e4)
+        return SampledCoupling(self.gain, self.quadratic / wrist.rig.half_range**2)
 
 
 class Offset(NamedTuple):
@@ -74,7 +71,7 @@ class SampledPressureCoupling(NamedTuple):
     def drive(
         self, s: Offset, before: Number, after: Number, around: Around
     ) -> tuple[Offset, Number, Number]:
-        offset = self.gain * (around.other_pressure - REST)
+        offset = self.gain * around.other_pressure
         return Offset(offset), before + s.pressure, after + offset
 
 

@@ -101,10 +101,10 @@ class _Stop(Effect):
         """Stops at shares of the angles that were reached, on either side or both."""
         low, high = log.quantiles(0.002, 0.998)
         shares = (1.0, 0.9, 0.75, 0.6)
-        kinds = cls.kinds()
-        lows = [kinds["low"].low, *(s * min(low, -1.0) for s in shares)]
-        highs = [kinds["high"].high, *(s * max(high, 1.0) for s in shares)]
-        rest = {n: v for n, v in next(cls.trials()).items() if n not in ("low", "high")}
+        kinds, least = cls.kinds(), log.rig.scaled(1.0, "deg")
+        lows = [log.rig.scaled(kinds["low"].low, "deg"), *(s * min(low, -least) for s in shares)]
+        highs = [log.rig.scaled(kinds["high"].high, "deg"), *(s * max(high, least) for s in shares)]
+        rest = {n: v for n, v in next(cls.trials(log.rig)).items() if n not in ("low", "high")}
         for a, b in list(product(lows, highs))[1:]:
             yield {**rest, "low": float(a), "high": float(b)}
 

@@ -154,11 +154,15 @@ class StiffeningInertia(_Inert):
 
     FORM = "stiffness that changes with the pressure"
 
-    stiffening: Number = parameter("1", "change of stiffness per 100 kPa", -0.9, 2.0, 0.0, (-0.3, 0.3))
+    stiffening: Number = parameter(
+        "1", "change of stiffness over half the range", -0.9, 2.0, 0.0, (-0.3, 0.3)
+    )
 
     def sampled(self, wrist: Any, dt: float) -> SampledStiffening:
         return SampledStiffening(
-            _transient(self.inertia, wrist, dt), wrist.hysteresis.rest_pressure, self.stiffening / 100.0
+            _transient(self.inertia, wrist, dt),
+            wrist.hysteresis.rest_pressure,
+            self.stiffening / wrist.rig.half_range,
         )
 
 

@@ -47,7 +47,7 @@ class _Loaded(Effect):
     @classmethod
     def trials_on(cls, log: TrialHints) -> list[dict[str, float]]:
         """Shifts of three times the noise at the moments at which the remainder steps."""
-        first, size = next(cls.trials()), 3.0 * log.noise
+        first, size = next(cls.trials(log.rig)), 3.0 * log.noise
         return [{**first, "moment": moment, "shift": size * sign} for moment, sign in log.steps()]
 
     def borrowed(self, asked: ExcitationHints) -> str | None:

@@ -13,18 +13,38 @@ import numpy as np
 from plants.effects.effect import Around, Effect, Nothing, Number, parameter
 
 
-class SampledWidening(NamedTuple):
-    """Per sample: 1 / dt [1/s], widening [deg s/kPa], 1 / rate at which it saturates [s/kPa]."""
+class Saturating(NamedTuple):
+    """Widening of each half of the loop per rate [deg s/kPa], 1 / rate at which it saturates [s/kPa]."""
 
-    per_dt: Number
     widening: Number
     per_limit: Number
+
+    def at(self, rate: Number) -> Number:
+        """Widening [deg] of each half at a rate [kPa/s]."""
+        return self.widening * rate / (1.0 + rate * self.per_limit)
+
+
+class PowerLaw(NamedTuple):
+    """Widening of each half [deg] at a rate of 1, exponent."""
+
+    widening: Number
+    exponent: Number
+
+    def at(self, rate: Number) -> Number:
+        """Widening [deg] of each half at a rate, in half the range of the pressure a second."""
+        return self.widening * np.maximum(rate, 1e-9) ** self.exponent
+
+
+class SampledWidening(NamedTuple):
+    """Rate per pressure moved in a sample, in the law's unit of the rate; how the widening follows it."""
+
+    per_dt: Number
+    law: Saturating | PowerLaw
 
     def bend(
         self, s: Nothing, before: Number, after: Number, loop: Any, around: Around
     ) -> tuple[Nothing, Number, Number, Number]:
-        rate = np.abs(after - before) * self.per_dt
-        extra = self.widening * rate / (1.0 + rate * self.per_limit)
+        extra = self.law.at(np.abs(after - before) * self.per_dt)
         return s, -extra, extra, 1.0
 
 
@@ -38,15 +58,14 @@ class SampledMemory(NamedTuple):
     """As `SampledWidening`, and the share of the way that the felt rate goes in one sample."""
 
     per_dt: Number
-    widening: Number
-    per_limit: Number
+    law: Saturating
     share: Number
 
     def bend(
         self, s: Remembered, before: Number, after: Number, loop: Any, around: Around
     ) -> tuple[Remembered, Number, Number, Number]:
         rate = s.rate + self.share * (np.abs(after - before) * self.per_dt - s.rate)
-        extra = self.widening * rate / (1.0 + rate * self.per_limit)
+        extra = self.law.at(rate)
         return Remembered(rate), -extra, extra, 1.0
 
 
@@ -79,7 +98,7 @@ class Viscous(_Widening):
     widening: Number = _WIDENING
 
     def sampled(self, wrist: Any, dt: float) -> SampledWidening:
-        return SampledWidening(1.0 / dt, self.widening, 0.0)
+        return SampledWidening(1.0 / dt, Saturating(self.widening, 0.0))
 
 
 @dataclass(frozen=True)
@@ -94,22 +113,7 @@ class SaturatingWidening(_Widening):
     )
 
     def sampled(self, wrist: Any, dt: float) -> SampledWidening:
-        return SampledWidening(1.0 / dt, self.widening, 1.0 / np.asarray(self.limit, float))
-
-
-class SampledPower(NamedTuple):
-    """1 / (100 kPa/s) per sample, widening at 100 kPa/s [deg], exponent."""
-
-    per_reference: Number
-    widening: Number
-    exponent: Number
-
-    def bend(
-        self, s: Nothing, before: Number, after: Number, loop: Any, around: Around
-    ) -> tuple[Nothing, Number, Number, Number]:
-        rate = np.abs(after - before) * self.per_reference
-        extra = self.widening * np.maximum(rate, 1e-9) ** self.exponent
-        return s, -extra, extra, 1.0
+        return SampledWidening(1.0 / dt, Saturating(self.widening, 1.0 / np.asarray(self.limit, float)))
 
 
 @dataclass(frozen=True)
@@ -118,11 +122,13 @@ class PowerWidening(_Widening):
 
     FORM = "power of the rate"
 
-    widening: Number = parameter("deg", "widening of each half at 100 kPa/s", -10.0, 20.0, 0.0, (1.0,))
+    widening: Number = parameter(
+        "deg", "widening of each half at half the range a second", -10.0, 20.0, 0.0, (1.0,)
+    )
     exponent: Number = parameter("1", "exponent of the rate", 0.1, 2.0, 0.5, (0.3, 0.6, 1.4))
 
-    def sampled(self, wrist: Any, dt: float) -> SampledPower:
-        return SampledPower(1.0 / (100.0 * dt), self.widening, self.exponent)
+    def sampled(self, wrist: Any, dt: float) -> SampledWidening:
+        return SampledWidening(1.0 / (wrist.rig.half_range * dt), PowerLaw(self.widening, self.exponent))
 
 
 @dataclass(frozen=True)
@@ -139,7 +145,7 @@ class RememberedRate(_Widening):
 
     def sampled(self, wrist: Any, dt: float) -> SampledMemory:
         share = -np.expm1(-dt / np.asarray(self.memory, float))
-        return SampledMemory(1.0 / dt, self.widening, 1.0 / np.asarray(self.limit, float), share)
+        return SampledMemory(1.0 / dt, Saturating(self.widening, 1.0 / np.asarray(self.limit, float)), share)
 
     def rest(self, wrist: Any, pressure: Number, angle: Number) -> Remembered:
         return Remembered(0.0)

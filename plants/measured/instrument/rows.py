@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.cells import Column, Text
-from plants.measured.tables import Table
+from plants.measured.formats.cells import Column, Text
+from plants.measured.formats.tables import Table
 
 Rows = NDArray[np.intp]
 EVEN = (0.6, 1.6)

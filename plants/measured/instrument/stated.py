@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from plants.errors import InputError
-from plants.measured.cells import shorten
+from plants.measured.formats.cells import shorten
 from plants.toml import is_number
 
 DELAYS = {"angle_delay_s": "angle_deg", "pressure_delay_s": "pressure_kPa"}

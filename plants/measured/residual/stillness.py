@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.noise import is_coloured, noise_of
 from plants.measured.recording import Recording
 from plants.measured.residual.checks.periodic import harmonic, line_in, spectrum_of
 from plants.measured.residual.series.background import LONGEST_MEMORY, background, first_order, positive_parts
@@ -41,6 +42,35 @@ LINES = 4
 
 SURE = 1e-6
 """Probability of a line in noise that has none."""
+
+
+def noise_of_campaign(recordings: Sequence[Recording], channel: str) -> float | None:
+    """Noise floor of a channel, by its column name, over recordings of one rig; None where it was not logged.
+
+    Noise with a memory escapes differences, which see only what is new from row to row.
+    Where the command was still for long, its spectrum is looked at instead: slow
+    trends are taken off each stretch and a hum off all, and what lasts longer than the
+    stretches is extrapolated as first-order noise of at most 0.6 s.  That is good to about 3 % for
+    correlation times of 0.05 s, 6 % for 0.2 s and 8 % for 0.5 s, with 90 s of stillness.
+
+    The floor of white noise, `noise_of`, is kept unless the noise is coloured for certain:
+    where differences over several rows are not larger than those from row to row, and where
+    there is too little stillness to tell (less than 20 s, 3 s after the command
+    moved).  White noise with a slow part that is smaller counts as white.
+    """
+    logged = [(r, v) for r in recordings if (v := r.channels.get(channel)) is not None]
+    white = noise_of([v[r.fresh(channel)] for r, v in logged])
+    if any(channel in r.renewed for r, _ in logged):
+        return white  # too few rows are its own to see a colour
+    if white is None:
+        return None
+    still = still_noise([r for r, _ in logged], [v for _, v in logged])
+    if still is None or not is_coloured([still.value[s] for s in still.spans]):
+        return white
+    still = without_lines(still)
+    if not is_coloured([still.value[s] for s in still.spans]):
+        return white
+    return max(white, total_noise(still))
 
 
 def still_noise(recordings: Sequence[Recording], channel: Sequence[Array]) -> Joined | None:

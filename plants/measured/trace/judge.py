@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.stage import BLOCK
 from plants.measured.trace.search.choose import Candidate, EffectSearch
 from plants.measured.trace.search.screening import Ranked
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.stages.stage import BLOCK
 
 Array = NDArray[np.float64]
 NOTHING = 1.1

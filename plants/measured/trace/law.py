@@ -15,9 +15,9 @@ from plants.measured.campaign import Campaign
 from plants.measured.fit import Fit, fit_campaign
 from plants.measured.guess import guessed_set
 from plants.measured.playback import Playback
+from plants.measured.stage import Stage
 from plants.measured.trace.search.choose import Candidate
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.stages.stage import Stage
 from plants.measured.trace.start import FROM_GUESS, Start, starting
 from plants.parameters.quantities import ParameterSet, loop_names
 

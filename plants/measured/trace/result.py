@@ -8,12 +8,12 @@ from plants.measured.fit import Fit
 from plants.measured.free_run import FreeRun
 from plants.measured.logger import Remark
 from plants.measured.residual.examine import Examination
+from plants.measured.stage import Stage
 from plants.measured.trace.law import LawChoice
 from plants.measured.trace.search.choose import EffectSearch
 from plants.measured.trace.search.learnt import Learnt
 from plants.measured.trace.size import RemainderSize, explained_share, remainder
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.stages.stage import Stage
 from plants.parameters.quantities import ParameterSet
 
 

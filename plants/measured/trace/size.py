@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.begin import measured
 from plants.measured.free_run import FreeRun, squares
-from plants.measured.problem import measured
 
 Array = NDArray[np.float64]
 MATTERS = 0.005

@@ -6,7 +6,8 @@ from plants.measured.campaign import Campaign
 from plants.measured.guess import guessed_set
 from plants.measured.logger import Remark, corrected
 from plants.measured.trace.zero import counted
-from plants.parameters.quantities import ParameterSet, built_in
+from plants.parameters.files import built_in
+from plants.parameters.quantities import ParameterSet
 from plants.rig import built_in_rig
 
 STARTS, FROM_GUESS = 3, 1

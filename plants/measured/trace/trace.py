@@ -10,13 +10,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.begin import first_begin, measured
 from plants.measured.campaign import Campaign
 from plants.measured.estimate import HUBER, standard_errors
 from plants.measured.fit import CHANNELS, Fit, fit_campaign
 from plants.measured.free_run import FreeRun, rmse
 from plants.measured.logger import Remark
 from plants.measured.playback import Playback
-from plants.measured.problem import first_begin, measured
+from plants.measured.stage import Stage, begun
 from plants.measured.trace.declared import LOWER, driven, refitted
 from plants.measured.trace.errors import intervals
 from plants.measured.trace.experiments import sentence, separate
@@ -28,7 +29,6 @@ from plants.measured.trace.search.learnt import learn
 from plants.measured.trace.size import MATTERS, NAMED, span
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import remainders
-from plants.measured.trace.stages.stage import Stage, begun
 from plants.measured.trace.start import starting
 from plants.measured.trace.suspect import check
 from plants.measured.trace.two_rigs import rigs_differ

@@ -11,14 +11,14 @@ import numpy as np
 
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.regulator.fill_exhaust import PressureDependentRates
+from plants.measured.begin import first_begin
 from plants.measured.campaign import Campaign
 from plants.measured.guess import first_order, guessed_set, recorded
 from plants.measured.logger import Remark, shifted
-from plants.measured.noise import noise_of_campaign
 from plants.measured.playback import Playback
-from plants.measured.problem import first_begin
+from plants.measured.residual.stillness import noise_of_campaign
+from plants.measured.stage import Stage
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.stages.stage import Stage
 
 WORTH = 0.01
 """Share of the pressure's range by which the zeros must differ: less is within what a regulator leaves."""

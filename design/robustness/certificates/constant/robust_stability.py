@@ -125,7 +125,7 @@ def robust_stability(
     that there is not, a negative dead time, and where the loop at the centre of the box is unstable
     without that dead time.
 
-    >>> from plants.parameters.quantities import built_in
+    >>> from plants.parameters.files import built_in
     >>> from design.robustness.box import box_of
     >>> row = robust_stability(box_of(built_in("flexion")), PI(3.13, 10.4), "line1", "slow")
     >>> row.certified, row.holds, bool(3.5 < row.growth < 1 / row.lower < 3.6)

@@ -56,7 +56,7 @@ class UncertainLoop:
         dead_time [s]: beside the plant's own.  Bounds of Tw become bounds of 1/Tw, whose centre is
         not 1/Tw of the plant.
 
-        >>> from plants.parameters.quantities import built_in
+        >>> from plants.parameters.files import built_in
         >>> from design.robustness.box import box_of
         >>> loop = UncertainLoop.of(box_of(built_in("flexion")), PI(1.2, 2.2), "line1", "slow")
         >>> [round(c, 4) for c in loop.centre], [round(r, 4) for r in loop.radius]

@@ -90,7 +90,7 @@ def plants_of(box: Box, controller: PI) -> Plants:
     """The plants of a box, as a controller meets them.
 
     >>> from design.robustness.box import box_of
-    >>> from plants.parameters.quantities import built_in
+    >>> from plants.parameters.files import built_in
     >>> plants = plants_of(box_of(built_in("flexion")), PI(1.2, 2.2))
     >>> [round(x, 3) for x in (*plants.slopes["line1"], *plants.slow, *plants.lag, *plants.gain)]
     [0.324, 0.396, 0.44, 0.66, 0.128, 0.192, 1.0, 1.0]

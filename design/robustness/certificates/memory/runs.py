@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from design.controllers.pi import PI
 from design.evaluation.tasks import Task
+from plants.dynamics import step as move
 from plants.hysteresis import STARTS, Start
 from plants.simulation.closed_loop import holding
 from plants.simulation.sensor import Measured
 from plants.wrist import State, Wrist
-from plants.wrist import step as move
 
 Array = NDArray[np.float64]
 

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from plants.effects import EFFECTS
 from plants.measured.residual.examine import Examination, examine
+from plants.measured.stage import BLOCK
 from plants.measured.trace.search.excitation import Excitation, excitation
 from plants.measured.trace.search.likelihood import demanded, log_likelihood
 from plants.measured.trace.search.screening import Ranked, Screen, screen
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import remainders
-from plants.measured.trace.stages.stage import BLOCK
 
 Array = NDArray[np.float64]
 WORTH = 0.05

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.stage import Form, Stage
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.stages.stage import Form, Stage
+from plants.rig import Rig
 
 Array = NDArray[np.float64]
 FREQUENCIES = (0.15, 0.45)
@@ -27,6 +28,11 @@ class StageHints:
     def channel(self) -> str:
         """What is measured."""
         return self.model.stage.channel
+
+    @property
+    def rig(self) -> Rig:
+        """The rig whose channel it is."""
+        return self.model.stage.rig
 
     @property
     def noise(self) -> float:

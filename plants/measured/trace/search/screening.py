@@ -15,9 +15,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.problem import WILD
+from plants.measured.stage import Form
 from plants.measured.trace.search.proposals import trials
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.stages.stage import WILD, Form
+from plants.rig import Rig, built_in_rig
 
 Array = NDArray[np.float64]
 DRAWS = 200
@@ -113,7 +115,7 @@ class Screen:
     def tried(self, form: Form) -> tuple[Ranked, Array]:
         """The best point of a form's grid, and the responses (rows, n) by which chance was judged."""
         # How much it could show does not depend on what the remainder suggests.
-        plain = list(form.trials())
+        plain = list(form.trials(self.model.stage.rig))
         grid = trials(form, self.model)
         more = [g for g in grid if g not in plain]
         points = plain + more
@@ -129,7 +131,7 @@ class Screen:
     def refined(self, found: Ranked, seen: Array) -> Ranked:
         """The best point that lies around one that was found."""
         for round_ in range(ROUNDS):
-            grid = around(found.form, found.values, 0.5**round_)
+            grid = around(found.form, found.values, 0.5**round_, self.model.stage.rig)
             responses = self.cleared(self.responses(found.form, grid))
             drops = self.drops(responses)
             seen = np.hstack([seen, _largest(responses, drops)])
@@ -162,9 +164,11 @@ def _largest(responses: Array, drops: Array) -> Array:
     return found
 
 
-def around(form: Form, best: Mapping[str, float], scale: float) -> list[dict[str, float]]:
+def around(
+    form: Form, best: Mapping[str, float], scale: float, rig: Rig | None = None
+) -> list[dict[str, float]]:
     """Points around the best: each parameter up and down by a factor, then some at random."""
-    kinds, spreads = form.kinds(), form.spreads()
+    rig, kinds, spreads = rig or built_in_rig(), form.kinds(), form.spreads()
     rng = np.random.default_rng(7)
     points = []
     for _ in range(32):
@@ -173,12 +177,14 @@ def around(form: Form, best: Mapping[str, float], scale: float) -> list[dict[str
             kind, spread = kinds[name], spreads[name]
             push = rng.normal() * scale
             if spread is not None:
-                moved = value + spread * push
+                moved = value + rig.scaled(spread, kind.unit) * push
             elif kind.low > 0.0 or value > 0.0 or value < 0.0:
                 moved = value * float(np.exp(0.5 * push))
             else:
                 moved = value
-            point[name] = float(np.clip(moved, kind.low, kind.high))
+            point[name] = float(
+                np.clip(moved, rig.scaled(kind.low, kind.unit), rig.scaled(kind.high, kind.unit))
+            )
         points.append(point)
     return points
 

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.estimate import jacobian, minimise
-from plants.measured.trace.stages.stage import Form, Stage, StageProblem, bounds_of
+from plants.measured.problem import FitProblem
+from plants.measured.stage import Form, Stage
 from plants.parameters.quantities import ParameterSet
 from plants.wrist import Wrist
 
@@ -46,9 +47,9 @@ class Model:
         return declared + tuple(f"{f.NAME}.{n}" for f in self.forms for n in f.kinds())
 
     @property
-    def problem(self) -> StageProblem:
+    def problem(self) -> FitProblem:
         """The residuals of the model, as a function of its parameters."""
-        return StageProblem(self.stage, self.forms, self.names, self.values)
+        return FitProblem(self.stage, self.forms, self.names, self.values)
 
     @property
     def vector(self) -> Array:
@@ -58,7 +59,7 @@ class Model:
     @property
     def bounds(self) -> Array:
         """Start, lower and upper bound of each of them, (3, n)."""
-        return bounds_of(self.names, self.forms, self.start, self.vector)
+        return self.problem.bounds(self.start)
 
     @cached_property
     def linear(self) -> tuple[Array, Array]:

@@ -1,8 +1,8 @@
 """What a model leaves of its channel, with all that it may depend on."""
 
 from plants.measured.residual.series.remainder import Remainder, variables
+from plants.measured.stage import begun
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.stages.stage import begun
 
 
 def remainders(model: Model) -> list[Remainder]:

@@ -15,24 +15,22 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.dynamics import settled
 from plants.effects import EFFECTS
 from plants.effects.effect import Around, Effect
 from plants.equilibrium import static_angle
 from plants.kernel.batches import default_jobs
+from plants.measured.begin import Begin, measured
 from plants.measured.playback import Playback
-from plants.measured.problem import Begin, block_length, measured
 from plants.measured.recording import Recording
-from plants.parameters.quantities import REGULATOR_NAMES, ParameterSet
+from plants.parameters.quantities import REGULATOR_NAMES
 from plants.rig import Rig
 from plants.simulation.open_loop import driven
-from plants.wrist import State, Wrist, settled
+from plants.wrist import State, Wrist
 
 Array = NDArray[np.float64]
 Name = Literal["regulator", "wrist", "whole"]
 Form = type[Effect]
-WILD = 1e6
-"""Residual, over the noise, beyond which nothing more is learnt."""
-
 BLOCK = 10.0
 """Length [s] of the blocks that are left out in turn, long against every memory but the slowest."""
 
@@ -108,21 +106,23 @@ class Stage:
 
     def simulate(self, values: Mapping[str, Any], forms: Sequence[Form] = ()) -> Array:
         """The channel of wrists with effects, shape (rows, lanes); leaves of `values` floats or (lanes,)."""
-        lanes = max((np.size(v) for v in values.values()), default=1)
-        wrist = Wrist.from_values(
-            {n: np.broadcast_to(np.asarray(v, float), lanes) for n, v in values.items()},
-            tuple(forms),
-            self.rig,
-        )
+        wrist = self.wrists(values, forms)
         with ThreadPoolExecutor(default_jobs()) as pool:
-            return np.concatenate(list(pool.map(lambda i: self._play(i, wrist), range(len(self.playbacks)))))
+            return np.concatenate(list(pool.map(lambda i: self.play(i, wrist), range(len(self.playbacks)))))
+
+    def wrists(self, values: Mapping[str, Any], forms: Sequence[Form] = ()) -> Wrist:
+        """Wrists with effects side by side; leaves of `values` floats or (lanes,)."""
+        lanes = max((np.size(v) for v in values.values()), default=1)
+        across = {n: np.broadcast_to(np.asarray(v, float), lanes) for n, v in values.items()}
+        return Wrist.from_values(across, tuple(forms), self.rig)
 
     def _measured(self, recording: Recording) -> Array:
         found = measured(recording, self.channel)
         assert found is not None
         return found
 
-    def _play(self, i: int, wrist: Wrist) -> Array:
+    def play(self, i: int, wrist: Wrist) -> Array:
+        """The channel of wrists in the i-th recording, (rows, lanes)."""
         playback = self.playbacks[i]
         state = self._state(i, wrist)
         if self.drives is None:
@@ -154,51 +154,3 @@ def begun(wrist: Wrist, begin: Begin | None) -> State | None:
     at = begin.state(wrist.hysteresis)
     effects = tuple(e.rest(wrist, at.pressure, at.memory.h) for e in wrist.effects)
     return settled(at._replace(effects=effects), wrist.sampled(), Around())
-
-
-@dataclass(frozen=True)
-class StageProblem:
-    """Residuals of a stage with some effects, for `plants.measured.estimate`; in units of the noise.
-
-    names: the parameters of a vector; values: all others.  rows: those that
-    count; None for all.
-    """
-
-    stage: Stage
-    forms: tuple[Form, ...]
-    names: tuple[str, ...]
-    values: Mapping[str, float]
-    rows: NDArray[np.bool_] | None = None
-
-    @property
-    def blocks(self) -> NDArray[np.intp]:
-        """Blocks within which residuals may be correlated in any way."""
-        return self.stage.blocks(block_length(self.stage.playbacks))
-
-    def residuals(self, x: Array) -> Array:
-        """Simulated minus measured over noise, (rows, lanes), for vectors (lanes, n)."""
-        found = self._all(x)
-        return found if self.rows is None else found[self.rows]
-
-    def _all(self, x: Array) -> Array:
-        values = {**self.values, **{n: x[:, i] for i, n in enumerate(self.names)}}
-        simulated = self.stage.simulate(values, self.forms)
-        simulated -= self.stage.target[:, None]
-        simulated /= self.stage.noise
-        if self.stage.floating:
-            simulated -= simulated.mean(axis=0)
-        # A wrist that runs away is a bad fit, not the end of the search.
-        return np.clip(np.nan_to_num(simulated, nan=WILD), -WILD, WILD)
-
-    def on(self, rows: NDArray[np.bool_] | None) -> "StageProblem":
-        """The same problem on some rows."""
-        return replace(self, rows=rows)
-
-
-def bounds_of(names: Sequence[str], forms: Sequence[Form], parameters: ParameterSet, at: Array) -> Array:
-    """Start, lower and upper bound of each parameter, (3, n); the start is put inside."""
-    kinds = {f"{f.NAME}.{n}": k for f in forms for n, k in f.kinds().items()}
-    known = parameters.parameters
-    low = np.array([known[n].low if n in known else kinds[n].low for n in names])
-    high = np.array([known[n].high if n in known else kinds[n].high for n in names])
-    return np.array([np.clip(at, low, high), low, high])

@@ -11,7 +11,7 @@ import re
 from pathlib import Path
 
 from plants.errors import InputError
-from plants.measured.cells import Column, column_of
+from plants.measured.formats.cells import Column, column_of
 
 
 def read_csv(path: Path) -> tuple[dict[str, Column], tuple[int, ...]]:

@@ -7,9 +7,9 @@ import numpy as np
 import tomlkit
 
 from plants.errors import InputError
-from plants.measured.cells import Text
-from plants.measured.columns import STANDARD
-from plants.measured.tables import Table, read_table
+from plants.measured.formats.cells import Text
+from plants.measured.formats.columns import STANDARD
+from plants.measured.formats.tables import Table, read_table
 
 SUFFIXES = (".csv", ".mat", ".parquet")
 

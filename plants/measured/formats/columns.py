@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plants.errors import InputError
-from plants.measured.cells import Array, shorten
+from plants.measured.formats.cells import Array, shorten
 
 STANDARD = ("time_s", "command_V", "angle_deg", "pressure_kPa", "reference_deg", "other_pressure_kPa")
 """The names of the columns that a recording knows; the unit is in the name."""

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from plants.errors import InputError
-from plants.measured.cells import Array, Column, one_line, shorten
+from plants.measured.formats.cells import Array, Column, one_line, shorten
 
 READABLE = {
     "cell", "char", "double", "function", "int8", "int16", "int32", "int64", "logical", "single", "sparse",
