@@ -330,7 +330,8 @@ def static_guess(loop: LoopGuess, drives: Sequence[Array]) -> list[Array]:
 
 
 def lagged(x: Array, dt: float, tau: float, delay: float) -> Array:
-    """A series, or its columns, through a delay and a first-order lag, from rest at its first value."""
+    """A series every `dt` [s], or its columns, through a delay [s] and a first-order lag of time constant
+    `tau` [s], from rest at its first value."""
     from scipy.signal import lfilter
 
     late = round(delay / dt)

@@ -145,7 +145,7 @@ def begun(wrist: Wrist, begin: Begin | None) -> State | None:
     """The state of a wrist, effects included, in which a recording starts; None at rest.
 
     Effects have come to rest where the recording begins, not where the wrist would rest by itself: a line
-    that delays holds the pressure that is there, and what creeps has crept.
+    that delays holds the pressure [kPa] that is there, and what creeps has crept.
     """
     if begin is None or not wrist.effects:
         return None if begin is None else begin.state(wrist.hysteresis)

@@ -128,3 +128,13 @@ def test_rows_written_twice_and_swapped_are_put_right(tmp_path, write_csv):
     assert found.mended == {"repeated": 1, "swapped": 1}
     np.testing.assert_array_equal(found.angle, good.angle)
     np.testing.assert_array_equal(found.time, good.time)
+
+
+def test_soft_rig_whose_logger_slips(tmp_path):
+    good, slipped = written(tmp_path / "good"), written(tmp_path / "slipped", slips=6)
+    for a, b in zip((*slipped.fit, *slipped.validate), (*good.fit, *good.validate), strict=True):
+        assert a.mended == {"repeated": 6, "swapped": 6}
+        np.testing.assert_array_equal(a.angle, b.angle)
+    said = [str(r) for r in corrected(slipped)[1]]
+    assert "24 rows were written twice (4 recordings); the copies are left out." in said
+    assert "24 rows stood in the wrong order (4 recordings); they are put in order." in said
