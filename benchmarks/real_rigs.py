@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import friction
 from benchmarks.real_data import Rig, checksums, convert, rigs
 from benchmarks.real_figures import draw_rig
 from plants.errors import InputError
@@ -202,6 +203,12 @@ def main() -> int:
         "campaigns": shortened(records),
     }
     write_atomically(KEPT / "real-rigs.json", json_text(content))
+    laws = {
+        "what": "laws of hysteresis and friction from displacement to force, errors of free runs on runs "
+        "held out; null for a library that is not installed",
+        "tasks": shortened(friction.table(data)),
+    }
+    write_atomically(KEPT / "friction.json", json_text(laws))
     return int(stopped)
 
 

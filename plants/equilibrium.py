@@ -49,14 +49,14 @@ def at_rest(wrist: "Wrist", start: Start = "virgin", angle: Number = 0.0) -> Sta
     if virgin:
         # A law without a dead zone of its own leaves the initial curve with the slightest pressure.
         state = State(loop.rest_pressure, loop.initial(), angle)
-        return state._replace(effects=_effects(wrist, state.pressure, angle))
+        return state._replace(effects=effects_at_rest(wrist, state.pressure, angle))
     if not wrist.effects:
         pressure = loop.rest_between(angle)[start]
         return State(pressure, loop.resting(start, angle, pressure), angle)
-    h = _static_angle(wrist, angle)
+    h = static_angle(wrist, angle)
     low, high = _pressure_on(wrist, 1, h), _pressure_on(wrist, 0, h)
     pressure = {"line1": high, "line2": low, "inside": (low + high) / 2}[start]
-    return State(pressure, _memory(wrist, start, h, pressure), angle, _effects(wrist, pressure, h))
+    return State(pressure, _memory(wrist, start, h, pressure), angle, effects_at_rest(wrist, pressure, h))
 
 
 def _memory(wrist: "Wrist", start: Start, h: Number, pressure: Number) -> Any:
@@ -65,7 +65,8 @@ def _memory(wrist: "Wrist", start: Start, h: Number, pressure: Number) -> Any:
     return wrist.hysteresis.resting(start, h, driven, down, up)
 
 
-def _effects(wrist: "Wrist", pressure: Number, h: Number) -> tuple[Any, ...]:
+def effects_at_rest(wrist: "Wrist", pressure: Number, h: Number) -> tuple[Any, ...]:
+    """States of the effects of a wrist that holds still at a pressure [kPa], its loop at h [deg]."""
     aimed = commanded(wrist, pressure)
     asked = {i for i, _ in wrist.sampled().at("target")}
     return tuple(e.rest(wrist, aimed if i in asked else pressure, h) for i, e in enumerate(wrist.effects))
@@ -110,7 +111,7 @@ def at_pressure(wrist: "Wrist", start: Start, pressure: float) -> State:
         return at_rest(wrist, start, (loop.ascending, loop.descending)[line](pressure))
     h = float(_line_angle(wrist, line, pressure, 0.0))
     memory = _memory(wrist, start, h, pressure)
-    return State(pressure, memory, float(_held_angle(wrist, h)), _effects(wrist, pressure, h))
+    return State(pressure, memory, float(_held_angle(wrist, h)), effects_at_rest(wrist, pressure, h))
 
 
 def obstacle(wrist: "Wrist", start: Start, angle: float) -> str | None:
@@ -130,16 +131,17 @@ def obstacle(wrist: "Wrist", start: Start, angle: float) -> str | None:
 def _held_angle(wrist: "Wrist", h: Number) -> Number:
     """The angle [deg] at which the effects let a wrist rest whose loop is at h [deg]; stops left out."""
     c = wrist.sampled()
-    s = _effects(wrist, wrist.hysteresis.rest_pressure, h)
+    s = effects_at_rest(wrist, wrist.hysteresis.rest_pressure, h)
     after = h
     for i, effect in c.at("static"):
         _, _, after = effect(s[i], h, after, Around())
     return after
 
 
-def _static_angle(wrist: "Wrist", angle: Number) -> Number:
-    """The loop's angle [deg] from which the effects make the angle that is held; by secants."""
-    stops = wrist.sampled().at("stop")
+def static_angle(wrist: "Wrist", angle: Number, against: bool = True) -> Number:
+    """The loop's angle [deg] from which the effects make the angle that is held; by secants.  against:
+    whether a stop may hold the joint, so that the loop is further on."""
+    stops = wrist.sampled().at("stop") if against else []
 
     def held(h: Number) -> Number:
         static = _held_angle(wrist, h)
@@ -148,13 +150,15 @@ def _static_angle(wrist: "Wrist", angle: Number) -> Number:
         # A joint that rests against a stop: the lag pulls it on and the stop pushes it back.
         moved = lag.step(angle, static, static, wrist.sampled().lag)
         for i, effect in stops:
-            moved = effect(_effects(wrist, wrist.hysteresis.rest_pressure, h)[i], moved)
+            moved = effect(effects_at_rest(wrist, wrist.hysteresis.rest_pressure, h)[i], moved)
         return moved - angle
 
     h0 = np.asarray(angle, float)
     h1 = h0 + 0.1
     f0, f1 = held(h0), held(h1)
     for _ in range(20):
+        if np.all(np.abs(f1) < 1e-12):
+            break
         slope = np.where(np.abs(f1 - f0) > 1e-12, (f1 - f0) / np.where(h1 == h0, 1.0, h1 - h0), 1.0)
         h0, f0 = h1, f1
         h1 = h1 - f1 / slope
@@ -173,7 +177,7 @@ def _bent(wrist: "Wrist", pressure: Number, h: Number) -> tuple[Number, Number, 
     """The pressure [kPa] that drives a loop at rest at a pressure [kPa], and the shifts of its branches
     [deg]."""
     c, loop = wrist.sampled(), wrist.hysteresis
-    s = _effects(wrist, pressure, h)
+    s = effects_at_rest(wrist, pressure, h)
     driven, down, up = pressure, 0.0, 0.0
     for i, effect in c.at("drive"):
         _, _, driven = effect(s[i], driven, driven, Around())

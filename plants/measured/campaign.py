@@ -3,7 +3,7 @@
 import hashlib
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -13,12 +13,13 @@ from plants.errors import InputError, InputWarning
 from plants.measured.formats.columns import Source, parse_columns
 from plants.measured.formats.draft import draft
 from plants.measured.formats.tables import Table, read_table
+from plants.measured.instrument.stated import StatedHabits, parse_logger
 from plants.measured.recording import Recording, Stage, from_table, required
 from plants.rig import Rig, built_in_rig
 from plants.toml import check_keys, is_number, parse_toml
 
 FILE = "campaign.toml"
-KEYS = ("axis", "stage", "start", "sample_time_s", "fit", "validate", "columns")
+KEYS = ("axis", "stage", "start", "sample_time_s", "fit", "validate", "columns", "logger")
 
 Start = Literal["rest", "unknown"]
 
@@ -36,7 +37,8 @@ class Campaign:
     name: the folder; axis: ``flexion``, ``deviation`` or a user's own; stage: the last stage that
     was measured; start: whether every recording starts at rest at 100 kPa on the virgin curve;
     sample_time [s] of the log; fit: may be used to fit and to choose; validate: only ever to report
-    the error; checksum: SHA-256 of campaign.toml and the recordings, the same on every machine.
+    the error; checksum: SHA-256 of campaign.toml and the recordings, the same on every machine; logger: what
+    campaign.toml says that the logger does.
     """
 
     name: str
@@ -47,6 +49,7 @@ class Campaign:
     fit: tuple[Recording, ...]
     validate: tuple[Recording, ...]
     checksum: str
+    logger: StatedHabits = field(default_factory=StatedHabits)
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,7 @@ class Declaration:
     fit: tuple[str, ...]
     validate: tuple[str, ...]
     columns: Mapping[str, Source]
+    logger: StatedHabits
 
 
 def load_campaign(folder: str | Path, rig: Rig | None = None) -> Campaign:
@@ -85,7 +89,7 @@ def load_campaign(folder: str | Path, rig: Rig | None = None) -> Campaign:
         _check_copies(fit, validate, folder)
     return Campaign(
         folder.resolve().name, said.axis, said.stage, said.start, said.sample_time, fit, validate,
-        _checksum(content, folder, said.fit + said.validate),
+        _checksum(content, folder, said.fit + said.validate), said.logger,
     )  # fmt: skip
 
 
@@ -151,8 +155,9 @@ def parse_declaration(content: bytes, path: Path) -> Declaration:
     )
     _check_separate(fit, validate, path)
     return Declaration(
-        axis, stage, start, sample_time, fit, validate, parse_columns(table.get("columns"), str(path))
-    )
+        axis, stage, start, sample_time, fit, validate, parse_columns(table.get("columns"), str(path)),
+        parse_logger(table.get("logger"), str(path), fit + validate),
+    )  # fmt: skip
 
 
 def _read_declaration(folder: Path) -> bytes:

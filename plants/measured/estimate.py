@@ -13,6 +13,9 @@ HUBER = 3.0
 JUMP = 50.0
 """A derivative so many times larger than its fellows was taken across a jump."""
 
+HOPELESS = 3.0
+"""Times the lowest cost beyond which a minimum is not followed further."""
+
 LINEAR = 1e9
 """A corner that no residual reaches."""
 
@@ -56,7 +59,11 @@ def estimate(problem: LeastSquares, bounds: Array, starts: int, seed: int) -> Es
     ends = [minimise(problem, x, bounds, _corner(problem.residuals(x[None, :])[:, 0])) for x in candidates]
     left = [problem.residuals(x[None, :])[:, 0] for x, _ in ends]
     corner = _corner(min(left, key=lambda r: float(np.mean(r**2))))
-    ends = [minimise(problem, x, bounds, corner) for x, _ in ends]
+    # A minimum far above another will not come down by a better corner.
+    nearest = min(cost for _, cost in ends)
+    ends = [
+        minimise(problem, x, bounds, corner) if cost <= HOPELESS * nearest else (x, cost) for x, cost in ends
+    ]
     ends.sort(key=lambda end: end[1])
     best = ends[0][1]
     agreeing = sum(cost <= best * 1.01 for _, cost in ends)

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from plants.hysteresis import LAWS, HysteresisLaw
 from plants.measured.campaign import Campaign
-from plants.measured.logger import recorded
 from plants.measured.recording import Recording
 from plants.parameters.quantities import Guessed, Parameter, ParameterSet, declared_kinds
 from plants.rig import Rig, built_in_rig
@@ -23,11 +22,20 @@ Array = NDArray[np.float64]
 ROWS = 6000
 """Rows of all recordings together that a guess looks at, about."""
 
+LONG = 30_000
+"""Rows of all recordings together that a lag is guessed from, at most."""
+
 DELAYS, LAGS = 14, 14
 """Dead times and time constants that are tried."""
 
 LONGEST_DELAY, LONGEST_LAG = 1.5, 8.0
 """Largest of them [s]."""
+
+REACHED = (0.1, 0.15, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9)
+"""Shares of the command's range from which on the pressure may rise no more, that are tried."""
+
+BENT = 0.7
+"""Share of the error that is left by a line that ends there, below which it is taken to end."""
 
 PLAYS = 4
 REACHES = (0.02, 0.04, 0.07, 0.12, 0.2, 0.3, 0.45)
@@ -50,13 +58,14 @@ OF_LAG = 1.0 / 30.0
 @dataclass(frozen=True)
 class Lagged:
     """Output = gain * (lag of time constant `tau` [s] of the input, `delay` [s] late) + offset; rms: what it
-    leaves."""
+    leaves.  most: input above which the output rises no more, infinite where there is none."""
 
     gain: float
     offset: float
     tau: float
     delay: float
     rms: float
+    most: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -123,12 +132,19 @@ def guessed_set(
         drives = [r.pressure for r in campaign.fit if r.pressure is not None]
     else:
         gain = (high - low) / (rig.command_range[1] - rig.command_range[0])
-        drives = [_lagged(gain * r.command, _dt(r), seen.tau, seen.delay) for r in campaign.fit]
+        drives = [lagged(gain * r.command, _dt(r), seen.tau, seen.delay) for r in campaign.fit]
     rate = 1.0 / max(seen.tau, 1e-3)
     span = high - low
     values = {"gain": gain, "k_fast": rate, "k_slow": rate, "e0": 0.2 * span}
+    # Where the pressure ends below what is commanded, the declared regulator is best with a smaller gain.
+    share = (
+        (high - low) / (abs(gain) * (rig.command_range[1] - rig.command_range[0]))
+        if np.isfinite(seen.most)
+        else 1.0
+    )
+    ends = (0.5 * min(share, 1.0) * gain, 2.0 * gain)
     bounds = {
-        "gain": (gain / 2.0, 2.0 * gain) if gain > 0.0 else (2.0 * gain, gain / 2.0),
+        "gain": (min(ends), max(ends)),
         "k_fast": (rate / wide, rate * wide), "k_slow": (rate / wide**2, rate * wide),
         "e0": (1e-3 * span, 2.0 * span),
     }  # fmt: skip
@@ -191,25 +207,60 @@ def _of_law(
     return values, bounds
 
 
+def recorded(recordings: Sequence[Recording], field: str) -> list[tuple[Array, Array, float]]:
+    """Command, a measured channel (`pressure` or `angle`) and sample time [s] of recordings that have it."""
+    return [
+        (r.command, v, float(np.median(np.diff(r.time))))
+        for r in recordings
+        if (v := getattr(r, field)) is not None
+    ]
+
+
 def first_order(runs: Sequence[tuple[Array, Array, float]]) -> Lagged:
     """The lag, late by a dead time, that takes inputs to outputs with least squares; `runs`: input (n,),
     output (n,) and sample time [s] of each.
 
     Where the input is one and the same throughout, it is the lag by which outputs come to rest.
     """
+    runs = _short(runs)
     longest = min(len(x) * dt for x, _, dt in runs)
     dt = runs[0][2]
     lags = np.geomspace(dt, min(LONGEST_LAG, 0.1 * longest), LAGS)
-    if np.ptp(np.concatenate([x for x, _, _ in runs])) == 0.0:
+    low, high = _range([x for x, _, _ in runs])
+    if high == low:
         return min((_decay(runs, float(tau)) for tau in lags), key=lambda f: f.rms)
     delays = np.unique(np.round(np.linspace(0.0, min(LONGEST_DELAY, 0.05 * longest), DELAYS) / dt) * dt)
-    found = []
+    line = _late_line(runs, delays, lags)
+    ended = [_late_line(runs, (line.delay,), lags[::2], low + s * (high - low)) for s in REACHED]
+    least = min(ended, key=lambda f: f.rms)
+    return _late_line(runs, delays, lags, least.most) if least.rms < BENT * line.rms else line
+
+
+def _short(runs: Sequence[tuple[Array, Array, float]]) -> Sequence[tuple[Array, Array, float]]:
+    """The beginnings of long runs, where the input moves there: enough for a guess."""
+    kept = LONG // len(runs)
+    short = [(x[:kept], v[:kept], h) for x, v, h in runs]
+    return runs if np.ptp(np.concatenate([x for x, _, _ in short])) == 0.0 else short
+
+
+def _late_line(
+    runs: Sequence[tuple[Array, Array, float]],
+    delays: Sequence[float] | Array,
+    lags: Array,
+    most: float = np.inf,
+) -> Lagged:
+    """The best of some delays and lags, the input taken to be `most` where it is above."""
+    found, y = [], np.concatenate([v for _, v, _ in runs])
+    middle = float(np.mean(y))
+    about = y - middle
     for delay, tau in product(delays, lags):
-        shaped = np.concatenate([_lagged(x, h, tau, delay) for x, _, h in runs])
-        y = np.concatenate([v for _, v, _ in runs])
-        gain, offset = np.polyfit(shaped, y, 1)
-        rms = float(np.sqrt(np.mean((y - gain * shaped - offset) ** 2)))
-        found.append(Lagged(float(gain), float(offset), float(tau), float(delay), rms))
+        shaped = np.concatenate([lagged(np.minimum(x, most), h, tau, delay) for x, _, h in runs])
+        if np.ptp(shaped) == 0.0:
+            continue
+        mean, power = float(np.mean(shaped)), float(np.var(shaped))
+        gain = float(np.mean(shaped * about)) / power
+        rms = max(float(np.mean(about**2)) - gain**2 * power, 0.0) ** 0.5
+        found.append(Lagged(gain, middle - gain * mean, float(tau), float(delay), rms, most))
     return min(found, key=lambda f: f.rms)
 
 
@@ -242,7 +293,7 @@ def loop_guess(runs: Sequence[Recording], drives: Sequence[Array]) -> LoopGuess:
     thin = slice(None, None, max(1, len(y) // ROWS))
     best: LoopGuess | None = None
     for tau in JOINT_LAGS:
-        columns = np.concatenate([_lagged(p, _dt(r), tau, 0.0) for p, r in zip(played, runs, strict=True)])
+        columns = np.concatenate([lagged(p, _dt(r), tau, 0.0) for p, r in zip(played, runs, strict=True)])
         for k, reach in enumerate(REACHES):
             own = columns[thin][:, [0, *range(1 + PLAYS * k, 1 + PLAYS * (k + 1))]]
             ones = np.ones((len(own), 1))
@@ -271,8 +322,16 @@ def plays(x: Array, thresholds: Array) -> Array:
     return found
 
 
-def _lagged(x: Array, dt: float, tau: float, delay: float) -> Array:
-    """A series, or its columns, through a delay and a first-order lag, from rest at its first value."""
+def static_guess(loop: LoopGuess, drives: Sequence[Array]) -> list[Array]:
+    """The static angle [deg] of a guessed loop under pressures [kPa], but for a constant."""
+    n = len(loop.weights)
+    thresholds = np.array([loop.reach * (i + 1) / n for i in range(n)])
+    return [loop.inner * d + plays(d, thresholds) @ np.array(loop.weights) for d in drives]
+
+
+def lagged(x: Array, dt: float, tau: float, delay: float) -> Array:
+    """A series every `dt` [s], or its columns, through a delay [s] and a first-order lag of time constant
+    `tau` [s], from rest at its first value."""
     from scipy.signal import lfilter
 
     late = round(delay / dt)

@@ -2,10 +2,11 @@
 
 None of it is an effect of the rig: a channel that is renewed less often than rows are written, a pressure
 that is counted from somewhere else, an angle sensor that is offset anew in each recording, a sensor that
-rests at its zero.
+rests at its zero, rows written twice or in the wrong order, a channel that is logged late.  What
+campaign.toml states of it is not looked for.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -13,11 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.campaign import Campaign
+from plants.measured.instrument.alignment import delay_between, in_step
+from plants.measured.instrument.offsets import offsets_between
 from plants.measured.noise import noise_floor, resolution
 from plants.measured.recording import Recording
 
 Array = NDArray[np.float64]
-Habit = Literal["held", "counted from", "offset", "resting"]
+Habit = Literal["held", "counted from", "offset", "resting", "late", "repeated", "swapped"]
+ORDER: tuple[Habit, ...] = ("repeated", "swapped")
 FIELDS = {"pressure_kPa": "pressure", "angle_deg": "angle"}
 
 HELD = 0.6
@@ -45,8 +49,9 @@ class Remark:
     """Something that the log does.
 
     habit: ``held`` (renewed every `value` s), ``counted from`` (the pressure is `value` where the command is
-    zero), ``offset`` (the angle is off by up to `value` at rest), ``resting`` (exactly zero for `value` s);
-    recordings: in which, by name.
+    zero), ``offset`` (off by up to `value`, anew in each recording), ``resting`` (exactly zero for `value`
+    s), ``late`` (logged `value` s late), ``repeated`` and ``swapped`` (so many rows).
+    recordings: in which, by name; stated: whether campaign.toml says so.
     """
 
     habit: Habit
@@ -54,6 +59,7 @@ class Remark:
     value: float
     unit: str
     recordings: tuple[str, ...]
+    stated: bool = False
 
     def __str__(self) -> str:
         name, many = self.channel.split("_")[0], len(self.recordings) > 1
@@ -71,9 +77,18 @@ class Remark:
                 )
             case "offset":
                 return (
-                    f"The angle sensor is offset by up to {self.value:.3g} deg at rest, anew in each "
+                    f"The {name} sensor is offset by up to {self.value:.3g} {self.unit}, anew in each "
                     f"recording ({where}); the offsets are taken off."
                 )
+            case "late":
+                return (
+                    f"The {name} channel is logged {self.value:.3g} s later than the others ({where}); it is "
+                    "put back to when it was measured."
+                )
+            case "repeated":
+                return f"{self.value:.0f} rows were written twice ({where}); the copies are left out."
+            case "swapped":
+                return f"{self.value:.0f} rows stood in the wrong order ({where}); they are put in order."
             case _:
                 return f"The {name} sensor rests at exactly zero for up to {self.value:.3g} s ({where})."
 
@@ -81,15 +96,60 @@ class Remark:
 def corrected(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     """The campaign without the logger's habits, and what they were.
 
-    Values of a held channel are replaced by straight lines between renewals, and an offset of the angle at
-    rest is taken off where recordings start at rest.  (The zero of the pressure: `trace.zero`.)
+    Values of a held channel are replaced by straight lines between renewals, a channel that is logged late is
+    put back, and offsets of the angle are taken off.  (The zero of the pressure: `trace.zero`.)
     """
-    remarks: list[Remark] = []
+    remarks = _mended(campaign)
     campaign = _renewed(campaign, remarks)
-    if campaign.start == "rest":
-        campaign = _without_offsets(campaign, remarks)
+    campaign = _in_step(campaign, remarks)
+    for channel, by_file in campaign.logger.offsets.items():
+        campaign = _taken_off(campaign, channel, by_file, remarks, True)
+    if "angle_deg" not in campaign.logger.offsets:
+        if campaign.start == "rest":
+            campaign = _without_offsets(campaign, remarks)
+        else:
+            campaign = _taken_off(campaign, "angle_deg", offsets_between(campaign), remarks)
     remarks += _resting(campaign)
     return campaign, tuple(remarks)
+
+
+def _mended(campaign: Campaign) -> list[Remark]:
+    """What was put right when the recordings were read."""
+    recordings = (*campaign.fit, *campaign.validate)
+    counts = {h: {r.name: r.mended[h] for r in recordings if h in r.mended} for h in ORDER}
+    return [Remark(h, "time_s", sum(c.values()), "rows", tuple(c)) for h, c in counts.items() if c]
+
+
+def _in_step(campaign: Campaign, remarks: list[Remark]) -> Campaign:
+    """The campaign with channels that are logged late put back: those that are stated, else what is found."""
+    late = dict(campaign.logger.delays)
+    if not late:
+        by = delay_between(campaign)
+        late = {"angle_deg" if by > 0.0 else "pressure_kPa": abs(by)} if by else {}
+    for channel, delay in late.items():
+        campaign = _each(campaign, lambda r, c=channel, d=delay: in_step(r, c, d))  # type: ignore[misc]
+        remarks.append(Remark("late", channel, delay, "s", _names(campaign), bool(campaign.logger.delays)))
+    return campaign
+
+
+def _taken_off(
+    campaign: Campaign,
+    channel: str,
+    offsets: Mapping[str, float],
+    remarks: list[Remark],
+    stated: bool = False,
+) -> Campaign:
+    """The campaign with offsets of a channel taken off, by recording."""
+    if not offsets:
+        return campaign
+    largest, unit = max(map(abs, offsets.values())), channel.split("_")[1]
+    remarks.append(Remark("offset", channel, largest, unit, tuple(offsets), stated))
+
+    def taken(r: Recording) -> Recording:
+        values = getattr(r, FIELDS[channel])
+        return r if values is None else replace(r, **{FIELDS[channel]: values - offsets.get(r.name, 0.0)})
+
+    return _each(campaign, taken)
 
 
 def renewals(values: Array) -> NDArray[np.bool_] | None:
@@ -113,15 +173,25 @@ def renewals(values: Array) -> NDArray[np.bool_] | None:
     return fresh
 
 
+def _every(r: Recording, period: float) -> NDArray[np.bool_]:
+    """Rows at which a channel was renewed that is renewed every so many seconds."""
+    count = np.floor((r.time - r.time[0]) / period + 1e-6)
+    return np.append(True, np.diff(count) > 0.0)
+
+
 def _renewed(campaign: Campaign, remarks: list[Remark]) -> Campaign:
     for channel, field in FIELDS.items():
         held: dict[str, float] = {}
+        stated = campaign.logger.renewed.get(channel)
 
         def straight(
-            r: Recording, channel: str = channel, field: str = field, held: dict[str, float] = held
-        ) -> Recording:
+            r: Recording, channel: str = channel, field: str = field, held: dict[str, float] = held,
+            stated: float | None = stated,
+        ) -> Recording:  # fmt: skip
             values = getattr(r, field)
             fresh = None if values is None else renewals(values)
+            if fresh is None and stated is not None and values is not None:
+                fresh = _every(r, stated)
             if fresh is None:
                 return r
             held[r.name] = float(np.median(np.diff(r.time[fresh])))
@@ -130,7 +200,8 @@ def _renewed(campaign: Campaign, remarks: list[Remark]) -> Campaign:
 
         campaign = _each(campaign, straight)
         if held:
-            remarks.append(Remark("held", channel, float(np.median(list(held.values()))), "s", tuple(held)))
+            every = float(np.median(list(held.values())))
+            remarks.append(Remark("held", channel, every, "s", tuple(held), stated is not None))
     return campaign
 
 
@@ -157,15 +228,14 @@ def _without_offsets(campaign: Campaign, remarks: list[Remark]) -> Campaign:
         if not max(LOUD * noise_floor(r.angle), resolution(r.angle)) < abs(at) < AT_REST:
             return r
         off[r.name] = at
-        return replace(r, angle=r.angle - at)
+        return r
 
-    changed = _each(campaign, taken)
+    _each(campaign, taken)
     # One and the same offset everywhere is where the rig rests, not what a sensor does.
     values = np.array([off.get(n, 0.0) for n in _names(campaign)])
     if not off or np.ptp(values) < 0.5 * float(np.max(np.abs(values))):
         return campaign
-    remarks.append(Remark("offset", "angle_deg", float(np.max(np.abs(values))), "deg", tuple(off)))
-    return changed
+    return _taken_off(campaign, "angle_deg", off, remarks)
 
 
 def _resting(campaign: Campaign) -> list[Remark]:
@@ -193,15 +263,6 @@ def _each(campaign: Campaign, change: Callable[[Recording], Recording]) -> Campa
 
 def _names(campaign: Campaign) -> tuple[str, ...]:
     return tuple(r.name for r in (*campaign.fit, *campaign.validate))
-
-
-def recorded(recordings: Sequence[Recording], field: str) -> list[tuple[Array, Array, float]]:
-    """Command, a measured channel (`pressure` or `angle`) and sample time [s] of recordings that have it."""
-    return [
-        (r.command, v, float(np.median(np.diff(r.time))))
-        for r in recordings
-        if (v := getattr(r, field)) is not None
-    ]
 
 
 def habits(remarks: Sequence[Remark]) -> list[dict[str, object]]:

@@ -13,6 +13,7 @@ from plants.errors import InputError, InputWarning
 from plants.measured.formats.cells import Array, Text, first_bad, shorten
 from plants.measured.formats.columns import STANDARD, Source, turned
 from plants.measured.formats.tables import Table
+from plants.measured.instrument.rows import mended
 from plants.rig import Rig
 
 Stage = Literal["wrist", "regulator"]
@@ -36,7 +37,8 @@ class Recording:
     other_pressure [kPa] of the other motion; extra: any further numeric channel
     by its column name, in the unit of the file.  judged_from [s]: time from which its
     error counts, where the rows before were fitted on.  renewed: rows at which a channel was renewed, of
-    those that the logger holds in between; there the values are straight lines.
+    those that the logger holds in between; there the values are straight lines.  mended: how many rows the
+    logger wrote twice (``repeated``) or in the wrong order (``swapped``).
 
     A row holds the sensors at its time, before the command of that row acts.
     """
@@ -51,6 +53,7 @@ class Recording:
     extra: Mapping[str, Array] = field(default_factory=dict)
     judged_from: float = -math.inf
     renewed: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
+    mended: Mapping[str, int] = field(default_factory=dict)
 
     def fresh(self, channel: str) -> NDArray[np.bool_]:
         """Rows at which a channel was renewed, (n,): all, unless its logger holds it in between."""
@@ -95,10 +98,12 @@ def from_table(
     rig: whose ranges the channels are held against, None where they are not known.
     Raises InputError, in one line with file, row and column, for a column that
     is missing, cells that are no finite numbers, and a time that repeats, runs
-    backwards, has gaps or another sample time.  Warns, with InputWarning, of a
-    command outside its range, an angle in radians, and of columns it drops.
+    backwards (beyond what `plants.measured.instrument.rows` mends), has gaps or another
+    sample time.  Warns, with InputWarning, of a command outside its range, an angle in radians, and of
+    columns it drops.
     """
     sources = _sources(table, sources or {}, stage)
+    table, counts = mended(table, sources["time_s"].name)
     found = {standard: _standard(table, standard, source) for standard, source in sources.items()}
     time, column = found["time_s"], sources["time_s"].name
     _check_lengths(table, sources, found)
@@ -116,6 +121,7 @@ def from_table(
         found.get("reference_deg"),
         found.get("other_pressure_kPa"),
         _extra(table, {s.name for s in sources.values()}, len(time)),
+        mended=counts,
     )
 
 

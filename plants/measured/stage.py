@@ -15,8 +15,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.dynamics import settled
 from plants.effects import EFFECTS
-from plants.effects.effect import Effect
+from plants.effects.effect import Around, Effect
+from plants.equilibrium import effects_at_rest, static_angle
 from plants.kernel.batches import default_jobs
 from plants.measured.begin import Begin, measured
 from plants.measured.playback import Playback
@@ -136,7 +138,19 @@ class Stage:
         return rows[playback.rows // playback.every]
 
     def _state(self, i: int, wrist: Wrist) -> State | None:
-        if self.begins is None:
-            return None
-        begin = self.begins[i].state(wrist.hysteresis)
-        return wrist.rest()._replace(pressure=begin.pressure, memory=begin.memory, angle=begin.angle)
+        return begun(wrist, None if self.begins is None else self.begins[i])
+
+
+def begun(wrist: Wrist, begin: Begin | None) -> State | None:
+    """The state of a wrist, effects included, in which a recording starts; None at rest.
+
+    Effects have come to rest where the recording begins, not where the wrist would rest by itself: a line
+    that delays holds the pressure [kPa] that is there, and what creeps has crept.
+    """
+    if begin is None or not wrist.effects:
+        return None if begin is None else begin.state(wrist.hysteresis)
+    if not begin.virgin:
+        begin = replace(begin, angle=static_angle(wrist, begin.angle, against=False))
+    at = begin.state(wrist.hysteresis)
+    effects = effects_at_rest(wrist, at.pressure, at.memory.h)
+    return settled(at._replace(effects=effects), wrist.sampled(), Around())

@@ -23,7 +23,8 @@ TICK = 0.001
 class Logger:
     """What is written: row time [s] and its jitter [s], renewal of the pressure [s] (0: every row), steps of
     angle [deg] and pressure [kPa], noise of both, largest offset of the angle in a recording [deg], whether
-    the angle cannot go below zero, delay of the angle channel [s]."""
+    the angle cannot go below zero, delay of the angle channel [s], how many rows are written twice, and as
+    many in the wrong order."""
 
     row: float
     jitter: float = 0.0
@@ -35,6 +36,7 @@ class Logger:
     offset: float = 0.0
     rests: bool = False
     angle_delay: float = 0.0
+    slips: int = 0
 
 
 @dataclass(frozen=True)
@@ -94,6 +96,10 @@ class SoftRig:
         if kept.renewal > 0.0:
             period = round(kept.renewal / TICK)
             fresh = fresh[(np.arange(len(fresh)) // period) * period]
+        order = np.arange(len(rows))
+        at = 10 * np.arange(1, kept.slips + 1)
+        order[at], order[at + 1] = order[at + 1], order[at]
+        order = np.insert(order, at + 5, order[at + 5])
         return pd.DataFrame(
             {
                 "time_s": np.round(rows * TICK, 4),
@@ -101,7 +107,7 @@ class SoftRig:
                 "pressure_kPa": np.round(np.round(fresh[rows] / kept.pressure_step) * kept.pressure_step, 5),
                 "angle_deg": np.round(np.round(measured / kept.angle_step) * kept.angle_step, 5),
             }
-        )
+        ).iloc[order]
 
     def write(self, folder: Path, fit: Sequence[str], validate: Sequence[str]) -> None:
         """A campaign of the recordings named."""

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.stage import begun
 from plants.measured.trace.result import StageTrace
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.stages.remainders import begun
 from plants.simulation.open_loop import open_loop
 from plants.wrist import Wrist
 

@@ -28,6 +28,9 @@ BETTER = 0.9
 STARTS = 4
 """Fits of each law: one from the guess, the others from where it wanders."""
 
+BEGUN, ENDED = 10, 2
+"""Evaluations after which these are compared, and how many of them are followed to the end."""
+
 SMOOTHED = 9
 """Rows over which the measured pressure is smoothed, since its noise would work the loop."""
 
@@ -140,16 +143,15 @@ def _measured(playback: Playback) -> Array:
 
 
 def _best(model: Model, seed: int) -> Model:
-    """The best of fits from some starts around the guess."""
+    """The best of fits from some starts around the guess: all begun, the best ended."""
     start, low, high = model.bounds
     rng = np.random.default_rng(seed)
-    best = model.fitted()
-    for _ in range(STARTS - 1):
-        near = np.clip(start * np.exp(0.7 * rng.standard_normal(start.size)), low, high)
-        found = model.at(near).fitted()
-        if found.chi2 < best.chi2:
-            best = found
-    return best
+    near = [
+        np.clip(start * np.exp(0.7 * rng.standard_normal(start.size)), low, high) for _ in range(STARTS - 1)
+    ]
+    begun = [model.at(x).fitted(BEGUN, 1e-3) for x in (start, *near)]
+    begun.sort(key=lambda m: m.chi2)
+    return min((m.fitted() for m in begun[:ENDED]), key=lambda m: m.chi2)
 
 
 def _ends(model: Model, fit: Fit) -> tuple[float, ...]:

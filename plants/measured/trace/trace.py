@@ -17,7 +17,7 @@ from plants.measured.fit import CHANNELS, Fit, fit_campaign
 from plants.measured.free_run import FreeRun, rmse
 from plants.measured.logger import Remark
 from plants.measured.playback import Playback
-from plants.measured.stage import Stage
+from plants.measured.stage import Stage, begun
 from plants.measured.trace.declared import LOWER, driven, refitted
 from plants.measured.trace.errors import intervals
 from plants.measured.trace.experiments import sentence, separate
@@ -28,7 +28,7 @@ from plants.measured.trace.search.choose import search
 from plants.measured.trace.search.learnt import learn
 from plants.measured.trace.size import MATTERS, NAMED, remainders_of, span
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.stages.remainders import begun, remainders
+from plants.measured.trace.stages.remainders import remainders
 from plants.measured.trace.start import starting
 from plants.measured.trace.suspect import check
 from plants.measured.trace.two_rigs import rigs_differ

@@ -13,8 +13,8 @@ from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.regulator.fill_exhaust import PressureDependentRates
 from plants.measured.begin import first_begin
 from plants.measured.campaign import Campaign
-from plants.measured.guess import first_order, guessed_set
-from plants.measured.logger import Remark, recorded, shifted
+from plants.measured.guess import first_order, guessed_set, recorded
+from plants.measured.logger import Remark, shifted
 from plants.measured.playback import Playback
 from plants.measured.residual.stillness import noise_of_campaign
 from plants.measured.stage import Stage
@@ -48,7 +48,8 @@ def counted(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     fitted = late.plus(PressureDependentRates, {"ratio": 0.9, "fill": 0.0, "exhaust": 0.0}).fitted()
     offset = seen.offset + float(np.mean(stage.target - stage.simulate(fitted.values, fitted.forms)[:, 0]))
     span = float(np.ptp(stage.target))
-    lowest = fitted.values["gain"] * min(float(r.command.min()) for r in logged) + offset
+    ends = [end for r in logged for end in (float(r.command.min()), float(r.command.max()))]
+    lowest = min(fitted.values["gain"] * end for end in ends) + offset
     below = lowest - min(float(r.pressure.min()) for r in logged if r.pressure is not None)
     if abs(offset) < WORTH * span or below > BELOW * span:
         return campaign, ()

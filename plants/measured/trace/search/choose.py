@@ -1,7 +1,7 @@
 """Choosing effects: refit the best few fully, judge on blocks left out, prefer fewer effects."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -162,7 +162,7 @@ def search(
         for start in beam:
             tell(f"ranking effects beyond {', '.join(start.model.effects) or 'none'}")
             left = [n for n in names or declared.stage.effects if n not in start.model.effects]
-            found = screen(start.model, left, seed)
+            found = screen(start.model, left, seed, now.lacks_something)
             ranking = ranking or found
             if now.lacks_something:
                 candidates += refit(start.model, shortlist(found))
@@ -172,7 +172,7 @@ def search(
         best = candidates[0] if candidates else None
         if best is not None and best.model.chi2 > 1.0 + WORTH:
             best = reformed(best, asked)
-        taken = Candidate(best.model.fitted()) if best is not None and worth_it(now, best, first) else None
+        taken = freed(best) if best is not None and worth_it(now, best, first) else None
         rounds.append(SearchRound(now, tuple(ranking), tuple(candidates), taken, borrowed))
         if taken is None:
             break
@@ -193,6 +193,16 @@ def borrowed_in(candidate: Candidate, asked: Excitation) -> dict[str, str]:
     """Effects of a candidate that may be nothing but the command, with the reason."""
     found = {e.NAME: e.borrowed(asked) for e in candidate.model.wrist.effects}
     return {n: why for n, why in found.items() if why is not None}
+
+
+def freed(candidate: Candidate) -> Candidate:
+    """The candidate fitted to the end, with the parameters that the declared model was too wrong to determine
+    where rows left out are the better for them."""
+    found = Candidate(candidate.model.fitted())
+    if not found.model.fixed:
+        return found
+    all_of_them = Candidate(replace(found.model, fixed=()).fitted())
+    return all_of_them if all_of_them.held_out < found.held_out else found
 
 
 def reformed(now: Candidate, asked: Excitation) -> Candidate:

@@ -9,7 +9,7 @@ against what it would be if the remainder were noise.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -27,6 +27,9 @@ DRAWS = 200
 
 ROUNDS = 2
 """How often the grid is refined around its best point."""
+
+CONTENDERS = 7
+"""Effects whose grids are refined: those whose best point explains most."""
 
 THIN = 3
 """Every so many-th row is enough to rank on."""
@@ -109,23 +112,36 @@ class Screen:
         found: Array = kept**2 / np.maximum(power * len(responses), 1e-12)
         return found
 
+    def tried(self, form: Form) -> tuple[Ranked, Array]:
+        """The best point of a form's grid, and the responses (rows, n) by which chance was judged."""
+        # How much it could show does not depend on what the remainder suggests.
+        plain = list(form.trials(self.model.stage.rig))
+        grid = trials(form, self.model)
+        more = [g for g in grid if g not in plain]
+        points = plain + more
+        responses = self.cleared(self.responses(form, points))
+        sized = responses[:, : len(plain)] if form.FROM_REMAINDER else responses
+        power = float(np.mean(sized**2, axis=0).max())
+        asked = [i for i, g in enumerate(points) if g in grid]
+        drops = self.drops(responses[:, asked])
+        best = points[asked[int(drops.argmax())]]
+        seen = _largest(responses[:, asked], drops)
+        return Ranked(form, best, max(float(drops.max()), 0.0), self._chance(seen), power), seen
+
+    def refined(self, found: Ranked, seen: Array) -> Ranked:
+        """The best point that lies around one that was found."""
+        for round_ in range(ROUNDS):
+            grid = around(found.form, found.values, 0.5**round_, self.model.stage.rig)
+            responses = self.cleared(self.responses(found.form, grid))
+            drops = self.drops(responses)
+            seen = np.hstack([seen, _largest(responses, drops)])
+            if drops.max() > found.drop:
+                found = replace(found, values=grid[int(drops.argmax())], drop=float(drops.max()))
+        return replace(found, chance=self._chance(seen))
+
     def rank(self, form: Form) -> Ranked:
         """The best point of a form's grid, refined."""
-        grid = trials(form, self.model)
-        best, drop, seen = grid[0], -1.0, []
-        # How much it could show does not depend on what the remainder suggests.
-        sized = [] if form.FROM_REMAINDER else grid
-        plain = self.cleared(self.responses(form, [*form.trials(self.model.stage.rig), *sized]))
-        power = float(np.mean(plain**2, axis=0).max())
-        for round_ in range(ROUNDS + 1):
-            responses = self.cleared(self.responses(form, grid))
-            drops = self.drops(responses)
-            seen.append(responses[:, np.argsort(drops)[-16:]])
-            if drops.max() > drop:
-                best, drop = grid[int(drops.argmax())], float(drops.max())
-            if round_ < ROUNDS:
-                grid = refined(form, best, 0.5**round_, self.model.stage.rig)
-        return Ranked(form, best, max(drop, 0.0), self._chance(np.hstack(seen)), power)
+        return self.refined(*self.tried(form))
 
     def _chance(self, responses: Array) -> float:
         """95 % quantile of the largest drop that noise alone would give."""
@@ -142,7 +158,13 @@ class Screen:
         return float(np.quantile(largest, 0.95) / len(responses))
 
 
-def refined(
+def _largest(responses: Array, drops: Array) -> Array:
+    """The responses that bring most: they decide what chance could bring."""
+    found: Array = responses[:, np.argsort(drops)[-16:]]
+    return found
+
+
+def around(
     form: Form, best: Mapping[str, float], scale: float, rig: Rig | None = None
 ) -> list[dict[str, float]]:
     """Points around the best: each parameter up and down by a factor, then some at random."""
@@ -167,10 +189,13 @@ def refined(
     return points
 
 
-def screen(model: Model, names: Iterable[str], seed: int = 0) -> list[Ranked]:
-    """All forms of the effects named, those that explain most first."""
+def screen(model: Model, names: Iterable[str], seed: int = 0, refine: bool = True) -> list[Ranked]:
+    """All forms of the effects named, those that explain most first; with `refine` those of the best few
+    effects at values that were looked for around the best of their grids."""
     from plants.effects import EFFECTS
 
     held = Screen(model, seed)
-    found = [held.rank(form) for name in names for form in EFFECTS[name]]
+    tried = sorted((held.tried(f) for n in names for f in EFFECTS[n]), key=lambda t: -t[0].drop)
+    best = list(dict.fromkeys(r.name for r, _ in tried))[: CONTENDERS if refine else 0]
+    found = [held.refined(r, seen) if r.name in best else r for r, seen in tried]
     return sorted(found, key=lambda r: -r.drop)

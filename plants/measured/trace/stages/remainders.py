@@ -1,9 +1,8 @@
 """What a model leaves of its channel, with all that it may depend on."""
 
-from plants.measured.begin import Begin
 from plants.measured.residual.series.remainder import Remainder, variables
+from plants.measured.stage import begun
 from plants.measured.trace.stages.model import Model
-from plants.wrist import State, Wrist
 
 
 def remainders(model: Model) -> list[Remainder]:
@@ -29,11 +28,3 @@ def remainders(model: Model) -> list[Remainder]:
             )
         )  # fmt: skip
     return found
-
-
-def begun(wrist: Wrist, begin: Begin | None) -> State | None:
-    """The state of a wrist, effects included, in which a recording starts at `begin` [s]; None at rest."""
-    if begin is None:
-        return None
-    at = begin.state(wrist.hysteresis)
-    return wrist.rest()._replace(pressure=at.pressure, memory=at.memory, angle=at.angle)

@@ -1,0 +1,140 @@
+"""Channels out of step and out of zero are found where the log tells, put right, and never invented."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from plants.errors import InputError
+from plants.measured.campaign import load_campaign, load_recording, parse_declaration
+from plants.measured.instrument.alignment import delay_between, in_step
+from plants.measured.instrument.offsets import offsets_between
+from plants.measured.instrument.stated import StatedHabits
+from plants.measured.logger import corrected
+from tests.measured.conftest import DECLARATION
+from tests.rig.soft import CAMPAIGNS
+
+
+@pytest.fixture(scope="module")
+def plain():
+    return load_campaign("plants/measured/examples/flexion")
+
+
+def late(recording, rows):
+    """The recording with its angle logged so many rows late."""
+    angle = np.concatenate([np.repeat(recording.angle[:1], rows), recording.angle[:-rows]])
+    return replace(recording, angle=angle)
+
+
+def written(folder, **logger):
+    make, fit, validate = CAMPAIGNS["bender"]
+    rig = make()
+    replace(rig, logger=replace(rig.logger, **logger)).write(folder, fit, validate)
+    return load_campaign(folder)
+
+
+def test_a_joint_with_a_lag_is_not_late(plain):
+    assert delay_between(plain) == 0.0
+
+
+def test_a_late_angle_is_found_and_put_back(plain):
+    rows = 15
+    moved = replace(plain, fit=tuple(late(r, rows) for r in plain.fit))
+    found, remarks = corrected(moved)
+    (remark,) = [r for r in remarks if r.habit == "late"]
+    assert remark.channel == "angle_deg"
+    assert remark.value == pytest.approx(0.01 * rows, abs=0.02)
+    assert not remark.stated
+    for a, b in zip(found.fit, plain.fit, strict=True):
+        n = len(a.time)
+        left = np.sqrt(np.mean((a.angle - b.angle[:n]) ** 2))
+        as_logged = np.sqrt(np.mean((late(b, rows).angle - b.angle) ** 2))
+        assert left < 0.3 * as_logged + 0.1
+
+
+def test_a_late_pressure_is_told_from_a_late_angle(plain):
+    def moved(r, rows=15):
+        return replace(r, pressure=np.concatenate([np.repeat(r.pressure[:1], rows), r.pressure[:-rows]]))
+
+    assert delay_between(replace(plain, fit=tuple(map(moved, plain.fit)))) == pytest.approx(-0.15, abs=0.03)
+
+
+def test_soft_rig_with_a_late_camera(tmp_path):
+    assert delay_between(written(tmp_path / "in-step")) == 0.0
+    # Rows are 0.04 s apart.
+    assert delay_between(written(tmp_path / "late", angle_delay=0.2)) == pytest.approx(0.2, abs=0.05)
+
+
+def test_in_step_reads_a_channel_when_it_was_measured(plain):
+    r = plain.fit[0]
+    back = in_step(late(r, 10), "angle_deg", 0.1)
+    np.testing.assert_allclose(back.angle[:-1], r.angle[: len(back.angle) - 1], atol=1e-9)
+    assert len(back.time) == len(r.time) - 10
+
+
+def test_offsets_where_recordings_start_anywhere(tmp_path):
+    campaign = corrected(written(tmp_path, offset=0.0))[0]
+    assert offsets_between(campaign) == {}
+    shifts = dict(
+        zip((r.name for r in (*campaign.fit, *campaign.validate)), (6.0, -5.0, 0.0, 4.0), strict=True)
+    )
+    moved = replace(
+        campaign,
+        fit=tuple(replace(r, angle=r.angle + shifts[r.name]) for r in campaign.fit),
+        validate=tuple(replace(r, angle=r.angle + shifts[r.name]) for r in campaign.validate),
+    )
+    found, remarks = corrected(moved)
+    (remark,) = [r for r in remarks if r.habit == "offset"]
+    assert remark.value == pytest.approx(6.0, abs=1.5)
+    for a, b in zip((*found.fit, *found.validate), (*campaign.fit, *campaign.validate), strict=True):
+        assert abs(np.mean(a.angle - b.angle)) < 1.5
+
+
+def test_what_campaign_toml_states_is_done_and_not_looked_for(tmp_path, plain):
+    stated = StatedHabits({"angle_deg": 0.05}, {"pressure_kPa": {plain.fit[0].name: 2.0}}, {})
+    found, remarks = corrected(replace(plain, logger=stated))
+    assert {(r.habit, r.channel, r.stated) for r in remarks} == {
+        ("late", "angle_deg", True), ("offset", "pressure_kPa", True),
+    }  # fmt: skip
+    n = len(found.fit[0].time)
+    np.testing.assert_allclose(found.fit[0].pressure, plain.fit[0].pressure[:n] - 2.0)
+    np.testing.assert_allclose(found.fit[0].angle[:-1], plain.fit[0].angle[5 : n + 4], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("entry", "said"),
+    [
+        ("logger = 1", "logger must be a table such as "),
+        ("[logger]\ndelay = 1", "unknown key 'delay' in [logger]; known are 'angle_delay_s', "),
+        ("[logger]\nangle_delay_s = -0.1", "[logger] angle_delay_s -0.1 is no positive number of seconds"),
+        ('[logger]\nangle_offset_deg = "a"', "[logger] angle_offset_deg: must be a number or a table"),
+        (
+            '[logger]\nangle_offset_deg = {"no.csv" = 1.0}',
+            "[logger] angle_offset_deg: 'no.csv' is no file of this campaign; it has 'steps.csv', 'sine.csv'",
+        ),
+    ],
+)
+def test_a_bad_logger_table(entry, said):
+    with pytest.raises(InputError) as error:
+        parse_declaration(f"{DECLARATION}{entry}\n".encode(), "campaign.toml")
+    assert str(error.value).startswith(f"campaign.toml: {said}")
+
+
+def test_rows_written_twice_and_swapped_are_put_right(tmp_path, write_csv):
+    rows = [[f"{0.01 * i:.2f}", f"{2 + 0.01 * i:.2f}", f"{i}", "100"] for i in range(60)]
+    good = load_recording(write_csv("good.csv", rows))
+    bad = [*rows[:10], rows[9], *rows[10:30], rows[31], rows[30], *rows[32:]]
+    found = load_recording(write_csv("bad.csv", bad))
+    assert found.mended == {"repeated": 1, "swapped": 1}
+    np.testing.assert_array_equal(found.angle, good.angle)
+    np.testing.assert_array_equal(found.time, good.time)
+
+
+def test_soft_rig_whose_logger_slips(tmp_path):
+    good, slipped = written(tmp_path / "good"), written(tmp_path / "slipped", slips=6)
+    for a, b in zip((*slipped.fit, *slipped.validate), (*good.fit, *good.validate), strict=True):
+        assert a.mended == {"repeated": 6, "swapped": 6}
+        np.testing.assert_array_equal(a.angle, b.angle)
+    said = [str(r) for r in corrected(slipped)[1]]
+    assert "24 rows were written twice (4 recordings); the copies are left out." in said
+    assert "24 rows stood in the wrong order (4 recordings); they are put in order." in said
