@@ -17,7 +17,7 @@ from design.robustness.samples.draws import CASES, generator
 from plants.measured.begin import Begin, first_begin, measured
 from plants.measured.playback import Playback
 from plants.measured.residual.stillness import noise_of_campaign
-from plants.measured.trace.stages.remainders import begun
+from plants.measured.stage import begun
 from plants.parameters.remainder import CHANNELS
 from plants.simulation.disturbance import burdened
 from plants.wrist import Wrist
