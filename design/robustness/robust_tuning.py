@@ -8,7 +8,7 @@ no proof that there is none.
 
 The overshoot jumps where a branch is reached or just not: gains that lie on their limit break it by another
 integrator, another seed, or noise.  So gains are tuned below the limits by a `GUARD`, and judged by the
-limits.
+limits.  And gains are what is printed: each round's are numbers of three digits before anything judges them.
 """
 
 from collections.abc import Callable, Mapping
@@ -56,6 +56,9 @@ DEARER = 0.02
 
 POOL, BATCH = 8192, 8
 """Cases of the pool, and how many of each round's worst are added."""
+
+DIGITS = 3
+"""Significant digits of gains: those that are printed, so that what is judged is what is read."""
 
 TELLING, TOGETHER = 8, 8
 """Cases that tell the most of gains, and gains that are played on all cases together."""
@@ -269,15 +272,43 @@ def _sequences(
 
 
 def _solved(problem: Problem, region: Region, known: Evaluation | None, two_dof: bool) -> Evaluation:
-    """The gains of least cost on a set, from those of the set before on; from a map where these lead to
-    none."""
+    """The gains of least cost on a set, as they are printed, from those of the set before on; from a map
+    where these lead to none."""
     if known is not None:
         found = _near(problem, region, known, 1.15, two_dof)
         if found.feasible[0]:
-            return found
+            return printed(problem, region, found)
     coarse = replace(region, points=max(min(region.points, COARSE[1]), COARSE[0]))
     rows, columns = (g.ravel() for g in np.meshgrid(*coarse.grid, indexing="ij"))
-    return _near(problem, region, _best(evaluate(problem, rows, columns)), max(coarse.resolution), two_dof)
+    mapped = _best(evaluate(problem, rows, columns))
+    return printed(problem, region, _near(problem, region, mapped, max(coarse.resolution), two_dof))
+
+
+def printed(problem: Problem, region: Region, found: Evaluation) -> Evaluation:
+    """The numbers of `DIGITS` digits next to gains that hold every limit and cost least: each gain rounded
+    up, down, or one step further down.  The gains as they are where none holds, or they do not."""
+    if not found.feasible[0]:
+        return found
+    near = [
+        _steps_down(float(g), bounds) for g, bounds in ((found.Kp[0], region.Kp), (found.Ki[0], region.Ki))
+    ]
+    Kp, Ki = (g.ravel() for g in np.meshgrid(*near, indexing="ij"))
+    if not Kp.size:
+        return found
+    best = _best(evaluate_law(problem, law_of(found), Kp, Ki))
+    return best if best.feasible[0] else found
+
+
+def _steps_down(gain: float, bounds: tuple[float, float]) -> Array:
+    """A gain rounded up to `DIGITS` digits and the two steps below it, within bounds.
+
+    >>> _steps_down(18.4321, (0.3, 200.0)), _steps_down(6.47, (0.3, 40.0))
+    (array([18.5, 18.4, 18.3]), array([6.47, 6.46, 6.45]))
+    """
+    step = 10.0 ** (np.floor(np.log10(gain)) + 1 - DIGITS)
+    upper = np.ceil(gain / step - 1e-9)
+    near = np.array([float(f"{(upper - k) * step:.{DIGITS}g}") for k in range(3)])
+    return near[(near >= bounds[0]) & (near <= bounds[1])]
 
 
 def _near(problem: Problem, region: Region, known: Evaluation, ratio: float, two_dof: bool) -> Evaluation:
@@ -373,14 +404,20 @@ def _telling(problem: Problem, law: Law, best: Evaluation) -> Problem:
     return replace(problem, adverse=tuple(problem.adverse[i] for i in chosen))
 
 
+def law_of(at: Evaluation) -> Law:
+    """The law whose gains an evaluation is of."""
+    return plain if at.b is None or at.Tf is None else weighted(float(at.b[0]), float(at.Tf[0]))
+
+
 def evaluate_law(problem: Problem, law: Law, Kp: Array, Ki: Array) -> Evaluation:
     """Cost and limits of gains (n,) under a law."""
     return evaluate_with(problem, law(problem, Kp, Ki), Kp, Ki)
 
 
 def with_evidence(found: Tuning, starts: int) -> Tuning:
-    """The tuning with a map of the whole region and so many local searches from cells drawn in it."""
-    law = plain if found.at.b is None else weighted(found.b, found.Tf)
+    """The tuning with a map of the whole region and so many local searches from cells drawn in it, which show
+    whether other valleys are as low; the gains, which pool, search and samples have judged, stay."""
+    law = law_of(found.at)
     rows, columns = found.region.grid
     Kp, Ki = (g.ravel() for g in np.meshgrid(rows, columns, indexing="ij"))
     whole = evaluate_law(found.problem, law, Kp, Ki)
@@ -390,10 +427,4 @@ def with_evidence(found: Tuning, starts: int) -> Tuning:
         end = zoomed(found.problem, found.region, law, near, max(found.region.resolution), 5)
         gains = (float(end.Kp[0]), float(end.Ki[0]))
         searches.append(LocalSearch(begin, gains, float(end.cost[0]), bool(end.feasible[0]), 0))
-    at = _best(
-        join(
-            [found.at, *(evaluate_law(found.problem, law, *(np.array([g]) for g in s.end)) for s in searches)]
-        )
-    )
-    return replace(found, map=whole, searches=tuple(searches)) if at.cost[0] >= found.at.cost[0] else replace(
-        found, at=at, map=whole, searches=tuple(searches))  # fmt: skip
+    return replace(found, map=whole, searches=tuple(searches))

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from design.studies.stages import Stages
+from design.tuner.gains_file import read
 from plants.parameters.files import load
 
 FLEXION = Path(__file__).parents[2] / "plants/measured/examples/flexion"
@@ -20,6 +21,8 @@ def test_it_goes_all_the_way_and_on_from_what_is_finished(wrist, tmp_path):
     record = json.loads((tmp_path / "d.json").read_text())
     found = record["recommended"]["flexion"]
     assert found["gains"].keys() == {"Kp", "Ki", "b", "Tf"}
+    assert all(v == float(f"{v:.3g}") for v in found["gains"].values())
+    assert read(out / "gains-flexion.toml") == (found["gains"]["Kp"], found["gains"]["Ki"])
     assert found["evidence"]["samples"]["broken"] == 0
     assert found["evidence"]["samples"]["total"] == 400
     assert found["evidence"]["worst_case"]["broken"] == 0

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from decimal import ROUND_CEILING, Decimal
 
 import control
 import numpy as np
@@ -13,10 +14,11 @@ from design.evaluation.sequence import Sequence, play
 from design.robustness.box import Box
 from design.robustness.checks import check, worst_found
 from design.robustness.requirement import requirement
-from design.robustness.robust_tuning import GUARD, tune_robustly
+from design.robustness.robust_tuning import GUARD, plain, printed, tune_robustly, zoomed
 from design.robustness.samples.conditions import Conditions
 from design.synthesis.requirements import COSTS, Limits, Problem, evaluate
 from design.synthesis.tuning import Region
+from design.tuner.gains_file import read, write
 from plants import Wrist
 from plants.files import json_text
 from plants.linearisation import branch_slopes, branch_ss
@@ -62,6 +64,41 @@ def test_the_first_gains_break_a_limit_that_the_last_ones_hold(tuned):
     ]
     assert over[0] > 5.0
     assert over[1] <= 5.0 * (1.0 - GUARD["overshoot_percent"]) + 1e-9
+
+
+def test_the_gains_are_those_that_are_printed_and_these_hold_every_case(tuned, tmp_path):
+    """What a reader copies off the page, played one case at a time, is what was judged."""
+    last = tuned.final
+    for found in (r.tuning for r in tuned.rounds):
+        assert (found.Kp, found.Ki) == (float(f"{found.Kp:.3g}"), float(f"{found.Ki:.3g}"))
+    kept = read(write(tmp_path / "gains", {"Kp": last.Kp, "Ki": last.Ki}))
+    assert [f"{g:.3g}" for g in kept] == [f"{g:g}" for g in kept]
+    copied = PI.of(WRIST, *(float(f"{g:.3g}") for g in kept))
+    assert kept == (float(copied.Kp), float(copied.Ki))
+    held = {n: v * (1.0 - GUARD.get(n, 0.0)) for n, v in Limits().named.items()}
+    for case in last.problem.adverse:
+        values = play([case], copied, task_band=True).values
+        assert {n: values[n][0] for n in held if n in values and values[n][0] > held[n]} == {}
+
+
+def test_printed_gains_are_the_cheapest_beside_that_hold_by_a_search_of_all(tuned):
+    """Every number of three digits around gains of many, enumerated with decimals."""
+    problem = replace(tuned.final.problem, adverse=tuned.final.problem.adverse[:6])
+    exact = zoomed(problem, COARSE, plain, tuned.final.at, 1.15)
+    found = printed(problem, COARSE, exact)
+    near = []
+    for gain in (exact.Kp[0], exact.Ki[0]):
+        step = Decimal(10) ** (Decimal(float(gain)).adjusted() - 2)
+        up = Decimal(float(gain)).quantize(step, ROUND_CEILING)
+        near.append([float(up - k * step) for k in range(3)])
+    rows = evaluate(problem, *np.array([(Kp, Ki) for Kp in near[0] for Ki in near[1]]).T)
+    assert rows.feasible.any()
+    assert not rows.feasible.all()
+    assert float(found.cost[0]) == rows.cost[rows.feasible].min()
+    assert float(found.cost[0]) >= float(exact.cost[0]) * (1.0 - 1e-3)
+    none = replace(problem, limits=replace(problem.limits, total_variation_V=0.01))
+    broken = evaluate(none, exact.Kp, exact.Ki)
+    assert printed(none, COARSE, broken) is broken
 
 
 def test_margins_hold_on_every_corner_by_python_control_with_the_delay_exact(tuned):
