@@ -165,7 +165,7 @@ def tune_robustly(
         at = evaluate(replace(problem, screened=False), region.grid[0][:1], region.grid[1][:1])
         nothing = Tuning(problem, region, at, at, ())
         return RobustTuning(requirement, (Round(nothing, 0.0, "pool", 0, ()),), "out of reach", None)
-    pool = _pool(requirement)
+    pool = pool_of(requirement)
     done: list[Round] = []
     known: Evaluation | None = None if base is None else base.at
     fresh: Check | None = None
@@ -199,7 +199,7 @@ def tune_robustly(
     return RobustTuning(requirement, tuple(done), ended, fresh)
 
 
-def _pool(requirement: Requirement) -> Array:
+def pool_of(requirement: Requirement) -> Array:
     """Places that every tuning begins with, the same for all seeds: half of them at corners of the box, with
     the ends of dead time and load, within reach."""
     space = requirement.space

@@ -21,6 +21,7 @@ from design.contest import Contest, contest
 from design.controllers.controller import Controller
 from design.controllers.pi import PI
 from design.mpc.timing import Ledger
+from design.robustness.given_gains import given_gains
 from design.robustness.recommended import tune_candidates
 from design.robustness.requirement import requirement
 from design.robustness.robust_tuning import with_evidence
@@ -59,6 +60,7 @@ class Question:
     samples: int = 50
     mpc_plants: int = 10
     plain: bool = False
+    given: Mapping[str, PI] = field(default_factory=dict)
     more: Mapping[str, Mapping[str, Controller]] = field(default_factory=dict)
     seed: int = 0
     jobs: int | None = None
@@ -182,10 +184,14 @@ def _mpcs(wrists: Mapping[str, Wrist]) -> tuple[dict[str, dict[str, Any]], str]:
 
 
 def _recommended(question: Question, tell: Tell) -> dict[str, Tuning]:
-    """The recommended tuning of each motion, with the map of its gains."""
+    """The recommended tuning of each motion, found or given, with the map of its gains."""
     found: dict[str, Tuning] = {}
     for m, plant in question.plants.items():
         asked, region = requirement(without_sensor(plant)), Region(points=question.points)
+        if m in question.given:
+            tell(f"{m}, map", 0.0)
+            found[m] = given_gains(asked, question.given[m], region, question.jobs)
+            continue
         both = tune_candidates(
             asked, region, question.seed, jobs=question.jobs, progress=_part(tell, f"tune {m}")
         )

@@ -29,7 +29,8 @@ class OutOfReach:
 @dataclass(frozen=True)
 class LimitBroken:
     """No gains of a region (ranges of Kp [kPa/deg] and Ki [kPa/(deg s)]) hold every limit: at the nearest,
-    Kp and Ki, the value of `limit` is beyond its bound in a place, by name."""
+    Kp and Ki, the value of `limit` is beyond its bound in a place, by name; given: the same of gains that
+    were given, and not searched for."""
 
     Kp_range: tuple[float, float]
     Ki_range: tuple[float, float]
@@ -39,6 +40,7 @@ class LimitBroken:
     value: float
     bound: float
     place: str
+    given: bool = False
 
 
 Refusal = OutOfReach | LimitBroken
@@ -104,5 +106,5 @@ def refusal(found: Tuning) -> Refusal | None:
     assert name is not None
     return LimitBroken(
         found.region.Kp, found.region.Ki, found.Kp, found.Ki, name, float(found.at.values[name][0]),
-        found.problem.held_to[name], found.problem.place(name, int(found.at.values_at[name][0])),
+        found.problem.held_to[name], found.problem.place(name, int(found.at.values_at[name][0])), found.given,
     )  # fmt: skip

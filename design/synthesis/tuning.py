@@ -66,7 +66,8 @@ class Tuning:
 
     Kp, Ki: the gains, of least excess where no gains hold the limits.
     at: their evaluation, arrays of length 1.  map: the evaluation of the whole
-    map, rows Kp, columns Ki, flattened.  searches: the local searches.
+    map, rows Kp, columns Ki, flattened.  searches: the local searches.  given: the gains were found
+    elsewhere and are only shown on the problem.
     """
 
     problem: Problem
@@ -74,6 +75,7 @@ class Tuning:
     at: Evaluation
     map: Evaluation
     searches: tuple[LocalSearch, ...]
+    given: bool = False
 
     @property
     def Kp(self) -> float:

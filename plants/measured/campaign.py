@@ -93,6 +93,11 @@ def load_campaign(folder: str | Path, rig: Rig | None = None) -> Campaign:
     )  # fmt: skip
 
 
+def shipped() -> list[Path]:
+    """Folders of the campaigns that ship with the project; their data is synthetic."""
+    return sorted(p.parent for p in (Path(__file__).parent / "examples").glob(f"*/{FILE}"))
+
+
 def _split(recording: Recording, folder: Path) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
     """A single recording as two: its first part to fit on, and the whole, judged on the rest."""
     first, last = float(recording.time[0]), float(recording.time[-1])

@@ -14,7 +14,7 @@ from design.status import Status
 from design.studies.decision import Decision
 from design.studies.study import Study
 from design.synthesis.answer import Answer
-from design.synthesis.tuning import ACTIVE
+from design.synthesis.tuning import ACTIVE, nearest_limit
 from design.synthesis.tuning_rules import PAPER_FACTOR, PAPER_GAINS
 from plants.measured.fit import Fit
 from plants.parameters.quantities import Assumed
@@ -233,14 +233,20 @@ def found(answer: Answer) -> str:
     unit = COST_WORDS.get(t.problem.cost, "").partition("[")[2].rstrip("]")
     where = t.problem.place("cost", int(t.at.cost_at[0]))
     words = f"Worst cost {number(float(t.at.cost[0]))} {unit}, on {spaced(where)}."
-    if t.problem.adverse:
+    cases = f"beside {len(t.problem.scenarios)} steps the gains are"
+    if t.given:
         words += (
-            " Every limit holds for all that the rig states that it may do, dead time included: beside "
-            f"{len(t.problem.scenarios)} steps the gains are tuned on {len(t.problem.adverse)} cases that a "
-            "search for the worst found."
+            f" They are a design's: {cases} shown on the {len(t.problem.adverse)} hardest cases of a pool."
+        )
+    elif t.problem.adverse:
+        words += (
+            f" Every limit holds for all that the rig states that it may do, dead time included: {cases} "
+            f"tuned on {len(t.problem.adverse)} cases that a search for the worst found."
         )
     if answer.refusal is not None:
         return f"{words} The answer is {refused(answer.refusal)}."
+    if t.given:
+        return f"{words} The limit that they come nearest to: {limit_name(str(nearest_limit(t.at, 0)))}."
     if t.active:
         active = [limit_name(n) for n, excess in t.at.excess.items() if excess[0] > -ACTIVE]
         return f"{words} Active, so that less cost would break a limit: {' and '.join(active)}."
@@ -253,6 +259,12 @@ def evidence(answer: Answer) -> str:
     region, ratio = t.region, t.region.resolution
     ends = [s.cost for s in t.searches if s.feasible]
     near = sum(c <= 1.01 * float(t.at.cost[0]) for c in ends)
+    if t.given:
+        return (
+            f"Nothing was searched here: the map of {region.points} × {region.points} gains shows where the "
+            "design's lie. It judges by the limits themselves and on fewer cases than the design, so that "
+            "gains beside may seem to hold at less cost."
+        )
     held = "none held the limits"
     head = "What was searched" if answer.refusal else "Evidence that this is the global optimum"
     if ends:

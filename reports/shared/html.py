@@ -10,6 +10,7 @@ from typing import Any
 
 from plants.parameters.quantities import ParameterSet
 from reports.shared.glossary import with_tooltips
+from reports.shared.origins import data_of, remark_on
 from reports.shared.units import page_in_units
 
 DISTRIBUTION = "wrist-workbench"
@@ -38,9 +39,11 @@ class Made:
         data: Mapping[str, str] | None = None,
         remark: str = "",
     ) -> "Made":
-        """The provenance of a page that this installation is about to make."""
+        """The provenance of a page that this installation is about to make; data and remark, where none is
+        given, are those of the fits that the sets come from."""
         titles = {motion: s.title for motion, s in (sets or {}).items()}
-        return cls(version(), commit(), command, seed, titles, dict(data or {}), remark)
+        known = dict(data or data_of(sets or {}))
+        return cls(version(), commit(), command, seed, titles, known, remark or remark_on(known))
 
 
 @dataclass(frozen=True)

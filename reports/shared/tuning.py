@@ -19,11 +19,13 @@ def refused(no: Refusal) -> str:
             return f"no: {no.obstacle} keeps the wrist from holding {no.scenario}"
         return f"no: the command range is {no.volts:.3g} V too small to hold {no.scenario}"
     unit = "" if LIMIT_UNITS[no.limit] == "1" else f" {LIMIT_UNITS[no.limit]}"
+    broken = f"{no.limit} is {no.value:.4g}{unit} against {no.bound:g} on {no.place}"
+    if no.given:
+        return f"no: the gains that were given, Kp {no.Kp:.4g}, Ki {no.Ki:.4g}, break a limit: {broken}"
     (low_p, high_p), (low_i, high_i) = no.Kp_range, no.Ki_range
     return (
         f"no: no gains in Kp {low_p:g} to {high_p:g}, Ki {low_i:g} to {high_i:g} hold every limit; nearest "
-        f"are Kp {no.Kp:.4g}, Ki {no.Ki:.4g}, where {no.limit} is {no.value:.4g}{unit} against {no.bound:g} "
-        f"on {no.place}"
+        f"are Kp {no.Kp:.4g}, Ki {no.Ki:.4g}, where {broken}"
     )
 
 
@@ -77,5 +79,6 @@ def tuning_record(found: Answer, axis: str) -> dict[str, Any]:
         },
         "scenarios": len(problem.scenarios),
         **({"cases": len(problem.adverse), "guard": dict(problem.guard)} if problem.guard else {}),
+        **({"given": True, "cases": len(problem.adverse)} if t.given else {}),
         "set_aside": [s.name for s in problem.set_aside],
     }

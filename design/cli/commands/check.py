@@ -7,6 +7,7 @@ import typer
 
 from design.cli.common import JobsOption, JsonOption, OutOption, SeedOption, command_line, shown, write_json
 from design.cli.completion import files
+from design.cli.design_folder import motions, plant_file, recommended
 from design.cli.places import check_places
 from design.cli.terminal.screen import console, progress
 
@@ -42,20 +43,16 @@ def command(
     jobs: JobsOption = None,
 ) -> None:
     from design.studies.check.check import check_log
-    from design.studies.design_study import law
-    from design.tuner.gains_file import read, read_more
     from plants.measured.campaign import load_recording
-    from plants.wrist import Wrist
     from reports.check.page import write_check
     from reports.check.record import check_record
     from reports.check.words import title
     from reports.shared.html import Made
 
     check_places({"--json": json}, out)
-    plant, gains = _designed(design, motion)
+    plant = _plant(design, motion)
     recording = load_recording(log, _columns(log), rig=plant.rig)
-    (Kp, Ki), (b, Tf) = read(gains), read_more(gains)
-    controller = law(Wrist.of(plant), {"Kp": Kp, "Ki": Ki, "b": b, "Tf": Tf})
+    controller = recommended(design, plant)
     with progress("check"):
         found = check_log(recording, plant, controller, samples, seed, jobs)
     said = console(json)
@@ -77,19 +74,15 @@ def _columns(log: Path) -> Any:
     return read_toml(declared, "campaign", FILE).get("columns") if declared.exists() else None
 
 
-def _designed(folder: Path, motion: str | None) -> "tuple[ParameterSet, Path]":
-    """The plant of a motion of a design, and the file of its gains."""
+def _plant(folder: Path, motion: str | None) -> "ParameterSet":
+    """The plant of a motion of a design."""
     from plants.errors import InputError
     from plants.parameters.files import load
 
-    known = sorted(p.stem.removeprefix("plant-") for p in folder.glob("plant-*.toml"))
-    if not known:
-        raise InputError(
-            f"--design: {folder} holds no plant-MOTION.toml; give a folder that `wrist design` wrote"
-        )
+    known = motions(folder)
     if motion is None and len(known) > 1:
         raise InputError(f"--motion: {folder} has {', '.join(known)}; say which one the log is of")
     chosen = known[0] if motion is None else motion
     if chosen not in known:
         raise InputError(f"--motion: {folder} has no {chosen!r}; it has {', '.join(known)}")
-    return shown(load(folder / f"plant-{chosen}.toml")), folder / f"gains-{chosen}.toml"
+    return shown(load(plant_file(folder, chosen)))

@@ -1,17 +1,29 @@
-"""``wrist compare``: fit, tune, compare, report."""
+"""``wrist compare``: fit and tune, or take a design, compare, report."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from design.cli.common import Axis, JobsOption, JsonOption, SeedOption, command_line, following, write_json
+from design.cli.common import (
+    Axis,
+    JobsOption,
+    JsonOption,
+    SeedOption,
+    command_line,
+    following,
+    shown,
+    write_json,
+)
 from design.cli.completion import files
+from design.cli.design_folder import gains_file, motions, plant_file, recommended
 from design.cli.places import check_places
 from design.cli.terminal.screen import console, progress
 
 if TYPE_CHECKING:
     from design.controllers.controller import Controller
+    from design.controllers.pi import PI
     from plants.measured.fit import Fit
     from plants.parameters.quantities import ParameterSet
 
@@ -36,6 +48,14 @@ def command(
         list[Path] | None,
         typer.Option(
             help="Parameter set of a motion: where its fit starts, or, without a campaign, the plant.",
+            autocompletion=files,
+        ),
+    ] = None,
+    design: Annotated[
+        Path | None,
+        typer.Option(
+            "--design",
+            help="Folder that `wrist design` wrote: its plants and recommended gains, as they are.",
             autocompletion=files,
         ),
     ] = None,
@@ -68,9 +88,11 @@ def command(
     jobs: JobsOption = None,
 ) -> None:
     from design.cli.commands.compare_tables import contest_table, table
+    from design.comparison.compare import TUNED
     from design.contest.statistics import FEWEST
     from design.studies.study import Question, study
     from plants.errors import InputError
+    from plants.measured.campaign import shipped
     from plants.wrist import Wrist
     from reports.comparison.contest_words import sentences
     from reports.comparison.page import write_comparison
@@ -83,12 +105,20 @@ def command(
         raise InputError(
             f"--samples {samples}: too few for an interval; give at least {FEWEST}, or 0 for none"
         )
+    beside = {"a campaign": campaigns, "--plant": plant, "--example": example, "--plain": plain}
+    if design is not None and any(beside.values()):
+        words = ", ".join(n for n, v in beside.items() if v)
+        raise InputError(f"--design: has its plants and gains; leave out {words}")
     check_places({"--json": json}, out)
     said = console(json)
-    folders = list(campaigns or []) + (example_campaigns() if example else [])
-    fits, sets = _plants(folders, plant or [], seed, said)
+    fits: dict[str, Fit] = {}
+    given: dict[str, PI] = {}
+    if design is not None:
+        sets, given = _designed(design, said)
+    else:
+        fits, sets = _plants(list(campaigns or []) + (shipped() if example else []), plant or [], seed, said)
     more = robust(robust_gains or [], {name: Wrist.of(s) for name, s in sets.items()})
-    question = Question(sets, fits, points, samples, mpc_plants, plain, more, seed, jobs)
+    question = Question(sets, fits, points, samples, mpc_plants, plain, given, more, seed, jobs)
     with progress("compare") as tell:
         found = study(question, tell)
     if found.without_mpc:
@@ -111,9 +141,6 @@ def command(
         seed=seed,
         sets=sets,
         data={f.campaign.name: f.campaign.checksum for f in fits.values()},
-        remark="The example campaigns are synthetic: they come from a simulator, not from a rig."
-        if example
-        else "",
     )
     with progress("page"):
         written = write_comparison(out, found, made)
@@ -121,20 +148,38 @@ def command(
         said.print(sentence)
     said.print(f"report in {written}", soft_wrap=True)
     for name, d in found.decisions.items():
+        gains: object = f"{d.gains['Kp']:.4g},{d.gains['Ki']:.4g}"
         rest = ("--plant", plant[0]) if plant and len(plant) == 1 else ("--axis", name)
-        following(said, "wrist", "robust", "--gains", f"{d.gains['Kp']:.4g},{d.gains['Ki']:.4g}", *rest)
+        if design is not None:
+            gains = gains_file(design, name) if d.controller == TUNED else gains
+            rest = ("--plant", plant_file(design, name))
+        following(said, "wrist", "robust", "--gains", gains, *rest)
     write_json(json, comparison_record(found, made))
     if found.refusals:
         raise typer.Exit(1)
 
 
-def example_campaigns() -> list[Path]:
-    """Folders of the campaigns that ship with the project."""
-    import plants.measured
+def _designed(folder: Path, said: Any) -> "tuple[dict[str, ParameterSet], dict[str, PI]]":
+    """Of each motion of a design the plant, without what sits in its sensor, and the recommended controller;
+    says in a line what is left out."""
+    from design.synthesis.retune import in_sensor, without_sensor
+    from plants.parameters.files import load
 
-    return sorted(
-        p.parent for p in (Path(plants.measured.__file__).parent / "examples").glob("*/campaign.toml")
-    )
+    whole = _ordered({m: load(plant_file(folder, m)) for m in motions(folder)})
+    shown(next(iter(whole.values())))
+    sets = {m: without_sensor(plant) for m, plant in whole.items()}
+    given = {m: recommended(folder, plant) for m, plant in sets.items()}
+    gone = [f"{name} of {m}" for m, plant in whole.items() for name in in_sensor(plant)]
+    if gone:
+        said.print(f"left out, as in the design, since it sits in the sensor: {', '.join(gone)}")
+    return sets, given
+
+
+def _ordered(sets: "Mapping[str, ParameterSet]") -> "dict[str, ParameterSet]":
+    """The same in the order in which motions are shown."""
+    known = [axis.value for axis in Axis]
+    order = sorted(sets, key=lambda name: (known.index(name) if name in known else len(known), name))
+    return {name: sets[name] for name in order}
 
 
 def robust(gains: list[str], wrists: Any) -> "dict[str, dict[str, Controller]]":
@@ -161,7 +206,6 @@ def _plants(
     """Fits of the campaigns, and the parameter set of each motion: fitted, given, or, where nothing is given,
     built in."""
     from design.cli.commands.fit import tables
-    from design.cli.common import shown
     from plants.errors import InputError
     from plants.measured.campaign import load_campaign
     from plants.measured.trace.law import fit_rig
@@ -192,9 +236,7 @@ def _plants(
         for part in tables(fits[axis]):
             said.print(part)
         sets[axis] = fits[axis].fitted
-    motions = [axis.value for axis in Axis]
     if not sets:
-        sets = {axis: built_in(axis) for axis in motions}
+        sets = {axis.value: built_in(axis.value) for axis in Axis}
     shown(next(iter(sets.values())))
-    order = sorted(sets, key=lambda name: (motions.index(name) if name in motions else len(motions), name))
-    return fits, {name: sets[name] for name in order}
+    return fits, _ordered(sets)

@@ -1,0 +1,43 @@
+"""The folder that ``wrist design`` wrote, as other commands take it."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from design.controllers.pi import PI
+    from plants.parameters.quantities import ParameterSet
+
+
+def motions(folder: Path) -> list[str]:
+    """The motions of a design.  Raises InputError for a folder without any."""
+    from plants.errors import InputError
+
+    found = sorted(p.stem.removeprefix("plant-") for p in folder.glob("plant-*.toml"))
+    if not found:
+        raise InputError(
+            f"--design: {folder} holds no plant-MOTION.toml; give a folder that `wrist design` wrote"
+        )
+    return found
+
+
+def plant_file(folder: Path, motion: str) -> Path:
+    """Where the plant of a motion lies."""
+    return folder / f"plant-{motion}.toml"
+
+
+def gains_file(folder: Path, motion: str) -> Path:
+    """Where the recommended gains of a motion lie."""
+    return folder / f"gains-{motion}.toml"
+
+
+def recommended(folder: Path, plant: "ParameterSet") -> "PI":
+    """The recommended controller of a plant's motion.  Raises InputError for a file of gains that is missing
+    or wrong."""
+    from design.studies.design_study import law
+    from design.tuner.gains_file import read, read_more
+    from plants.wrist import Wrist
+
+    path = gains_file(folder, plant.axis)
+    (Kp, Ki), (b, Tf) = read(path), read_more(path)
+    found: PI = law(Wrist.of(plant), {"Kp": Kp, "Ki": Ki, "b": b, "Tf": Tf})
+    return found
