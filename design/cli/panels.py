@@ -9,7 +9,7 @@ PLANT, REQUIREMENT, LIMITS, SEARCH, OUTPUT = (
     "Plant and data", "What to design for", "Limits", "Search effort", "Output",
 )  # fmt: skip
 OPTIONS = {
-    PLANT: ("axis", "plant", "example", "volts", "recording", "scenario", "figure", "start", "step",
+    PLANT: ("axis", "plant", "design", "motion", "example", "volts", "recording", "scenario", "figure", "start", "step",
             "duration", "gains", "robust_gains"),
     REQUIREMENT: ("cost", "two_dof", "nominal", "plain", "no_dead_time", "no_load", "no_noise", "no_box",
                   "dead_time", "load", "noise", "quantum", "box", "corners"),

@@ -98,6 +98,23 @@ def test_the_readme_of_the_examples_says_the_commands():
         assert f"({example.page})" in said
 
 
+def test_commands_come_after_what_they_read_and_find_it_there(tmp_path, monkeypatch):
+    """Robustness is shown of the gains that the design has just found, not of those of the time before."""
+    kept = {f"reports/examples/{n}": name for name, e in ALL.items() for n in e.files.values()}
+    read = [(name, word) for name, e in ALL.items() for word in e.command if word in kept]
+    assert {(name, kept[word]) for name, word in read} == {("robust", "design")}
+    assert f"{regenerate.BUILT}/design" in ALL["comparison"].command
+    assert list(ALL).index("design") < min(list(ALL).index(n) for n in ("comparison", "robust"))
+    for name in ALL["design"].files:
+        (tmp_path / name).write_text(f"new {name}")
+    committed = tmp_path / "reports/examples"
+    committed.mkdir(parents=True)
+    monkeypatch.chdir(tmp_path)
+    regenerate.hand_on(ALL["design"], tmp_path)
+    assert sorted(p.name for p in committed.iterdir()) == sorted(Path(word).name for _, word in read)
+    assert (committed / "gains-flexion.toml").read_text() == "new gains-flexion.toml"
+
+
 def test_what_is_made_already_is_compared_as_it_lies(tmp_path, monkeypatch, capsys):
     (tmp_path / "trace").mkdir()
     example, place = ALL["trace"], tmp_path / "trace"
