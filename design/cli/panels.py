@@ -9,8 +9,8 @@ PLANT, REQUIREMENT, LIMITS, SEARCH, OUTPUT = (
     "Plant and data", "What to design for", "Limits", "Search effort", "Output",
 )  # fmt: skip
 OPTIONS = {
-    PLANT: ("axis", "plant", "design", "motion", "example", "volts", "recording", "scenario", "figure", "start",
-            "step", "duration", "gains", "robust_gains"),
+    PLANT: ("axis", "plant", "design", "motion", "example", "volts", "recording", "scenario", "figure",
+            "start", "step", "duration", "gains", "robust_gains"),
     REQUIREMENT: ("cost", "two_dof", "nominal", "plain", "no_dead_time", "no_load", "no_noise", "no_box",
                   "dead_time", "load", "noise", "quantum", "box", "corners"),
     LIMITS: ("overshoot", "ms", "delay_margin", "variation", "steady_error"),
