@@ -21,6 +21,7 @@ HELP = (
     "log is outside."
 )
 EXAMPLE = "Example: wrist check plants/measured/examples/flexion/task.csv --design build/design"
+NEXT = "wrist trace CAMPAIGN, where it is changed or broken"
 
 
 def command(

@@ -14,6 +14,7 @@ from design.cli.terminal.screen import console
 NAME = "import"
 HELP = "Make a campaign from logs: MDF4, TDMS, MCAP, ROS bags, HDF5, MATLAB, Parquet and any kind of CSV."
 EXAMPLE = 'Example: wrist import log.mf4 --map "angle=theta [rad]" --out my-rig'
+NEXT = "wrist fit DIR"
 
 
 def command(

@@ -27,6 +27,7 @@ HELP = (
     "effects that tie, or else the parameters; with a picture, and how much it helps."
 )
 EXAMPLE = "Example: wrist plan plants/measured/examples/deviation --out build/plan.csv"
+NEXT = "wrist trace CAMPAIGN, with the recording added"
 
 
 def command(

@@ -31,7 +31,7 @@ CALM = 1.0
 PARTS = 3
 """Parts of a command, each of a kind of its own."""
 
-STEP = 0.1
+SHARE_OF_ERROR = 0.1
 """By what share of its standard error a parameter is moved for a derivative."""
 
 Kind = Callable[[Array, np.random.Generator], Array]
@@ -173,7 +173,7 @@ def _regular(information: Array) -> Array:
 def _answers(r: Rival, command: Array) -> tuple[Array, Array]:
     """The difference of the models at the rows of a log, (rows,), and the second's derivatives, (rows, n), in
     units of the noise."""
-    sizes = STEP / np.sqrt(np.maximum(np.diag(r.information), 1e-12))
+    sizes = SHARE_OF_ERROR / np.sqrt(np.maximum(np.diag(r.information), 1e-12))
     base = r.two.values
     sizes = np.minimum(sizes, 0.01 * np.maximum(np.abs([base[n] for n in r.names]), 1e-3))
     lanes = {n: np.full(len(r.names) + 1, v, float) for n, v in base.items()}
