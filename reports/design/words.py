@@ -9,9 +9,12 @@ from reports.shared.tables import listed, number
 
 
 def title(study: DesignStudy) -> str:
-    """The heading: what is recommended, or that nothing is."""
-    words = "; ".join(f"{m.motion}: {gains_words(m.gains)}" for m in study.motions)
-    return words if study.holds else f"No gains hold every limit; the nearest are {words}"
+    """The heading: what is recommended, or that nothing is; the gains stand in the card."""
+    found: dict[str, list[str]] = {}
+    for m in study.motions:
+        found.setdefault(m.recommended, []).append(m.motion)
+    words = listed([f"{name} for {listed(motions)}" for name, motions in found.items()])
+    return f"Recommended: {words}" if study.holds else f"No gains meet every limit; the nearest: {words}"
 
 
 def summary(study: DesignStudy) -> list[str]:
