@@ -88,7 +88,7 @@ def standings_table(comparison: Comparison) -> Table:
 
 
 def _delay(s: Standing) -> Cell:
-    """The delay margin; beneath, where that is none of linear theory but what a simulation bears."""
+    """The delay margin; beneath, where that is none of linear theory but what a simulation tolerates."""
     broken = "delay_margin_s" in s.breaks
     if s.tolerated_delay_s is None:
         return Cell(_known(1000.0 * s.delay_margin_s, 0), "", broken)

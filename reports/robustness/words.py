@@ -108,8 +108,8 @@ def _proof(a: Assessment) -> str:
         rate, late, about = best.decay or 0.0, best.dead_time, "for any switching of the slope"
     else:
         return "Open: no certificate of stability was found for a loop that switches between branches."
-    behind = f", with {1000 * late:g} ms of dead time" if late else ", without dead time"
-    return f"Proved: exponentially stable with rate at least {number(rate, 2)} 1/s {about}{behind}."
+    behind = f"{1000 * late:g} ms of dead time" if late else "no dead time"
+    return f"Proved: exponentially stable, rate at least {number(rate, 2)} 1/s, {about}, {behind}."
 
 
 def details(a: Assessment) -> list[str]:

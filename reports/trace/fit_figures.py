@@ -58,16 +58,16 @@ def _errors(axes: "Axes", trace: Trace, channel: str) -> None:
     top = max([*ends, 1.35 * (noise or 0.0)])
     for y, (_, value, interval, colour, marker) in enumerate(sides):
         assert value is not None
-        words = number(value)
+        said = number(value)
         if interval is not None:  # often narrower than any mark: its ends stand in the label too
             low, high = interval
             reach = [[max(value - low, 0.0)], [max(high - value, 0.0)]]
             axes.errorbar(
                 value, y, xerr=reach, ecolor=colour, elinewidth=1.4, capsize=7, capthick=1.4, fmt="none"
             )
-            words += f" ({number(low)} to {number(high)})"
+            said += f" ({number(low)} to {number(high)})"
         axes.plot(value, y, marker, color=colour, markersize=3.5)
-        axes.text(0.0, y - 0.42, words, fontsize=8, va="center", color=colour,
+        axes.text(0.0, y - 0.42, said, fontsize=8, va="center", color=colour,
                   bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.2})  # fmt: skip
     if noise is not None:
         axes.axvline(noise, color=GREY, linestyle=DASHED, linewidth=1.2, label="noise of the sensor")
