@@ -131,7 +131,7 @@ draw_errors(trace)
 draw_series(trace, "angle_deg")
 
 # %% [markdown]
-# *What to see: declared and revised both follow the angle; the error of the first is a sinusoid, of the second
+# *What to see: declared and revised both follow the angle; the first error is a sinusoid, the second
 # the noise of the sensor (band).* What the recordings cannot decide is listed too, with the reason:
 
 # %%

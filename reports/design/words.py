@@ -30,7 +30,8 @@ def summary(study: DesignStudy) -> list[str]:
         )
     late = max(r["longest_dead_time_s"] for r in study.requirements.values())
     second = (
-        f"Covered: dead time up to {number(1000 * late)} ms, every initial state, load, noise and plant of the box."
+        f"Covered: dead time up to {number(1000 * late)} ms, every initial state, load, noise and plant of "
+        "the box."
         if late
         else "Covered: every initial state, load, noise and plant of the box; no dead time."
     )
@@ -118,8 +119,8 @@ def remainder_words(m: MotionDesign, left: Mapping[str, float] | None) -> str:
 def price_caption(study: DesignStudy) -> str:
     """Beneath the prices."""
     return (
-        "Worst IAE of the task's steps, the same for every bar: every plant of the box, initial state, load and "
-        "dead time. Orange: no broken limit found. Gains that were tuned for "
+        "Worst IAE of the task's steps, the same for every bar: every plant of the box, initial state, load "
+        "and dead time. Orange: no broken limit found. Gains that were tuned for "
         "less are faster here and break limits in other cases."
     )
 

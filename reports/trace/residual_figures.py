@@ -66,7 +66,7 @@ def draw_remainder(stage: StageTrace, after_name: str = "revised") -> "Figure":
             _means(panel, stage, variable, unit, after_name if revised else None)
         _autocorrelation(axes[4], stage, revised)
         _spectrum(axes[5], stage, unit, revised)
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
 
 
