@@ -212,7 +212,7 @@ for name, cases in {"with up to 50 ms of dead time": tuned.cases, "without": wit
     print(f"{name}: {overshoot.count} of {overshoot.trials} cases overshoot by more than 5 %")
 
 # %% [markdown]
-# The tube, nearly alone. The delay margin, several times as long as the tube, did not warn of it: it speaks
+# The tube, nearly alone. The delay margin, several times as long as the tube, did not warn of it: it is
 # of instability, not of overshoot.
 #
 # Chance does not look for trouble. A search over the same box, the memory and three references does:
@@ -230,7 +230,7 @@ draw_worst(tuned.worst, worst_run(tuned.worst))
 #
 # ## Where the kinds disagree
 #
-# Each kind is right about what it speaks of. The assessment names its own contradictions:
+# Each kind is right about what it covers. The assessment names its own contradictions:
 
 # %% tags=["varies"]
 Markdown("\n".join(f"- *{name}*: {said}" for name, a in found.items() for said in disagreement_sentences(a)))

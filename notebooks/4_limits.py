@@ -76,7 +76,7 @@ figure
 # - *linear MPC*: plans in the static angle, behind the inverse of the hysteresis and the regulator;
 # - *real-time MPC*: one step of sequential quadratic programming a period on the exact sampled model, 20 ms
 #   a period;
-# - *robust MPC*: the same with weights and observer that bear a dead time it does not know of.
+# - *robust MPC*: the same with weights and observer for a dead time it does not know of.
 
 # %%
 problem = default_problem(wrist)
@@ -128,7 +128,7 @@ figure
 # %% [markdown]
 # *What to see: the nominal MPCs and the feedforward reach 15 degrees about when the bound allows it, the PI
 # long after; PI + feedforward lies between.* The real-time MPC has practically nothing left to gain on this
-# plant. Feedforward alone comes close to it without looking once, so nothing would tell it that it is
+# plant. Feedforward alone comes close to it without looking once, so nothing would show it that it is
 # wrong.
 #
 # ## What is fast is fragile: 50 ms of tube
@@ -147,7 +147,7 @@ for name, c in once_a_period.items():
 rows({"settling time [s]": name} | times for name, times in settling.items())
 
 # %% [markdown]
-# An infinity means that the run of ten seconds never settled. Both nominal MPCs bear ten milliseconds and
+# An infinity means that the run of ten seconds never settled. Both nominal MPCs tolerate ten milliseconds and
 # swing from twenty on; the robust one is slower on the nominal plant and keeps working. Feedforward alone
 # is just late: with no feedback it cannot become unstable. (That the PI settles sooner at 50 ms is chance:
 # it happens to come into the band once and to stay.)

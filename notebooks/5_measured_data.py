@@ -69,8 +69,8 @@ print(*fit.remarks, sep="\n")
 shown(error_table(fit))
 
 # %% [markdown]
-# The pressure is explained down to the noise of its sensor, the angle is not: what is left is many times
-# the noise. Small standard errors do not tell: they are honest only if the model is complete.
+# The pressure is explained down to the noise of its sensor, the angle is not: the residual is many times
+# the noise. Small standard errors are no evidence: they are honest only if the model is complete.
 
 # %%
 assert fit.ratios["pressure_kPa"] < 1.2 < 3.0 < fit.ratios["angle_deg"]
@@ -82,7 +82,7 @@ draw_fit(fit)
 #
 # ## What is missing
 #
-# `trace_campaign` knows 15 effects. At each stage it ranks those that act there by how much of the remainder
+# `trace_campaign` knows 15 effects. At each stage it ranks those that act there by how much of the residual
 # each could explain beyond what a refit would absorb, refits the best few, and takes one only if it pays on
 # blocks of time that did not fit it.
 
@@ -117,7 +117,7 @@ rows(
 draw_remainder(stage)
 
 # %% [markdown]
-# *What to see: before (squares) the mean of what is left depends on things it should not, and its spectrum
+# *What to see: before (squares) the mean residual depends on things it should not, and its spectrum
 # carries a line; after (dots) all stay within the bounds of noise (grey).* The held-out recordings agree:
 
 # %%
@@ -131,8 +131,8 @@ draw_errors(trace)
 draw_series(trace, "angle_deg")
 
 # %% [markdown]
-# *What to see: declared and revised both follow the angle; the error of the first is a hum, of the second
-# the noise of the sensor (band).* What the recordings cannot tell is listed too, with the reason:
+# *What to see: declared and revised both follow the angle; the first error is a sinusoid, the second
+# the noise of the sensor (band).* What the recordings cannot decide is listed too, with the reason:
 
 # %%
 rows({"cannot be judged": name, "because": why} for name, why in trace.cannot_judge.items())
@@ -151,7 +151,7 @@ Markdown(control_sentence(control))
 draw_control(control)
 
 # %% [markdown]
-# *What to see: two steps on top of each other, both with a ripple.* The hum is on the sensor: the loop
+# *What to see: two steps on top of each other, both with a ripple.* The sinusoid is on the sensor: the loop
 # follows what it is shown, and no PI can know better. So here the answer to "does it matter" is no for the
 # gains, and yes for the mount of the sensor. With a dead time or creep in its place the gains would move;
 # that is decided by tuning again, not by the size of the error.
@@ -238,7 +238,7 @@ if outcomes:
 # %% [markdown]
 # *What to see: fitted to set-points that the pump cannot reach, the declared model takes its gain for tiny
 # and hardly moves on the recording held out. With the one effect that earned its place, a supply that gives
-# way, the free run follows the staircase, though not the sawtooth of the pump; beneath, what is left goes
+# way, the free run follows the staircase, though not the sawtooth of the pump; beneath, the residual goes
 # with the duty of the pump.* So the verdict is not "explained": the effect is of the right kind, its law is
 # not this pump's.
 
@@ -264,10 +264,10 @@ shown(errors_before_and_after(arm.trace)) if outcomes else None
 #
 # ## What follows, and what does not
 #
-# Recordings turn assumptions into values with standard errors, and an honest remainder says whether these
+# Recordings turn assumptions into values with standard errors, and the residual says whether these
 # may be believed. Where the missing effect is one of the library, as in the synthetic campaign, it was
 # named, sized, and shown to bring the error of held-out recordings down to the noise. Where it is
-# not, as on both real rigs, the answer was "unexplained", with what the remainder depends on; that is where
+# not, as on both real rigs, the answer was "unexplained", with what the residual depends on; that is where
 # an engineer goes on, and a plant that leaves so much unexplained is not one to tune on. You cannot
 # conclude that an effect which was named is the cause: it is the one of 15 that explains these recordings,
 # and others that they do not excite are listed for a reason. Nor does success on a synthetic campaign,

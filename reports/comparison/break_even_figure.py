@@ -6,14 +6,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from design.comparison.break_even import METRICS, BreakEven, BreakEvenCurve
-from reports.shared.style import BLACK, GREY, LINES, new_figure, styled
+from reports.shared.names import name_of
+from reports.shared.style import BLACK, GREY, controller_line, new_figure, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 LOWEST, HIGHEST = 0.12, 6.0
-"""Ratios that are drawn; what lies beyond, or does not settle, stands at the edge."""
+"""Ratios that are drawn; what lies beyond, or does not settle, is an arrow at the edge."""
+
+ARROWS = 8
+"""About how many arrows stand for a stretch of a curve beyond the axis."""
 
 AXIS_WORDS = {
     "loop width": "wider than\nbelieved [%]",
@@ -57,10 +61,18 @@ def _panel(axes: "Axes", curves: Sequence[BreakEvenCurve], metric: str) -> None:
     axes.minorticks_off()
     axes.axhspan(1.0, HIGHEST, color="#f3ece4", zorder=0)
     axes.axhline(1.0, color=BLACK, linewidth=0.9)
-    for line, curve in zip(LINES, curves, strict=False):
-        scale = 1000.0 if curve.kind == "dead time" else 100.0
-        ratio = np.clip(curve.ratio(metric), LOWEST * 1.03, HIGHEST / 1.03)  # nan stays, infinite is the edge
-        axes.plot(scale * curve.errors, ratio, **line, label=curve.controller)
+    for place, curve in enumerate(curves):
+        line, scale = controller_line(curve.controller, place), 1000.0 if curve.kind == "dead time" else 100.0
+        ratio = curve.ratio(metric)
+        shown = np.where((ratio > HIGHEST) | (ratio < LOWEST), np.nan, ratio)
+        axes.plot(scale * curve.errors, shown, **line, label=name_of(curve.controller))
+        for beyond, edge, arrow in (
+            (ratio > HIGHEST, HIGHEST / 1.12, "^"),
+            (ratio < LOWEST, LOWEST * 1.12, "v"),
+        ):
+            at = scale * curve.errors[beyond]
+            at = at[:: max(1, at.size // ARROWS)]
+            axes.plot(at, np.full(at.size, edge), arrow, color=line["color"], ms=5, zorder=5)
         for error in curve.break_even(metric):
             if error is not None:
                 axes.plot(

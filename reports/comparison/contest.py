@@ -21,8 +21,8 @@ MAIN = ("perturbed plants", "steps")
 
 CAPTION = (
     "Steps of 15 deg on the perturbed plants: mean difference of the IAE to that of the tuned PI on the "
-    f"same plants, with its {100 * LEVEL:g} % interval; an arrow where it lies beyond the axis. See who "
-    "stands left of the line with its whole interval: that is less error than the tuned PI's."
+    f"same plants, with its {100 * LEVEL:g} % interval; an arrow where it is beyond the axis. Left of "
+    "the line with the whole interval: less error than the tuned PI."
 )
 
 

@@ -34,12 +34,12 @@ LEDGER = (
 
 
 def break_even_caption(motion: str, found: BreakEven) -> str:
-    """How to read the map of a motion."""
+    """What the map of a motion shows."""
     names = " and ".join(dict.fromkeys(name_of(c.controller) for c in found.curves))
     return (
-        f"{title_of(motion)}: {names} beside the plain tuned PI, when one thing at a time is not as the "
-        "model believes. See how far from the middle each curve comes up into the shaded half, where the "
-        "plain PI does better: circles mark where it gets there."
+        f"{title_of(motion)}: {names}, as ratios to the plain tuned PI, when one property at a time differs "
+        "from the model. Shaded: worse than the plain PI; circles: break-even; arrows: beyond the axis, or "
+        "not settled."
     )
 
 

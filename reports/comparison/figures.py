@@ -9,6 +9,7 @@ from design.comparison.compare import PAPER, TUNED, Comparison
 from design.comparison.rows import WITHOUT_DEAD_TIME
 from plants.hysteresis import HysteresisLaw
 from plants.wrist import Wrist
+from reports.shared.direct_labels import label_curves
 from reports.shared.names import WINDOW, name_of, title_of
 from reports.shared.style import (
     BLACK,
@@ -32,41 +33,63 @@ SOON = 2.5
 SOONER = 1.0
 """The same for the other designs, which are quicker."""
 
+FAINT = "#a3a3a3"
+"""Colour of the curves that stand behind."""
+
 PIS = (TUNED, WITHOUT_DEAD_TIME, "robust PI", "convex-concave PI", "SIMC", "AMIGO", "Ziegler-Nichols", PAPER)
 """Controllers that are drawn together as PIs; all others are other designs."""
 
 
 def step_responses(comparison: Comparison, motion: str) -> "Figure":
     """The step from rest: a column for PIs, one for the other designs, the tuned PI in both; angle,
-    pressure and command of the first seconds, and in the last row the angle until the end."""
+    pressure and command of the first seconds, and in the last row the angle until the end.  In colour: the
+    tuned PI, and in each column the one of the others that settles first within the limits; the rest is
+    grey, with names at the curves."""
     named = [name for m, name in comparison.steps if m == motion]
     others = [n for n in named if n not in PIS]
     columns = {"PIs": [n for n in named if n in PIS]}
     columns |= {"Other designs": [TUNED, *others]} if others else {}
     with styled():
-        figure, axes = new_figure(4, len(columns), height=6.4, sharey="row", height_ratios=(4, 2.4, 2.4, 2.2))
+        figure, axes = new_figure(4, len(columns), height=7.4, sharey="row", height_ratios=(6, 2.2, 2.2, 2))
         grid = np.array(axes).reshape(4, len(columns))
+        coloured = {title: _coloured(comparison, motion, names) for title, names in columns.items()}
         for column, (title, names) in zip(grid.T, columns.items(), strict=True):
-            _responses(column, comparison, motion, names, SOON if title == "PIs" else SOONER)
+            end = SOON if title == "PIs" else SOONER
+            _responses(column, comparison, motion, names, end, coloured[title])
             column[0].set_title(title)
         labels = ("Angle [deg]", "Pressure [kPa]", "Command [V]", "Angle [deg]")
         for panel, label in zip(grid[:, 0], labels, strict=True):
             panel.set_ylabel(label)
         handles: dict[str, Any] = {}
-        for panel in grid[0]:
-            lines, names = panel.get_legend_handles_labels()
-            handles |= dict(zip(names, lines, strict=True))
-        figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=3, handlelength=4.0)
+        for panel in (*grid[0], grid[2, 0]):
+            lines, words = panel.get_legend_handles_labels()
+            handles |= dict(zip(words, lines, strict=True))
+        figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=2, handlelength=4.0)
         figure.suptitle(title_of(motion), x=0.01, ha="left", fontsize=10, fontweight="bold")
+        for panel, (title, names) in zip(grid[0], columns.items(), strict=True):
+            drawn = {n: comparison.steps[motion, n] for n in names}
+            curves = {n: (t.time[::5], t.angle[::5, 0]) for n, t in drawn.items()}
+            label_curves(panel, curves, {n: name_of(n) for n in names if n not in coloured[title]})
     return figure
 
 
-def _responses(column: Any, comparison: Comparison, motion: str, names: list[str], end: float) -> None:
+def _coloured(comparison: Comparison, motion: str, names: list[str]) -> list[str]:
+    """The tuned PI, and of some others the one that settles first within the limits, if any does."""
+    of = [s for s in comparison.standings if s.motion == motion and s.controller in names]
+    others = [s for s in of if s.controller != TUNED and not s.breaks and np.isfinite(s.worst_settling_s)]
+    return [TUNED, *(s.controller for s in sorted(others, key=lambda s: s.worst_settling_s)[:1])]
+
+
+def _responses(
+    column: Any, comparison: Comparison, motion: str, names: list[str], end: float, coloured: list[str]
+) -> None:
     """The four panels of some controllers, the first three until `end` [s]."""
     angle, pressure, command, late = column
     for place, name in enumerate(names):
-        t, look = comparison.steps[motion, name], controller_line(name, place)
-        every: dict[str, Any] = {"zorder": 4 - 0.1 * place, "label": name_of(name), **look}
+        t, look = comparison.steps[motion, name], {"color": FAINT, "linewidth": 1.0}
+        if name in coloured:
+            look = controller_line(name, place) | {"zorder": 4 - 0.1 * place, "label": name_of(name)}
+        every: dict[str, Any] = {"zorder": 2, **look}
         soon = slice(0, int(np.searchsorted(t.time, end)) + 1, 5)
         for panel, values in ((angle, t.angle), (pressure, t.pressure), (command, t.command)):
             panel.plot(t.time[soon], values[soon, 0], **every)
@@ -77,7 +100,8 @@ def _responses(column: Any, comparison: Comparison, motion: str, names: list[str
     for panel in (angle, pressure, command):
         panel.set_xlim(0.0, end)
     for bound in bounds:
-        command.axhline(bound, color=GREY, linewidth=0.8, linestyle=DASHED)
+        words = "range of the command" if bound == bounds[0] else ""
+        command.axhline(bound, color=BLACK, linewidth=0.8, linestyle=DASHED, label=words)
     command.set_ylim(bounds[0] - 0.2, bounds[1] + 0.2)
     command.set_xlabel("Time [s]")
     near = 0.35 * step
@@ -158,15 +182,14 @@ def worst_values(comparison: Comparison) -> "Figure":
                 panel = axes[2 * row + column]
                 _dots(panel, comparison, motion, metric)
                 if limit is not None:
-                    panel.axvline(limit, color=VERMILLION, linestyle=DASHED, linewidth=1.2)
-                    if row == 0:
-                        panel.text(limit, 1.0, f" limit {limit:g} %", transform=panel.get_xaxis_transform(),
-                                   fontsize=8.5, color=VERMILLION, va="bottom")  # fmt: skip
+                    words = f"limit {limit:g} %"
+                    panel.axvline(limit, color=VERMILLION, linestyle=DASHED, linewidth=1.2, label=words)
                 if row == len(motions) - 1:
                     panel.set_xlabel(label)
             axes[2 * row].set_title(title_of(motion))
         axes[0].set_xlim(0.0, WINDOW * 1.13)
-        axes[1].set_xlim(0.0, 1.1 * axes[1].get_xlim()[1])  # room for the numbers
+        axes[1].set_xlim(left=-0.02 * axes[1].get_xlim()[1])  # whole dots at zero
+        figure.legend(*axes[1].get_legend_handles_labels(), loc="outside lower right")
     return figure
 
 
@@ -185,11 +208,8 @@ def _dots(axes: "Axes", comparison: Comparison, motion: str, metric: str) -> Non
         axes.plot(at, position, marker, color=look["color"], ms=7, zorder=3)
         digits = 2 if metric.endswith("_s") else 1
         words = f"{value:.{digits}f}" if np.isfinite(value) else f"> {WINDOW:g}"
-        place: dict[str, Any] = {"ha": "center", "va": "bottom"} if high > low else {"va": "center"}
-        axes.annotate(
-            words, (at, position), (0, 5) if high > low else (7, 0), textcoords="offset points", fontsize=8.5,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.3}, **place,
-        )  # fmt: skip
+        column: dict[str, Any] = {"transform": axes.get_yaxis_transform(), "ha": "right", "va": "center"}
+        axes.text(1.16, position, words, fontsize=8.5, **column)
         if not np.isfinite(high) and high > low:
             axes.plot(end, position, ">", color=GREY, ms=6, zorder=2)
     axes.set_yticks(range(len(names)), [name_of(n) for n in names])

@@ -20,7 +20,7 @@ from reports.comparison.contest_words import sentences
 from reports.comparison.designs import budgets, designs
 from reports.comparison.record import comparison_record, contest_csv_text, csv_text
 from reports.paper import figures as paper
-from reports.shared.card import Card, CardRow, draw_steps, gains_table, matrix_table, step_caption
+from reports.shared.card import CardRow, card, draw_steps, step_caption
 from reports.shared.fit import draw_fit
 from reports.shared.gain_map import gain_map
 from reports.shared.html import Made, Shown, markup, render
@@ -100,7 +100,7 @@ def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:
         "comparison.html", title=words.title(study), kind="comparison of controllers",
         remarks=[made.remark] if made.remark else [],
         summary=words.summary(study), sections=_sections(study),
-        decision=_card(cards, shown) if cards else None,
+        decision=card(cards, shown("decision", step_caption(cards))) if cards else None,
         step=comparison.rig.task.step, sample_ms=1000.0 * comparison.rig.sample_time,
         command_range=comparison.rig.command_range, window=WINDOW,
         band=100.0 * comparison.rig.task.band, tasks=_tasks(comparison),
@@ -139,10 +139,6 @@ def card_rows(study: Study) -> list[CardRow]:
         )
         for d in study.decisions.values()
     ]  # fmt: skip
-
-
-def _card(rows: list[CardRow], shown: Any) -> Card:
-    return Card(gains_table(rows), matrix_table(rows), shown("decision", step_caption(rows)))
 
 
 def _sections(study: Study) -> dict[str, str]:

@@ -66,7 +66,7 @@ def standings_table(comparison: Comparison) -> Table:
         for s in of:
             tasks = [r for r in comparison.rows if (r.motion, r.controller) == (motion, s.controller)]
             rows.append(row(
-                name_of(s.controller), *("–" if k is None else fixed(k, 2) for k in (s.Kp, s.Ki)),
+                name_of(s.controller), *(number(k) for k in (s.Kp, s.Ki)),
                 _worst(tasks, "settling_time_s", "settling_time_s" in s.breaks),
                 _worst(tasks, "overshoot_percent", "overshoot_percent" in s.breaks),
                 _worst(tasks, "iae_deg_s", False),
@@ -88,7 +88,7 @@ def standings_table(comparison: Comparison) -> Table:
 
 
 def _delay(s: Standing) -> Cell:
-    """The delay margin; beneath, where that is none of linear theory but what a simulation bears."""
+    """The delay margin; beneath, where that is none of linear theory but what a simulation tolerates."""
     broken = "delay_margin_s" in s.breaks
     if s.tolerated_delay_s is None:
         return Cell(_known(1000.0 * s.delay_margin_s, 0), "", broken)

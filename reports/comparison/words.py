@@ -296,11 +296,11 @@ def map_caption(motion: str) -> str:
 
 
 def steps_caption(comparison: Comparison, motion: str) -> str:
-    """How to read the responses."""
+    """What the responses show."""
     named = [name for m, name in comparison.steps if m == motion]
     scales = "" if set(named) <= set(PIS) else " The right column has a shorter time axis."
     return (
         f"{title_of(motion)}: step of {comparison.rig.task.step:g} deg from rest on the plant as fitted, "
-        f"{len(named)} controllers, the {name_of(TUNED)} in every panel. Last row: the angle over the whole "
-        f"run.{scales}"
+        f"{len(named)} controllers. In colour: the {name_of(TUNED)}, and in each column the other that "
+        f"settles first within the limits. Last row: the angle over the whole run.{scales}"
     )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from design.studies.design_study import DesignStudy
 from reports.design import figures, tables, words
 from reports.design.record import design_record
-from reports.shared.card import Card, draw_steps, gains_table, matrix_table, step_caption
+from reports.shared.card import card, draw_steps, step_caption
 from reports.shared.html import Made, Shown, markup, render
 from reports.shared.style import save, svg
 
@@ -39,10 +39,10 @@ def design_page(study: DesignStudy, made: Made, drawn: "dict[str, Figure]") -> s
         return Shown(markup(svg(drawn[name], name, caption)), caption)
 
     rows = tables.card_rows(study)
-    card = Card(gains_table(rows), matrix_table(rows), shown("step", step_caption(rows)))
     return render(
         "design.html", made=made, title=words.title(study),
         kind=f"design for {' and '.join(m.motion for m in study.motions)}", sections=SECTIONS,
-        summary=words.summary(study), remarks=words.remarks(study), decision=card,
+        summary=words.summary(study), remarks=words.remarks(study),
+        decision=card(rows, shown("step", step_caption(rows))),
         price=tables.price_table(study), prices=shown("prices", words.price_caption(study)),
     )  # fmt: skip

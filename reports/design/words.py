@@ -9,9 +9,12 @@ from reports.shared.tables import listed, number
 
 
 def title(study: DesignStudy) -> str:
-    """The heading: what is recommended, or that nothing is."""
-    words = "; ".join(f"{m.motion}: {gains_words(m.gains)}" for m in study.motions)
-    return words if study.holds else f"No gains hold every limit; the nearest are {words}"
+    """The heading: what is recommended, or that nothing is; the gains stand in the card."""
+    found: dict[str, list[str]] = {}
+    for m in study.motions:
+        found.setdefault(m.recommended, []).append(m.motion)
+    words = listed([f"{name} for {listed(motions)}" for name, motions in found.items()])
+    return f"Recommended: {words}" if study.holds else f"No gains meet every limit; the nearest: {words}"
 
 
 def summary(study: DesignStudy) -> list[str]:
@@ -20,23 +23,24 @@ def summary(study: DesignStudy) -> list[str]:
     runs = sum(m.evidence["worst_case"]["runs"] for m in study.motions)
     broken = sum(m.evidence[n]["broken"] for m in study.motions for n in ("samples", "worst_case"))
     if study.holds:
-        first = f"These gains hold every limit in {samples} fresh samples and in {runs} runs of a search."
+        first = f"These gains meet every limit in {samples} fresh samples and in {runs} runs of a search."
     else:
         first = (
-            f"No gains found hold every limit: the nearest break one in {broken} of {samples + runs} runs."
+            f"No gains found meet every limit: the nearest break one in {broken} of {samples + runs} runs."
         )
     late = max(r["longest_dead_time_s"] for r in study.requirements.values())
     second = (
-        f"Dead time up to {number(1000 * late)} ms, every memory, load, noise and plant of the box are in."
+        f"Covered: dead time up to {number(1000 * late)} ms, every initial state, load, noise and plant of "
+        "the box."
         if late
-        else "Every memory, load, noise and plant of the box are included; no dead time is."
+        else "Covered: every initial state, load, noise and plant of the box; no dead time."
     )
     proved = [m.motion for m in study.motions if m.evidence["proved"]["status"] == "proved"]
     still = [m.motion for m in study.motions if m.motion not in proved]
     third = (
         f"A proof of stability for the sampled loop behind that dead time is open for {listed(still)}."
         if still
-        else "On the plant as fitted, the sampled loop with that dead time is proved to decay exponentially."
+        else "On the plant as fitted, the sampled loop with that dead time is proved exponentially stable."
     )
     return [first, second, third]
 
@@ -115,10 +119,9 @@ def remainder_words(m: MotionDesign, left: Mapping[str, float] | None) -> str:
 def price_caption(study: DesignStudy) -> str:
     """Beneath the prices."""
     return (
-        "Worst IAE of the task's steps, the same for every bar: every plant of the box, memory, load and "
-        "dead time. Orange rows hold the whole requirement as far as was looked. Gains that were tuned for "
-        "less are faster here and break limits in other cases; a feedforward is not held where fresh samples "
-        "break it."
+        "Worst IAE of the task's steps, the same for every bar: every plant of the box, initial state, load "
+        "and dead time. Orange: no broken limit found. Gains that were tuned for "
+        "less are faster here and break limits in other cases."
     )
 
 

@@ -17,7 +17,7 @@ def word_growth(growth: Growth) -> "Figure":
         for look, (name, size) in zip(LINES[1:], growth.alone.items(), strict=False):
             axes.semilogy(growth.time, size, label=f"only {name}", **look)
         bold = {**LINES[0], "linewidth": 2.2}
-        axes.semilogy(growth.time, growth.word, label="the word", zorder=5, **bold)
+        axes.semilogy(growth.time, growth.word, label="the switching sequence", zorder=5, **bold)
         for end in growth.ends:
             axes.axvline(end, color=GREY, linewidth=0.6, zorder=0)
         axes.set(

@@ -21,6 +21,7 @@ from reports.shared.style import (
     BLUE,
     DASHED,
     DOTTED,
+    GREEN,
     GREY,
     LINES,
     PALE,
@@ -35,6 +36,10 @@ if TYPE_CHECKING:
 
 MS_DISC = 2.0
 """Peak of the sensitivity whose disc is marked: loops that stay out of it have Ms of 2 at the most."""
+
+
+RATES = {"fast": BLUE, "slow": VERMILLION}
+"""Colour of the loops at each rate of the regulator; those at another rate are green."""
 
 
 def frequencies(wrist: Wrist) -> Any:
@@ -60,8 +65,12 @@ def _together(branches: list[str]) -> str:
 
 
 def _looks(names: list[str]) -> dict[str, dict[str, Any]]:
-    """Colour and line style by name, the same in every panel."""
-    return {name: LINES[i % len(LINES)] for i, name in enumerate(names)}
+    """Colour by the rate of the regulator and line style by place, the same in every panel and figure."""
+    return {n: {**LINES[i % len(LINES)], "color": _colour(n)} for i, n in enumerate(names)}
+
+
+def _colour(words: str) -> str:
+    return next((c for rate, c in RATES.items() if words.endswith(rate)), GREEN)
 
 
 def nyquist(wrist: Wrist, controllers: Mapping[str, PI]) -> "Figure":
@@ -169,10 +178,10 @@ def describing(
         figure, (axes,) = new_figure(height=5.0)
         axes.plot(inverse.real, inverse.imag, color=BLACK, linewidth=2.2, label="-1/N(A), hysteresis")
         _amplitudes(axes, wrist, reference)
-        for look, rate in zip(LINES, ("slow", "fast"), strict=False):
+        for look, rate in zip(LINES, RATES, strict=False):
             speed = float(getattr(wrist.regulator, f"k_{rate}"))
             L = _without(wrist, controller, omega, speed)
-            axes.plot(L.real, L.imag, label=f"loop without N, {rate} rate", **look)
+            axes.plot(L.real, L.imag, label=f"loop without N, {rate} rate", **{**look, "color": RATES[rate]})
         for look, cycle in zip(LINES[2:], cycles, strict=False):
             _cycle(axes, wrist, controller, cycle, look)
         left = 1.25 * min(float(inverse.real.min()), -1e-6)

@@ -165,6 +165,8 @@ def draw_worst(worst: Worst, played: PlayedSequence) -> "Figure":
         angle.set_ylabel("Angle [deg]")
         command.plot(t.time, t.command[:, 0], color=BLUE)
         for bound in worst.sequence.wrist.rig.command_range:
-            command.axhline(bound, color=GREY, linewidth=0.8, linestyle=DASHED)
+            words = "range of the command" if bound == worst.sequence.wrist.rig.command_range[0] else ""
+            command.axhline(bound, color=GREY, linewidth=0.8, linestyle=DASHED, label=words)
+        command.legend(loc="best")
         command.set(xlabel="Time [s]", ylabel="Command [V]", xlim=(0.0, t.time[-1]))
     return figure

@@ -11,7 +11,7 @@ from reports.robustness import figures as robust_figures
 from reports.robustness.disagreements import disagreement_sentences
 from reports.robustness.record import assessment_record
 from reports.robustness.signature import overshoot_figure, signature
-from reports.shared.card import Card, gains_table, matrix_table
+from reports.shared.card import card
 from reports.shared.html import Made, Shown, markup, render
 from reports.shared.plant_tables import assumption_table
 from reports.shared.style import save, svg
@@ -94,7 +94,7 @@ def _page(study: RobustnessStudy, made: Made, drawn: Mapping[str, "Figure"]) -> 
         "summary": words.summary(a),
         "remarks": words.remarks(a),
         "details": words.details(a),
-        "decision": Card(gains_table([row]), matrix_table([row]), shown(first, FIRST[first](a))),
+        "decision": card([row], shown(first, FIRST[first](a))),
         "verdict": tables.verdict_table(a),
         "disagreements": disagreement_sentences(a),
         "plane": shown("gains", words.plane_caption(a)),

@@ -62,8 +62,7 @@ def signature(wrist: Wrist, found: BranchSteps, limits: Limits) -> "Figure":
             grid[2, column].set_title(f"from {spaced(start)}", fontsize=7.5)
         for panel, label in zip(grid[:, 0], ("Im L [1]", "|S| [1]", "Angle [deg]"), strict=True):
             panel.set_ylabel(label)
-        handles, words = grid[2, 0].get_legend_handles_labels()
-        figure.legend(handles, words, loc="outside lower center", ncols=len(names))
+        figure.legend(*grid[1, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 
 
@@ -83,7 +82,7 @@ def _nyquist(axes: "Axes", Ms: float | None) -> None:
 
 def _sensitivity(axes: "Axes", Ms: float | None) -> None:
     if Ms is not None:
-        axes.axhline(Ms, color=VERMILLION, linestyle=DOTTED, linewidth=1.1)
+        axes.axhline(Ms, color=VERMILLION, linestyle=DOTTED, linewidth=1.1, label=f"limit: Ms {Ms:g}")
     axes.set(xscale="log", xlim=(0.1, 200.0), ylim=(0.0, 4.0), xticks=(1.0, 100.0))
     axes.minorticks_off()
     axes.xaxis.set_major_formatter(lambda v, _: f"{v:g}")

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 
-from design.controllers.pi_two_dof import TwoDofPI
 from design.robustness.assess import Assessment
 from design.robustness.certificates.certificate import Switching
 from design.robustness.certificates.constant.robust_stability import StableWhileConstant
@@ -24,21 +23,20 @@ from reports.shared.tables import number, spaced
 
 
 def title(a: Assessment) -> str:
-    """The heading: the gains, and in a few words what became of them."""
-    c = a.controller
-    gains = f"Kp = {number(float(c.Kp))} kPa/deg, Ki = {number(float(c.Ki))} kPa/(deg s)"
-    if isinstance(c, TwoDofPI):
-        gains += f", b = {number(float(c.b))}, Tf = {number(float(c.Tf))} s"
+    """The heading: in a few words what became of the gains, which stand in the card."""
     if not a.stable:
-        return f"{gains}: unstable on some branch"
+        return "The loop is unstable on some branch"
     broken = [s for s in (*a.predictions, *a.samples) if s.holds is False]
     if broken:
-        return f"{gains}: " + (
-            "one statement does not hold" if len(broken) == 1 else f"{len(broken)} statements do not hold"
-        )
+        few = "one statement does" if len(broken) == 1 else f"{len(broken)} statements do"
+        return f"Of these gains {few} not hold"
+    if a.required.broken:
+        return f"These gains break a limit in {a.required.broken} of {a.required.total} samples"
     if a.worst.violated:
-        return f"{gains}: the worst-case search finds a broken limit"
-    return f"{gains}: meets all limits"
+        return "These gains break a limit in the worst case found"
+    if _not_met(a):
+        return "These gains break a limit of the linear loop"
+    return "These gains meet all limits, in samples, margins and the worst case found"
 
 
 def answer(a: Assessment) -> str:
@@ -51,11 +49,16 @@ def answer(a: Assessment) -> str:
     found = [f"{a.required.broken} of {a.required.total} samples break a limit"]
     if a.worst.violated:
         found.append(f"worst case found: {beyond(a)}")
-    linear = [MARGINS_WORDS[n] for n in MARGINS_WORDS if margin_met(a, n) is False]
+    linear = _not_met(a)
     if linear:
         found.append(f"{' and '.join(linear)} not met on some branch")
     met = not (a.required.broken or a.worst.violated or linear)
     return f"{'Yes' if met else 'No'}: {'; '.join(found)}."
+
+
+def _not_met(a: Assessment) -> list[str]:
+    """Limits of the linear loop that some branch breaks, in words."""
+    return [MARGINS_WORDS[n] for n in MARGINS_WORDS if margin_met(a, n) is False]
 
 
 MARGINS_WORDS = {"Ms": "Ms", "Mt": "Mt", "delay_margin_s": "delay margin"}
@@ -105,8 +108,8 @@ def _proof(a: Assessment) -> str:
         rate, late, about = best.decay or 0.0, best.dead_time, "for any switching of the slope"
     else:
         return "Open: no certificate of stability was found for a loop that switches between branches."
-    behind = f", with {1000 * late:g} ms of dead time" if late else ", without dead time"
-    return f"Proved: exponentially stable with rate at least {number(rate, 2)} 1/s {about}{behind}."
+    behind = f"{1000 * late:g} ms of dead time" if late else "no dead time"
+    return f"Proved: exponentially stable, rate at least {number(rate, 2)} 1/s, {about}, {behind}."
 
 
 def details(a: Assessment) -> list[str]:
@@ -286,7 +289,7 @@ def plane_caption(a: Assessment) -> str:
 
 SIGNATURE = (
     "These gains beside SIMC's. Columns above: branches of the hysteresis at both regulator rates; disc: Ms "
-    "beyond its limit; dotted: limit on Ms. Below: the step from each initial hysteresis state."
+    "beyond its limit. Below: the step from each initial hysteresis state."
 )
 LATE = (
     "Worst overshoot over both signs and all initial states against added dead time, nominal plant. A curve "

@@ -54,40 +54,49 @@ class CardRow:
 
 @dataclass(frozen=True)
 class Card:
-    """The first screen: recommended gains, limits by conditions, the step with its band."""
+    """The first screen: gains, limits by conditions in a table a motion, the step with its band."""
 
     gains: Table
-    matrix: Table
+    matrices: Sequence[Table]
     step: Shown
 
 
+def card(rows: Sequence[CardRow], step: Shown) -> Card:
+    """The card of some motions, with the figure that shows their step."""
+    return Card(gains_table(rows), [matrix_table([r]) for r in rows], step)
+
+
 def gains_table(rows: Sequence[CardRow]) -> Table:
-    """Recommended controllers, a row a motion."""
+    """Controllers, a row a motion, and whether stability is proved."""
     more = [c for c in ("b", "Tf") if any(r.gains.get(c, 0.0) != (1.0 if c == "b" else 0.0) for r in rows)]
     columns = (
         Column("Motion", number=False), Column("Controller", number=False), Column("Kp", "kPa/deg"),
         Column("Ki", "kPa/(deg s)"),
         *(Column("Weight b", "1") if c == "b" else Column("Tf", "ms") for c in more),
-        *((Column("Why", number=False),) if any(r.why for r in rows) else ()),
+        Column("Stability", number=False),
+        *((Column("Evidence", number=False),) if any(r.why for r in rows) else ()),
     )  # fmt: skip
     found = []
     for r in rows:
         extra = [number(r.gains[c] * (1.0 if c == "b" else 1000.0)) for c in more]
         words = [r.why] if any(x.why for x in rows) else []
         gains = (number(r.gains["Kp"]), number(r.gains["Ki"]))
-        found.append(row(r.motion, r.controller, *gains, *extra, *words))
+        found.append(row(r.motion, r.controller, *gains, *extra, _stability(r), *words))
     return Table(columns, (Group("", tuple(found), tuple(range(len(found)))),))
 
 
+def _stability(of: CardRow) -> Cell:
+    """The status of the proof, and the rate that is proved."""
+    rate, status = of.proved["rate_1_s"], of.proved["status"]
+    return Cell(status + ("" if rate is None else f", {number(rate, 2)} 1/s"), met=status == "proved")
+
+
 def matrix_table(rows: Sequence[CardRow]) -> Table:
-    """Limits by what they are judged under, and what of them is proved."""
+    """Limits by what they are judged under."""
     known = [
         c for c in CONDITIONS if any(r["values"][c] is not None for of in rows for r in of.matrix)
     ]  # what nothing was judged under has no column
-    columns = (
-        Column("Limit", number=False), Column("Bound"), *(Column(HEADS[c]) for c in known),
-        Column("Proved", number=False),
-    )  # fmt: skip
+    columns = (Column("Limit", number=False), Column("Bound"), *(Column(HEADS[c]) for c in known))
     return Table(columns, tuple(Group(r.motion, _matrix(r, known)) for r in rows))
 
 
@@ -104,11 +113,7 @@ def _matrix(of: CardRow, known: Sequence[str]) -> tuple[tuple[Cell, ...], ...]:
             )
             for c in known
         ]  # fmt: skip
-        rows.append(row(name, bound, *cells, NOT_JUDGED))
-    rate = of.proved["rate_1_s"]
-    words = of.proved["status"] + ("" if rate is None else f", {number(rate, 2)} 1/s")
-    blank = [NOT_JUDGED] * len(known)
-    rows.append(row("Stability", "", *blank, Cell(words, met=of.proved["status"] == "proved")))
+        rows.append(row(name, bound, *cells))
     return tuple(rows)
 
 
@@ -135,7 +140,7 @@ def step_caption(rows: Sequence[CardRow]) -> str:
 def draw_steps(rows: Sequence[CardRow]) -> "Figure":
     """The step of each motion: nominal, behind the longest dead time, and the band of fresh cases."""
     with styled():
-        figure, axes = new_figure(1, len(rows), 3.3, sharey=True)
+        figure, axes = new_figure(1, len(rows), 2.7, sharey=True)
         for at, r in zip(axes, rows, strict=True):
             b = r.band
             words = f"{b['cases']} fresh cases"

@@ -37,7 +37,8 @@ GLOSSARY: Mapping[str, str] = {
 """Definitions by term, in few words."""
 
 _WHOLE = "script|style|svg|h1|h2|title|abbr|code|summary"
-_TEXT = re.compile(rf"(<(?:{_WHOLE})\b.*?</(?:{_WHOLE})>|<[^>]*>)", re.DOTALL)
+_PARTS = re.compile(rf"<({_WHOLE})\b.*?</\1>|<[^>]*>|[^<]+", re.DOTALL)
+"""Elements that stay as they are, whatever is within; other tags; and text."""
 
 
 def with_tooltips(page: str) -> str:
@@ -45,12 +46,15 @@ def with_tooltips(page: str) -> str:
 
     >>> with_tooltips("<p>The overshoot is 2 %.</p>")[:53]
     '<p>The <abbr title="largest angle beyond the referenc'
+    >>> figure = "<svg><style>x</style><text>overshoot</text></svg>"
+    >>> with_tooltips(figure) == figure
+    True
     """
     head, body, rest = page.partition("<main>")
     if not body:
         head, rest = "", page
     waiting = dict(sorted(GLOSSARY.items(), key=lambda item: -len(item[0])))
-    parts = _TEXT.split(rest)
+    parts = [m.group(0) for m in _PARTS.finditer(rest)]
     for place, part in enumerate(parts):
         if part.startswith("<") or not part.strip():
             continue

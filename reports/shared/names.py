@@ -21,7 +21,7 @@ LIMITS = {
         "dead time that can be added before instability",
     ),
     "total_variation_V": ("Total variation of the command", "at most", "up and down added up, in one step"),
-    "steady_error_percent": ("Steady error", "at most", f"of the step, what is left after {WINDOW:g} s"),
+    "steady_error_percent": ("Steady error", "at most", f"of the step, error after {WINDOW:g} s"),
     "Mt": ("Mt", "at most", "peak of the complementary sensitivity on the same branches"),
     "settling_time_s": ("Settled", "within", "that is, at all within the run"),
 }

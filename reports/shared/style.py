@@ -43,13 +43,15 @@ CONTROLLER_LINES: Mapping[str, dict[str, Any]] = {
     "Ziegler-Nichols": {"color": PURPLE, "linestyle": DOTTED, "linewidth": 1.9},
     "convex-concave PI": {"color": VERMILLION, "linestyle": (0, (3, 1, 1, 1, 1, 1))},
     "robust LQI": {"color": SKY, "linestyle": (0, (2.4, 0.9)), "linewidth": 2.0},
-    "PI + feedforward": {"color": VERMILLION, "linestyle": (0, (12, 1.0)), "linewidth": 2.2},
+    "PI + feedforward": {"color": "#882255", "linestyle": (0, (12, 1.0)), "linewidth": 2.2},
     "feedforward": {"color": GREY, "linestyle": (0, (4, 1.2)), "linewidth": 1.8},
-    "robust PI": {"color": GREEN, "linestyle": (0, (5, 1, 1, 1))},
-    "linear MPC": {"color": PURPLE, "linestyle": (0, (1, 0.7)), "linewidth": 2.0},
-    "real-time MPC": {"color": ORANGE, "linestyle": (0, (10, 1.5, 1, 1.5)), "linewidth": 2.0},
-    "robust MPC": {"color": GREEN, "linestyle": (0, (2, 1.4)), "linewidth": 2.0},
+    "robust PI": {"color": "#1B5E20", "linestyle": (0, (5, 1, 1, 1))},
+    "linear MPC": {"color": "#332288", "linestyle": (0, (1, 0.7)), "linewidth": 2.0},
+    "real-time MPC": {"color": "#999933", "linestyle": (0, (10, 1.5, 1, 1.5)), "linewidth": 2.0},
+    "PI tuned without dead time": {"color": "#EE6677", "linestyle": (0, (7, 1.5))},
+    "robust MPC": {"color": "#7B4A12", "linestyle": (0, (2, 1.4)), "linewidth": 2.0},
 }
+"""One colour a controller in all outputs: those of Okabe and Ito, then darker ones after Tol."""
 
 WIDTH = 5.8
 """Width of a figure [inch]: between a phone and paper, so that its letters are read on both."""

@@ -43,13 +43,13 @@ def choice_words() -> list[str]:
     """How effects are chosen, in paragraphs."""
     return [
         "In each round every effect that the model lacks is ranked by how far it would bring down "
-        "chi-square, the mean square of the remainder in units of the noise: 1 is noise alone. The first "
+        "chi-square, the mean square of the residual in units of the noise: 1 is noise alone. The first "
         "few are then refitted fully, together with all other parameters.",
-        "Where the tests above find structure in what is left, an effect is taken if chi-square on blocks "
+        "Where the tests above find structure in the residual, an effect is taken if chi-square on blocks "
         f"of {BLOCK:g} s that did not fit it falls by more than {WORTH:g}, by more than {100 * SHARE:g} % "
         f"of its excess over 1, and by more than {100 * TRIFLE:g} % of what effects taken before brought. "
-        "Where what is left looks like noise, chi-square on all rows must fall by as much, and the "
-        "log-likelihood of what is left, as noise of any colour, must rise by more than following slow "
+        "Where the residual looks like noise, chi-square on all rows must fall by as much, and the "
+        "log-likelihood of the residual, as noise of any colour, must rise by more than following slow "
         "noise for a while would. Of several the best is taken; where there is none the search ends.",
     ]
 

@@ -41,7 +41,7 @@ def draw_errors(trace: Trace) -> "Figure":
     """Errors before and after of each channel with their intervals, beside the noise floor."""
     channels = [c for c in CHANNELS if trace.before.get(c) is not None]
     with styled():
-        figure, axes = new_figure(1, max(1, len(channels)), height=1.75)
+        figure, axes = new_figure(1, max(1, len(channels)), height=2.1)
         for panel, channel in zip(axes, channels, strict=False):
             _errors(panel, trace, channel)
     return figure
@@ -58,19 +58,23 @@ def _errors(axes: "Axes", trace: Trace, channel: str) -> None:
     top = max([*ends, 1.35 * (noise or 0.0)])
     for y, (_, value, interval, colour, marker) in enumerate(sides):
         assert value is not None
-        if interval is not None:
-            axes.plot(interval, (y, y), color=colour, linewidth=6, alpha=0.3, solid_capstyle="butt")
-        axes.plot(value, y, marker, color=colour, markersize=7)
-        axes.annotate(
-            number(value), (value, y), (0 if value > 0.1 * top else -4, 8), textcoords="offset points",
-            ha="center" if value > 0.1 * top else "left", fontsize=9,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.3},
-        )  # fmt: skip
+        said = number(value)
+        if interval is not None:  # often narrower than any mark: its ends stand in the label too
+            low, high = interval
+            reach = [[max(value - low, 0.0)], [max(high - value, 0.0)]]
+            axes.errorbar(
+                value, y, xerr=reach, ecolor=colour, elinewidth=1.4, capsize=7, capthick=1.4, fmt="none"
+            )
+            said += f" ({number(low)} to {number(high)})"
+        axes.plot(value, y, marker, color=colour, markersize=3.5)
+        axes.text(0.0, y - 0.42, said, fontsize=8, va="center", color=colour,
+                  bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.2})  # fmt: skip
     if noise is not None:
-        axes.axvline(noise, color=GREY, linestyle=DASHED, linewidth=1.2)
-        axes.text(noise, 1.55, f" noise {number(noise)}", color=GREY, fontsize=8.5, va="center")
+        axes.axvline(noise, color=GREY, linestyle=DASHED, linewidth=1.2, label="noise of the sensor")
+        axes.text(0.0, 1.55, f"noise {number(noise)}", color=GREY, fontsize=8, va="center",
+                  bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.2})  # fmt: skip
     axes.set_yticks(range(2), [s[0] for s in sides])
-    axes.set(title=words, xlabel=f"Error, rms [{unit}]", xlim=(0.0, 1.18 * top), ylim=(1.85, -0.75))
+    axes.set(title=words, xlabel=f"Error, rms [{unit}]", xlim=(-0.04 * top, 1.1 * top), ylim=(1.85, -0.85))
     axes.grid(axis="y", visible=False)
 
 
@@ -115,7 +119,7 @@ def draw_series(trace: Trace, channel: str) -> "Figure":
             panel.axhspan(-noise, noise, **BAND)
             left = (truth - simulated)[every]
             panel.plot(time[every], left, **{**look, "linewidth": 0.8, "linestyle": "-"})
-            panel.set_ylabel(f"Left by\n{look['label']} [{unit}]")
+            panel.set_ylabel(f"Residual,\n{look['label']} [{unit}]")
         small.set(xlabel="Time [s]", xlim=(time[0], time[-1]))
     if not revised:
         figure.delaxes(small)

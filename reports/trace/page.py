@@ -77,14 +77,15 @@ def _page(trace: Trace, made: Made, control: Control | None, drawn: Mapping[str,
         return Shown(markup(svg(drawn[name], name, caption)), caption)
 
     fits = [shown(f"fit-{c.split('_')[0]}", captions.series(trace, c)) for c in shown_channels(trace)]
-    card = Card(tables.effect_table(trace), tables.error_table(trace), shown("errors", captions.ERRORS))
+    card = Card(tables.effect_table(trace), [tables.error_table(trace)], shown("errors", captions.ERRORS))
     fits += [shown("loop", captions.loop(trace))] if "loop" in drawn else []
     return render(
         "trace.html",
         title=captions.title(trace),
         kind=f"trace of the campaign “{trace.campaign.name}”, {trace.campaign.axis}",
         summary=words.summary(trace), remarks=words.log_words(trace), sections=_sections(trace, control),
-        after_words=captions.after_words(trace), choice_words=captions.choice_words(),
+        verdict_words=words.verdict_sentence(trace), after_words=captions.after_words(trace),
+        choice_words=captions.choice_words(),
         decision=card,
         recordings=tables.recording_table(trace), fit_figures=fits,
         stages=[_stage(s, captions.after_name(trace), shown) for s in trace.stages],

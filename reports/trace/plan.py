@@ -18,7 +18,7 @@ def plan_lines(found: PlannedRecording) -> list[str]:
         f"{r.name} or {r.other}: chance of naming the wrong one {_percent(planned)}; after a staircase of "
         f"the same length {_percent(stairs)}"
         for r, planned, stairs in zip(found.rivals, found.planned, found.staircase_distance, strict=True)
-    ] or ["nothing ties; the recording is the one that tells most of the parameters"]
+    ] or ["nothing ties; the recording is the one with the most information on the parameters"]
     said.append(
         f"standard errors shrink {number(found.gain)} times; after a staircase "
         f"{number(found.staircase_gain)} times"

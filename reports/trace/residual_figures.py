@@ -66,7 +66,7 @@ def draw_remainder(stage: StageTrace, after_name: str = "revised") -> "Figure":
             _means(panel, stage, variable, unit, after_name if revised else None)
         _autocorrelation(axes[4], stage, revised)
         _spectrum(axes[5], stage, unit, revised)
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
 
 
@@ -83,15 +83,15 @@ def _means(axes: "Axes", stage: StageTrace, variable: str, unit: str, after_name
     before, after = stage.before.curves[variable], stage.after.curves.get(variable)
     if after_name is not None and after is not None:
         _band(axes, after, label="noise alone stays within")
-        axes.plot(before.centre, before.mean, label="left by declared", **BEFORE)
-        axes.plot(after.centre, after.mean, label=f"left by {after_name}", **AFTER)
+        axes.plot(before.centre, before.mean, label="residual, declared", **BEFORE)
+        axes.plot(after.centre, after.mean, label=f"residual, {after_name}", **AFTER)
     else:
         _band(axes, before, label="noise alone stays within")
-        axes.plot(before.centre, before.mean, label="left by declared", **BEFORE)
+        axes.plot(before.centre, before.mean, label="residual, declared", **BEFORE)
     axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
     if variable == "pressure_rate_kPa_s":
         axes.set_xscale("symlog", linthresh=STILL)
-    axes.set(xlabel=LABELS.get(variable, variable), ylabel=f"Mean left [{unit}]")
+    axes.set(xlabel=LABELS.get(variable, variable), ylabel=f"Mean residual [{unit}]")
     axes.margins(y=0.15)
 
 
@@ -155,7 +155,7 @@ def draw_description(stage: StageTrace) -> "Figure":
                     )
             panel.set_xlabel(LABELS.get(variable, variable))
             panel.axhline(0.0, color=GREY, linewidth=0.6)
-        axes[0].set_ylabel(f"What is left [{unit}]")
+        axes[0].set_ylabel(f"Residual [{unit}]")
         figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 

@@ -16,6 +16,9 @@ BOX = {"facecolor": "white", "edgecolor": "none", "pad": 0.2}
 LATER = 6
 """Effects that are drawn of rounds after the first, those that would lower chi-square most."""
 
+CHANCE, NEEDED = "noise alone, 95 %", "least for a selection"
+"""What the tick on a bar and the dashed line are."""
+
 FLOOR = 1e-4
 """What falls by less is drawn as this; the axis is logarithmic."""
 
@@ -28,11 +31,13 @@ def draw_ranking(stage: StageTrace) -> "Figure":
     top = max([q.drop for r in rounds for q in r.ranking] + [WORTH])
     sizes = [0.75 + 0.21 * len(s) for s in shown]
     with styled():
-        figure, axes = new_figure(len(rounds), 1, height=0.3 + sum(sizes), height_ratios=sizes, sharex=True)
+        figure, axes = new_figure(len(rounds), 1, height=0.6 + sum(sizes), height_ratios=sizes, sharex=True)
         for count, (panel, round_, best) in enumerate(zip(axes, rounds, shown, strict=True), start=1):
             _round(panel, round_, best)
             known = " + ".join(round_.before.model.effects) or "the declared wrist"
             panel.set_title(f"Round {count}: beyond {known}")
+        marks = [line for line in axes[0].lines if line.get_label() in (CHANCE, NEEDED)]
+        figure.legend(handles=marks, loc="outside lower center", ncols=2)
         axes[-1].set(xlabel="Fall of chi-square per row [-]", xlim=(FLOOR, 30.0 * top))
     return figure
 
@@ -57,13 +62,14 @@ def _round(axes: "Axes", round_: SearchRound, best: list[Ranked]) -> None:
         if r.name in taken:
             hatched = {"hatch": "////", "edgecolor": "white", "linewidth": 0.0}
         axes.barh(y, max(r.drop, FLOOR) - 0.1 * FLOOR, left=0.1 * FLOOR, height=0.68, color=colour, **hatched)
-        axes.plot([max(r.chance, FLOOR)] * 2, [y - 0.42, y + 0.42], color=BLACK, linewidth=1.4)
+        words = CHANCE if y == 0 else ""
+        axes.plot([max(r.chance, FLOOR)] * 2, [y - 0.42, y + 0.42], color=BLACK, linewidth=1.4, label=words)
         words = f" refitted: {number(refitted[r.name])}" if r.name in refitted else ""
         if r.name in taken:
             words += ", taken"
         place = (max(r.drop, 2.0 * r.chance), y)
         axes.text(*place, words, fontsize=8.5, va="center", bbox=BOX if words else None)
-    axes.axvline(WORTH, color=VERMILLION, linestyle=DASHED, linewidth=1.1, zorder=2.5)
+    axes.axvline(WORTH, color=VERMILLION, linestyle=DASHED, linewidth=1.1, zorder=2.5, label=NEEDED)
     axes.set_xscale("log")
     axes.set_yticks(range(len(best)), [r.name for r in best])
     axes.set_ylim(len(best) - 0.4, -0.6)

@@ -181,7 +181,7 @@ def decision_table(rounds: tuple[SearchRound, ...]) -> Table:
         noisy = not r.before.examined.structured
         rows = tuple(_decided(c, r, noisy) for c in models)
         taken = None if r.taken is None else " + ".join(r.taken.model.effects)
-        by = "likelihood, since what is left looks like noise" if noisy else "blocks left out"
+        by = "likelihood, since the residual looks like noise" if noisy else "blocks left out"
         words = f"Round {count}, by {by}: {f'{taken} taken' if taken else 'nothing more taken'}"
         strong = tuple(i for i, c in enumerate(models) if r.taken is not None and _same(c, r.taken))
         groups.append(Group(words, rows, strong))
@@ -205,8 +205,8 @@ def _decided(c: Candidate, r: SearchRound, noisy: bool) -> tuple[Cell, ...]:
 
 
 def judge_table(reasons: Mapping[str, str]) -> Table:
-    """Effects that the recordings cannot tell, and why."""
-    columns = (Column("Effect", number=False), Column("Why these recordings cannot tell", number=False))
+    """Effects that the recordings cannot decide, and why."""
+    columns = (Column("Effect", number=False), Column("Why these recordings cannot decide", number=False))
     return Table(columns, (Group("", tuple(row(n, why) for n, why in reasons.items())),))
 
 

@@ -40,49 +40,65 @@ BEHAVES = {"events": "jumps now and then", "changing size": "changes in size", "
 
 
 def summary(trace: Trace) -> list[str]:
-    """Three sentences: the verdict, what it rests on, what is open."""
-    return [verdict_sentence(trace), evidence(trace), still_open(trace)]
+    """Three sentences of at most 20 words: the answer, what it rests on, what is open."""
+    return [answer(trace), evidence(trace), still_open(trace)]
+
+
+def answer(trace: Trace) -> str:
+    """The verdict with the error of the first channel, the angle where there is one; `verdict_sentence` is
+    the same in full."""
+    if trace.worse:
+        return "The revised plant is worse on the held-out recordings: use the declared plant."
+    if not _logged(trace):
+        return "The residual has structure that no effect explains."
+    channel = _logged(trace)[0]
+    before, after, noise = (x[channel] for x in (trace.before, trace.after, trace.noise))
+    error, floor = f"held-out {_channel(channel)} RMSE", f"noise {_amount(noise, channel)}"
+    if trace.verdict == "nothing-missing":
+        return f"Nothing is missing: {error} {_amount(before, channel)}, {floor}."
+    causes = [e.name for e in trace.effects] or [f"the law {trace.revised.law.NAME}"]
+    head = f"{listed(causes)} {'explains' if len(causes) == 1 else 'explain'}"
+    falls = f"{error} falls from {number(before)} to {_amount(after, channel)}, {floor}"
+    if trace.verdict == "explained":
+        return f"{head[0].upper()}{head[1:]} the residual: {falls}."
+    if not trace.effects:
+        falls = f"{error} {_amount(after, channel)}, {floor}"
+    return f"None of the {len(EFFECTS)} effects explains the rest: {falls}."
 
 
 def evidence(trace: Trace) -> str:
-    """How chi-square moved in each stage, and out of how many effects was chosen."""
+    """How chi-square moved in each stage, and how many effects were refitted."""
     said = []
     for s in trace.stages:
         declared, chosen = s.search.declared.model.chi2, s.search.chosen.model.chi2
-        moved = f"is {fixed(declared, 2)}"
-        if s.model.forms:
-            moved = f"falls from {fixed(declared, 2)} to {fixed(chosen, 2)} with {listed(s.model.effects)}"
-        said.append(f"{moved} for the {_channel(s.stage.channel)}")
+        moved = f" to {fixed(chosen, 2)}" if s.model.forms else ""
+        said.append(f"{_channel(s.stage.channel)} {fixed(declared, 2)}{moved}")
     rounds = [r for s in trace.stages for r in s.search.rounds]
     tried = len({name for r in rounds for c in r.candidates for name in c.model.effects})
-    how = f"{tried} of which {'was' if tried == 1 else 'were'} refitted in full"
-    if not tried:
-        how = "none of which promised enough to be refitted in full"
-    return (
-        "Chi-square per row, the mean square of what is left in units of the noise (1: noise alone), "
-        f"{listed(said)}; the causes tried were {len(EFFECTS)} known effects, {how}."
-    )
+    refitted = f"{tried or 'none'} of {len(EFFECTS)} effects {'was' if tried == 1 else 'were'} refitted"
+    return f"Chi-square per row (1: noise alone): {', '.join(said)}; {refitted}."
+
+
+FEW = 6
+"""Names that a sentence of at most 20 words has room for."""
 
 
 def still_open(trace: Trace) -> str:
-    """What these recordings do not tell, and how much of the plant is assumed."""
+    """What these recordings cannot decide, and how much of the plant is assumed."""
     blind = list(trace.cannot_judge)
+    named = listed(blind) if len(blind) <= FEW else f"{len(blind)} of {len(EFFECTS)} effects"
     told = (
-        f"These recordings cannot tell whether the rig has {_or(blind)}"
+        f"These recordings cannot decide {named}"
         if blind
         else f"Each of the {len(EFFECTS)} effects would have shown in these recordings"
     )
     count, assumed = len(trace.revised.parameters), len(trace.revised.assumed)
     rest = (
-        f"{assumed} of the plant's {count} parameters {'is' if assumed == 1 else 'are'} assumed, not measured"
+        f"{assumed} of {count} parameters {'is' if assumed == 1 else 'are'} assumed"
         if assumed
-        else f"all {count} parameters of the plant are fitted to them or stated by the paper"
+        else f"all {count} parameters are fitted or stated"
     )
-    return f"{told}, and {rest}."
-
-
-def _or(words: Sequence[str]) -> str:
-    return " or ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+    return f"{told}; {rest}."
 
 
 def verdict_sentence(trace: Trace) -> str:
@@ -143,7 +159,7 @@ def _nothing(trace: Trace) -> str:
     )
     if slow:
         said = said.replace(", and the noise is", ", successive rows scatter by")
-        said += f"; what is left of the {_and(slow)} has no more structure than slow noise"
+        said += f"; the residual of the {_and(slow)} has no more structure than slow noise"
     return f"{said}."
 
 
@@ -154,7 +170,7 @@ def _unexplained(trace: Trace) -> str:
     off = [w for i, s in enumerate(stages) if (w := _still(trace, s.stage.channel, i == 0))]
     on = depends(stages[0].after.depends_on)
     if len(stages) > 1:
-        on = on.replace("what is left", f"what is left of the {_channel(stages[0].stage.channel)}")
+        on = on.replace("the residual", f"the residual of the {_channel(stages[0].stage.channel)}")
     law = trace.law is not None and trace.revised.law.NAME != trace.fit.before.law.NAME
     if (trace.effects or law) and share is not None and left is not None:
         causes = [e.name for e in trace.effects] + (
@@ -222,23 +238,23 @@ def _and(words: Iterable[str]) -> str:
 
 
 def depends(names: Sequence[str]) -> str:
-    """What a remainder depends on, and how else it behaves, in words.
+    """What a residual depends on, and how else it behaves, in words.
 
     >>> depends(["angle_deg", "time", "events"]), depends([])
-    ('what is left depends on the angle and time, and jumps now and then', 'it goes with no variable tried')
+    ('the residual depends on the angle and time, and jumps now and then', 'it depends on no variable tried')
     """
     does = [BEHAVES.get(n, f"is {n}") for n in names if n in BEHAVES or n.startswith("periodic at")]
     on = [VARIABLES.get(n, n) for n in names if n not in BEHAVES and not n.startswith("periodic at")]
     said = ([f"depends on {listed(on)}"] if on else []) + does
     if not said:
-        return "it goes with no variable tried"
-    return f"what is left {', and '.join([', '.join(said[:-1]), said[-1]] if len(said) > 1 else said)}"
+        return "it depends on no variable tried"
+    return f"the residual {', and '.join([', '.join(said[:-1]), said[-1]] if len(said) > 1 else said)}"
 
 
 def describe(after: Examination, channel: str) -> str:
     """In one sentence, what is left of a channel and what it depends on."""
     times = f", {number(after.ratio)} times the noise" if after.noise > 0.0 else ""
-    size = f"{number(after.rmse)} {UNITS[channel]} of the {_channel(channel)} are left{times}"
+    size = f"{number(after.rmse)} {UNITS[channel]} residual of the {_channel(channel)}{times}"
     return f"{size}; {depends(after.depends_on)}."
 
 
@@ -248,7 +264,7 @@ def description(learnt: Learnt) -> str:
     made = curves + listed([VARIABLES.get(v, v) for v in learnt.variables])
     takes = "take" if len(learnt.variables) > 1 else "takes"
     return (
-        f"A description, not a cause: {made} {takes} away {100 * learnt.described:.0f} % of what is left "
+        f"A description, not a cause: {made} {takes} away {100 * learnt.described:.0f} % of the residual "
         "beyond noise, on blocks of time left out."
     )
 

@@ -16,7 +16,8 @@ def faults(figure: Any) -> list[str]:
     canvas.draw()
     renderer = canvas.get_renderer()
     slack = SLACK * figure.dpi / 72.0
-    boxes = [(t.get_text(), t.get_window_extent(renderer)) for t in _drawn(figure)]
+    # Of an annotation the text alone, not the line that joins it to its point.
+    boxes = [(t.get_text(), Text.get_window_extent(t, renderer)) for t in _drawn(figure)]
     canvas_box = figure.bbox
     found = [
         f"{text!r} leaves the canvas"

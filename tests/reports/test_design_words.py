@@ -49,7 +49,7 @@ def test_three_sentences_of_at_most_twenty_words(broken, proved, count):
 
 def test_what_does_not_hold_is_said_first_and_which_guarantee_would_have_to_go():
     bad = study(7, "open", 2)
-    assert title(bad).startswith("No gains hold every limit")
+    assert title(bad).startswith("No gains meet every limit")
     assert "without the dead time" in last_line(bad)
     good = study(0, "open", 2)
     assert "hold every limit with up to 50 ms" in last_line(good)

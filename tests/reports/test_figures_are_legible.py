@@ -3,13 +3,58 @@
 import pytest
 from matplotlib.figure import Figure
 
+from design.controllers.pi import PI
+from design.evaluation.scenarios import tuning_scenarios
+from design.studies.branch_steps import branch_steps
+from design.synthesis.requirements import Limits, Problem
+from design.synthesis.tuning import Region, tune
+from design.synthesis.tuning_rules import baselines
+from plants import Wrist, built_in
 from reports.comparison.page import main_figures
 from reports.robustness import page as robust
+from reports.robustness.signature import overshoot_figure, signature
+from reports.shared.card import CardRow, draw_steps
+from reports.shared.gain_map import gain_map
 from reports.trace import page as trace
 from tests.reports.legible import faults
-from tests.reports.report_samples import small_robustness, small_trace, whole_study
+from tests.reports.report_samples import small_decision, small_robustness, small_trace, whole_study
+
+
+def signatures():
+    """The loop on every branch, of a motion whose lines are parallel and of one with six loops."""
+    found = {}
+    for motion in ("flexion", "deviation"):
+        wrist = Wrist.of(built_in(motion))
+        rules = baselines(wrist)
+        pis = {"these gains": PI(3.0, 10.0), **{n: PI.of(wrist, r.Kp, r.Ki) for n, r in rules.items()}}
+        steps = branch_steps(wrist, pis)
+        found[f"signature, {motion}"] = signature(wrist, steps, Limits())
+        found[f"without a limit, {motion}"] = signature(wrist, steps, Limits(Ms=None))
+        found[f"dead time, {motion}"] = overshoot_figure(steps, 5.0)
+    return found
+
+
+def gain_maps():
+    """Maps of the gains of both motions, and one on which no gains meet the limits."""
+    found = {}
+    for motion, limits in (("flexion", Limits()), ("deviation", Limits()), ("flexion", Limits(Ms=1.05))):
+        wrist = Wrist.of(built_in(motion))
+        problem = Problem.of(wrist, tuning_scenarios(wrist)[:4], limits, duration=4.0)
+        found[f"{motion}, Ms {limits.Ms}"] = gain_map(tune(problem, Region(points=6), starts=1))
+    return found
+
+
+def cards():
+    """The steps of a card, one motion and both."""
+    d = small_decision()
+    row = CardRow(d.motion, d.controller, d.gains, d.matrix, d.evidence["proved"], d.band)
+    return {"one motion": draw_steps([row]), "both": draw_steps([row, row])}
+
 
 ROOMS = {
+    "signature": signatures,
+    "gain maps": gain_maps,
+    "card": cards,
     "comparison": lambda: main_figures(whole_study()),
     "robustness": lambda: robust.draw_all(small_robustness()),
     "trace": lambda: trace.draw_all(small_trace()),

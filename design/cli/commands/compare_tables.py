@@ -17,7 +17,7 @@ STANDING = (
 )  # fmt: skip
 LEGEND = (
     "! beyond its limit; /bound: largest ratio over the tasks to what none can beat",
-    "~ what the loop bears in simulation, of a controller without a linear law",
+    "~ dead time tolerated in simulation, of a controller without a linear law",
 )
 SCORE = (
     "controller", "IAE\ndeg s", "less tuned PI's\n95 %", "rank", "settle\ns", "95 % in\ns", "over\n%",
@@ -51,7 +51,7 @@ def _standing(s: "Standing") -> tuple[str, ...]:
 
 
 def _delay(s: "Standing") -> str:
-    """The delay margin [ms], with a tilde where it is what a simulation bears."""
+    """The delay margin [ms], with a tilde where it is what a simulation tolerates."""
     if s.tolerated_delay_s is not None:
         return f"~{1000 * s.tolerated_delay_s:.0f}"
     return f"{1000 * s.delay_margin_s:.0f}" if isfinite(s.delay_margin_s) else "-"

@@ -116,7 +116,7 @@ def lines(trace: "Trace") -> list[Any]:
     words = [w for e in trace.effects for w in e.separations]
     words += [description(s.learnt) for s in trace.unexplained if s.learnt is not None]
     if trace.cannot_judge:
-        words.append("These recordings cannot tell:")
+        words.append("These recordings cannot decide:")
         words += [f"  {name}: {why}" for name, why in trace.cannot_judge.items()]
     words += log_words(trace)
     return said + (["", *words] if words else [])

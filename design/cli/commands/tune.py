@@ -90,7 +90,7 @@ def command(
     ] = None,
     steady_error: Annotated[
         float | None,
-        typer.Option(help="Limit on what is left at the end of the run [% of the step].", min=0.0),
+        typer.Option(help="Limit on the error at the end of the run [% of the step].", min=0.0),
     ] = None,
     corners: Annotated[
         str | None, typer.Option(help="Shares by which loop width, slopes and lag of the corners differ.")

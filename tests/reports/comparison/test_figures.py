@@ -1,17 +1,19 @@
 """Figures of a comparison have axes with labels, units and data, and mark what they must."""
 
 import re
+from itertools import combinations
 
 import matplotlib
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 
 from design.studies.study import Study
 from reports.comparison import figures
 from reports.shared import signals
 from reports.shared.fit import draw_fit, shown_run
 from reports.shared.gain_map import gain_map
-from reports.shared.style import save, svg
+from reports.shared.style import CONTROLLER_LINES, save, svg
 from reports.shared.tables import number
 from tests.reports.report_samples import small_study
 
@@ -52,9 +54,26 @@ def test_steps_show_every_controller_until_the_end_of_the_window(compared):
     assert names | {"convex-concave PI", "robust LQI"} <= set(texts(figure))
     assert figure.axes[-1].get_xlim()[1] == 10.0
     for axes in figure.axes:
-        lines = [line for line in axes.lines if not line.get_label().startswith("_")]
-        assert 4 <= len(lines) <= 8
-        assert len({str(line._dash_pattern) for line in lines}) == len(lines)  # told apart without colour
+        curves = [line for line in axes.lines if len(line.get_xdata()) > 100]
+        assert 4 <= len(curves) <= 8
+        in_colour = [line for line in curves if line.get_color() != figures.FAINT]
+        assert len(in_colour) == 2  # the tuned PI and one more; all others are grey and named at the curve
+        assert len({str(line._dash_pattern) for line in in_colour}) == 2  # told apart without colour
+
+
+def test_a_name_beside_a_curve_points_at_that_curve(compared):
+    figure = figures.step_responses(compared.comparison, "deviation")
+    for name, words in (("SIMC", "SIMC"), ("AMIGO", "AMIGO"), ("paper", "paper's PI (stand-in)")):
+        (label,) = [t for a in figure.axes for t in a.texts if t.get_text() == words]
+        t = compared.comparison.steps["deviation", name]
+        assert np.interp(label.xy[0], t.time, t.angle[:, 0]) == pytest.approx(label.xy[1], abs=0.1)
+
+
+def test_every_controller_has_a_colour_of_its_own():
+    colours = [look["color"] for look in CONTROLLER_LINES.values()]
+    assert len(set(colours)) == len(colours)
+    values = [np.array(to_rgb(c)) for c in colours]
+    assert min(np.abs(a - b).max() for a, b in combinations(values, 2)) > 0.1
 
 
 def test_the_map_marks_the_gains_that_matter(compared):
