@@ -18,11 +18,11 @@ GUIDE = DOCS / "your-own-rig.md"
 TEXT = GUIDE.read_text(encoding="utf-8")
 
 QUICKER = {
-    "tune": ["--plain", "--points", "12", "--starts", "2"],
-    "robust": ["--samples", "100", "--budget", "200"],
+    "design": ["--samples", "400", "--budget", "3000", "--points", "10"],
+    "robust": ["--budget", "200"],
 }
-"""What is added to commands that take half a minute of one core as the guide gives them: fewer points, cases
-and tries.  Gains and margins, which the guide shows, do not hang on them."""
+"""What is added to commands that take minutes of one core as the guide gives them: fewer points, samples and
+tries.  What the guide shows of them does not depend on these."""
 
 NO_PAGES = ("trace", "robust")
 """Commands whose pages other tests draw."""
@@ -76,8 +76,8 @@ def test_every_step_works_and_prints_what_the_guide_shows(here, run):
                 ran.append(arguments[0])
         elif block.language == "text":
             assert missing(block.text, printed) == [], f"line {block.line}; printed was:\n{printed}"
-    assert ran == ["fit", "trace", "tune", "robust", "export"]
-    for made in ("fit/fit-my-rig.png", "tune/tune-flexion.png", "c/flexion_pi.c"):
+    assert ran == ["fit", "trace", "design", "robust"]
+    for made in ("fit/fit-my-rig.png", "design/design.html", "design/c-flexion/Makefile"):
         assert (here / "build" / made).stat().st_size > 0
 
 
