@@ -86,6 +86,7 @@ def branch_slope(wrist: "Wrist", branch: str) -> float:
 def branch_slopes(wrist: "Wrist") -> dict[str, float]:
     """Slopes [deg/kPa] of the branches on which the closed loop can work, within the range of the command.
 
+    >>> from plants import Wrist
     >>> branch_slopes(Wrist.flexion())
     {'transit': 0.0803, 'line1': 0.36, 'line2': 0.36}
     """

@@ -83,7 +83,7 @@ def test_two_joints_do_not_know_of_each_other(kind):
     assert run(program(kind, "two", source)).stdout == "1 1 1\n"
 
 
-@pytest.mark.parametrize("kind", [k for k in GAINS if k != "mpc"])  # whose observer goes on
+@pytest.mark.parametrize("kind", [k for k in GAINS if not k.startswith("mpc")])  # whose observer goes on
 @pytest.mark.parametrize("lost", ["NAN", "INFINITY", "-INFINITY"])
 def test_a_lost_sample_holds_the_output_and_leaves_the_state(kind, lost):
     made, _ = exported(kind)

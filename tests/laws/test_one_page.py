@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from plants import State, Wrist, one_page, wrist
+from plants import State, Wrist, dynamics, one_page
 from plants.kernel import pytrees as tree
 from tests.laws.law_strategies import commands, wrists
 
@@ -14,7 +14,7 @@ def plain(w: Wrist, volts: list[float]) -> np.ndarray:
     state, c = w.rest(), w.sampled()
     rows = [(state.pressure, state.memory.h, state.angle)]
     for v in volts:
-        state = wrist.step(state, v, c)
+        state = dynamics.step(state, v, c)
         state = tree.like(state, [float(x) for x in tree.leaves(state)])
         rows.append((state.pressure, state.memory.h, state.angle))
     return np.array(rows)

@@ -4,7 +4,7 @@ import control
 import numpy as np
 import pytest
 
-from plants import Regulator, Wrist, wrist
+from plants import Regulator, Wrist, dynamics, wrist
 from plants.linearisation import RATES, branch_slopes, branch_ss
 
 BRANCHES = tuple(branch_slopes(Wrist.flexion()))
@@ -97,7 +97,7 @@ def test_finite_differences_of_one_sample_are_the_state_matrices(axis, branch, s
     hold, c = state.pressure / w.regulator.gain, w.sampled()
 
     def moved(volts: float, angle: float) -> np.ndarray:
-        after = wrist.step(state._replace(angle=6.0 + angle), hold + volts, c)
+        after = dynamics.step(state._replace(angle=6.0 + angle), hold + volts, c)
         return np.array([after.pressure - state.pressure, after.angle - 6.0], float)
 
     size = 1e-4

@@ -102,4 +102,4 @@ def test_a_class_with_a_known_word_is_disproved_and_one_without_is_open():
     law, sample = verdict(found(ladder=ladder, predictions=()))
     assert (law.status, law.holds) == (Status.OPEN, None)
     assert (sample.status, sample.holds) == (Status.DISPROVED, False)
-    assert because(sample) == "none found (a); none exists, since a word makes the class grow"
+    assert because(sample) == "none found (a); none exists: a destabilising switching sequence is known"

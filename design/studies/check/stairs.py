@@ -95,7 +95,7 @@ def figures(
         found[i, "rise time"] = np.where(risen.any(axis=0), since[np.argmax(risen, axis=0)], lasts)
         outside = since[len(y) - 1 - np.argmax(far[::-1], axis=0)] + dt
         found[i, "settling time"] = np.where(far.any(axis=0), np.minimum(outside, lasts), 0.0)
-        found[i, "IAE"] = np.abs(error).sum(axis=0) * dt
+        found[i, "IAE"] = np.trapezoid(np.abs(error), dx=dt, axis=0)
         found[i, "error at the end"] = error[end].mean(axis=0)
         found[i, "command at the end"] = command[s.first : s.last][end].mean(axis=0)
     return found

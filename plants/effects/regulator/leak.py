@@ -13,11 +13,8 @@ import numpy as np
 
 from plants.effects.effect import Effect, ExcitationHints, Nothing, Number, parameter
 
-REFERENCE = 100.0
-"""Gauge pressure [kPa] at which a power's rate is told."""
-
-EMPTY = 1e-6
-"""Gauge pressure [kPa] at which nothing flows any more, so that a power of it has a slope."""
+EMPTY = 1e-8
+"""Share of the reference pressure at which nothing flows any more, so that a power of it has a slope."""
 
 
 class SampledLaminarLeak(NamedTuple):
@@ -30,16 +27,18 @@ class SampledLaminarLeak(NamedTuple):
 
 
 class SampledPowerLeak(NamedTuple):
-    """What is lost in one sample at `REFERENCE` [kPa], and the exponent of the pressure."""
+    """What is lost in one sample at a reference pressure, that pressure [kPa], and the exponent."""
 
     loss: Number
+    reference: Number
     exponent: Number
 
     def supply(self, s: Nothing, before: Number, after: Number) -> tuple[Nothing, Number]:
-        inside = np.maximum(before, EMPTY)
-        lost = self.loss * (inside / REFERENCE) ** self.exponent
+        empty = EMPTY * self.reference
+        inside = np.maximum(before, empty)
+        lost = self.loss * (inside / self.reference) ** self.exponent
         # Where the power is steep, next to the outside's pressure, no more can flow than there is.
-        return s, after - np.minimum(lost, np.where(before > EMPTY, 0.5 * inside, 0.0))
+        return s, after - np.minimum(lost, np.where(before > empty, 0.5 * inside, 0.0))
 
 
 class _Leak(Effect):
@@ -75,12 +74,12 @@ class LaminarLeak(_Leak):
 
 @dataclass(frozen=True)
 class PowerLeak(_Leak):
-    """Air is lost with a power of the gauge pressure, `flow` [kPa/s] at 100 kPa."""
+    """Air is lost with a power of the gauge pressure, `flow` [kPa/s] at half the range of the pressure."""
 
     FORM = "with a power of the pressure"
 
-    flow: Number = parameter("kPa/s", "loss at 100 kPa", 0.0, 200.0, 0.0, (1.0, 5.0))
+    flow: Number = parameter("kPa/s", "loss at half the range", 0.0, 200.0, 0.0, (1.0, 5.0))
     exponent: Number = parameter("1", "exponent of the gauge pressure", 0.2, 3.0, 0.5, (0.3, 0.6, 2.0))
 
     def sampled(self, wrist: Any, dt: float) -> SampledPowerLeak:
-        return SampledPowerLeak(self.flow * dt, self.exponent)
+        return SampledPowerLeak(self.flow * dt, wrist.rig.half_range, self.exponent)
