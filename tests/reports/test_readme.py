@@ -46,7 +46,7 @@ def test_a_stranger_reads_it_in_two_minutes():
 
 
 CALLED = {
-    "tuned PI": "tuned", "paper's PI": "paper",
+    "recommended PI": "tuned", "paper's PI": "paper",
 }  # fmt: skip
 
 
