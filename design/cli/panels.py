@@ -12,11 +12,10 @@ OPTIONS = {
     PLANT: ("axis", "plant", "design", "motion", "example", "volts", "recording", "scenario", "figure",
             "start", "step", "duration", "gains", "robust_gains", "map_", "sample_time"),
     REQUIREMENT: ("cost", "two_dof", "nominal", "plain", "no_dead_time", "no_load", "no_noise", "no_box",
-                  "no_remainder",
-                  "dead_time", "load", "noise", "quantum", "box", "corners"),
+                  "no_remainder", "dead_time", "load", "noise", "quantum", "box", "corners"),
     LIMITS: ("overshoot", "ms", "delay_margin", "variation", "steady_error"),
-    SEARCH: ("points", "starts", "rounds", "samples", "tried", "mpc_plants", "budget", "seed", "jobs", "scheduler",
-             "retune"),
+    SEARCH: ("points", "starts", "rounds", "samples", "tried", "mpc_plants", "budget", "seed", "jobs",
+             "scheduler", "retune"),
     OUTPUT: ("target", "precision", "json", "out", "save", "worst", "verbose", "version", "plugin"),
 }  # fmt: skip
 """Names of options by the group in which ``--help`` shows them, in its order."""
