@@ -20,7 +20,7 @@ suite: $(ENV)
 
 # Compiled kernels with every index checked: what is written past an end is silent without.
 bounds: $(ENV)
-	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n 2 tests/kernel tests/laws tests/oracles tests/control/test_mpc_*.py tests/control/test_spikes.py
+	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n 2 tests/kernel tests/laws tests/control/test_mpc_*.py tests/control/test_spikes.py
 
 TRIES ?= 5000
 SEED ?= 0
