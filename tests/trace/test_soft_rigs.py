@@ -20,15 +20,7 @@ TRUE = {
 """Effects that a rig has; a joint that does not move below an angle has a stop there."""
 
 
-OPEN = pytest.mark.xfail(
-    reason="since recordings may begin anywhere, arm-a is explained less well than before"
-)
-"""Two tests of the suite failed and this rig is the likely one: to be settled, and this mark taken away."""
-
-
-@pytest.fixture(
-    scope="module", params=[pytest.param(n, marks=OPEN) if n == "arm-a" else n for n in CAMPAIGNS]
-)
+@pytest.fixture(scope="module", params=CAMPAIGNS)
 def traced(request, tmp_path_factory):
     make, fit, validate = CAMPAIGNS[request.param]
     folder = tmp_path_factory.mktemp("soft") / request.param
