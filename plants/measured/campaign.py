@@ -10,8 +10,8 @@ from typing import Any, Literal
 import numpy as np
 
 from plants.errors import InputError, InputWarning
+from plants.measured.draft import draft
 from plants.measured.formats.columns import Source, parse_columns
-from plants.measured.formats.draft import draft
 from plants.measured.formats.tables import Table, read_table
 from plants.measured.instrument.stated import StatedHabits, parse_logger
 from plants.measured.recording import Recording, Stage, from_table, required

@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from plants.errors import InputError
+from plants.measured.draft import HINTS
 from plants.measured.formats.apart import apart
 from plants.measured.formats.bags import read_bag, read_mcap
 from plants.measured.formats.cells import Text, one_line, shorten
 from plants.measured.formats.channel import Array, LoggedChannel, LoggedSeries
 from plants.measured.formats.dialect import read_text
-from plants.measured.formats.draft import HINTS
 from plants.measured.formats.mdf4 import read_mdf
 from plants.measured.formats.tables import read_table
 from plants.measured.formats.tdms import read_tdms

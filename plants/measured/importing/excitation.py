@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from plants.measured.draft import VALIDATE
 from plants.measured.formats.channel import Array
-from plants.measured.formats.draft import VALIDATE
 
 ALIKE = 0.6
 """Distance of two excitations below which they are one and the same."""

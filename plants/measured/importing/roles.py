@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from plants.errors import InputError
+from plants.measured.draft import HINTS
 from plants.measured.formats.cells import shorten
 from plants.measured.formats.channel import Array, LoggedChannel
-from plants.measured.formats.draft import HINTS
 from plants.measured.formats.units import KINDS, factor, quantity
 from plants.measured.noise import noise_floor
 
