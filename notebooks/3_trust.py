@@ -36,7 +36,7 @@ from design import (
 from plants import built_in
 from reports.notebooks.figures import word_growth
 from reports.notebooks.tables import Markdown, limits_held, rows, shown
-from reports.robustness import words
+from reports.robustness import captions
 from reports.robustness.branch_figures import describing, sensitivities
 from reports.robustness.disagreements import disagreement_sentences
 from reports.robustness.figures import draw_envelopes, draw_gain_plane, draw_worst
@@ -218,7 +218,7 @@ for name, cases in {"with up to 50 ms of dead time": tuned.cases, "without": wit
 # Chance does not look for trouble. A search over the same box, the memory and three references does:
 
 # %% tags=["varies"]
-Markdown("\n".join(f"- *{name}*: {words.worst_words(a)}" for name, a in found.items()))
+Markdown("\n".join(f"- *{name}*: {captions.worst_words(a)}" for name, a in found.items()))
 
 # %%
 draw_worst(tuned.worst, worst_run(tuned.worst))

@@ -6,8 +6,9 @@ import numpy as np
 
 from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
+from design.robustness.gain_search import evaluate_law, plain, weighted, with_evidence
 from design.robustness.requirement import Requirement
-from design.robustness.robust_tuning import evaluate_law, plain, pool_of, weighted, with_evidence
+from design.robustness.robust_tuning import pool_of
 from design.robustness.samples.hunt import Hunted
 from design.synthesis.answer import out_of_reach
 from design.synthesis.requirements import COSTS

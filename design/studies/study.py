@@ -21,10 +21,10 @@ from design.contest import Contest, contest
 from design.controllers.controller import Controller
 from design.controllers.pi import PI
 from design.mpc.timing import Ledger
+from design.robustness.gain_search import with_evidence
 from design.robustness.given_gains import given_gains
 from design.robustness.recommended import tune_candidates
 from design.robustness.requirement import requirement
-from design.robustness.robust_tuning import with_evidence
 from design.studies.decision import Decision, decide
 from design.studies.panels import Panel
 from design.studies.paper import redrawn

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from design.robustness.samples.scenario_file import save as save_scenario
 from design.studies.robustness_study import RobustnessStudy
-from reports.robustness import branch_figures, tables, words
+from reports.robustness import branch_figures, captions, tables, words
 from reports.robustness import figures as robust_figures
 from reports.robustness.disagreements import disagreement_sentences
 from reports.robustness.record import assessment_record
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["robust_page", "write_robust"]
 
-FIRST = {"samples": lambda a: words.ENVELOPE, "worst": words.worst_caption}
+FIRST = {"samples": lambda a: captions.ENVELOPE, "worst": captions.worst_caption}
 """Caption of the figure on the card: the samples, or the worst scenario where none could be drawn."""
 
 SECTIONS = {
@@ -97,27 +97,27 @@ def _page(study: RobustnessStudy, made: Made, drawn: Mapping[str, "Figure"]) -> 
         "decision": card([row], shown(first, FIRST[first](a))),
         "verdict": tables.verdict_table(a),
         "disagreements": disagreement_sentences(a),
-        "plane": shown("gains", words.plane_caption(a)),
-        "signature": shown("signature", words.SIGNATURE),
-        "late": shown("dead-time", words.LATE),
+        "plane": shown("gains", captions.plane_caption(a)),
+        "signature": shown("signature", captions.SIGNATURE),
+        "late": shown("dead-time", captions.LATE),
         "margins": tables.margin_table(a),
-        "nyquist": shown("nyquist", words.NYQUIST),
-        "sensitivities": shown("sensitivities", words.SENSITIVITIES),
-        "model_words": words.model_words(a),
+        "nyquist": shown("nyquist", captions.NYQUIST),
+        "sensitivities": shown("sensitivities", captions.SENSITIVITIES),
+        "model_words": captions.model_words(a),
         "ladder": tables.ladder_table(a),
-        "claims": words.claims(a),
+        "claims": captions.claims(a),
         "constant": tables.constant_table(a),
-        "region": words.region(a),
-        "describing": shown("describing", words.DESCRIBING),
+        "region": captions.region(a),
+        "describing": shown("describing", captions.DESCRIBING),
         "cycles": tables.cycle_table(a.cycles) if a.cycles else None,
-        "no_cycles": words.NO_CYCLES,
-        "sample_words": words.sample_words(a),
+        "no_cycles": captions.NO_CYCLES,
+        "sample_words": captions.sample_words(a),
         "violations": tables.violation_table(a.cases),
         "quantiles": tables.quantile_table(a.cases),
-        "worst_words": words.worst_words(a),
-        "worst": shown("worst", words.worst_caption(a)) if first != "worst" else None,
+        "worst_words": captions.worst_words(a),
+        "worst": shown("worst", captions.worst_caption(a)) if first != "worst" else None,
         "box": tables.box_table(a.box),
-        "assumptions": words.assumptions(a),
+        "assumptions": captions.assumptions(a),
         "assumed": assumption_table({a.box.plant.axis: a.box.plant}),
     }
     return render("robust.html", made=made, **content)

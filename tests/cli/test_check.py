@@ -39,7 +39,7 @@ def changed(rig, what):
         soft = d._replace(a1=0.88 * d.a1, a2=0.88 * d.a2, s=0.88 * d.s)
         return replace(rig, declared=soft)
     if what == "leak":
-        return replace(rig, hidden=h._replace(open=h.open._replace(leak=type(h.open.leak)(0.05))))
+        return replace(rig, hidden=h._replace(leak=h.leak._replace(form=2, porous=0.05)))
     if what == "tube":
         return replace(rig, hidden=h._replace(dead_time=h.dead_time._replace(transport_s=0.05)))
     return rig

@@ -191,4 +191,4 @@ def test_what_is_proved_of_a_revised_plant_says_what_it_leaves_out(wrist, tmp_pa
     assert held
     assert all("without creep" in c["because"] for c in held)
     assert "creep.gain" in record["box"]
-    assert "The plant has effects that the certificates know nothing of" in " ".join(outcome.err.split())
+    assert "Certificates do not include the effects creep" in " ".join(outcome.err.split())

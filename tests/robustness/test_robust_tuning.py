@@ -13,8 +13,9 @@ from design.evaluation.scenarios import Scenario
 from design.evaluation.sequence import Sequence, play
 from design.robustness.box import Box
 from design.robustness.checks import check, worst_found
+from design.robustness.gain_search import plain, printed, zoomed
 from design.robustness.requirement import requirement
-from design.robustness.robust_tuning import GUARD, plain, printed, tune_robustly, zoomed
+from design.robustness.robust_tuning import GUARD, tune_robustly
 from design.robustness.samples.conditions import Conditions
 from design.synthesis.requirements import COSTS, Limits, Problem, evaluate
 from design.synthesis.tuning import Region

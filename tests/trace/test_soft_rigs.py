@@ -20,13 +20,7 @@ TRUE = {
 """Effects that a rig has; a joint that does not move below an angle has a stop there."""
 
 
-OPEN = pytest.mark.xfail(reason="arm-b is explained less well since recordings may begin anywhere")
-"""A regression that is open: the mark goes when it is mended."""
-
-
-@pytest.fixture(
-    scope="module", params=[pytest.param(n, marks=OPEN) if n == "arm-b" else n for n in CAMPAIGNS]
-)
+@pytest.fixture(scope="module", params=CAMPAIGNS)
 def traced(request, tmp_path_factory):
     make, fit, validate = CAMPAIGNS[request.param]
     folder = tmp_path_factory.mktemp("soft") / request.param

@@ -17,8 +17,8 @@ NOTHING = 1.1
 
 REACHED = ((1.5, 0.05), (2.0, 0.005))
 """A stage is explained up to a chi-square per row, an error of 1.22 and 1.41 times the noise, if no more
-than a share is left of what it had above 1: a cause in a form that is not quite the rig's leaves a
-small share of a large effect, a wrong cause a large one."""
+than a share is left, on rows left out of the fit, of what it had above 1: a cause in a form that is not
+quite the rig's leaves a small share of a large effect, a wrong cause a large one."""
 
 WANDER, WANDERING = 5.0, 3.0
 """A sensor may wander, which no model foresees: where an effect says so, chi-square may be up to
@@ -36,10 +36,13 @@ remainder in units of the noise is not excited by the data."""
 
 def explained(search: EffectSearch) -> bool:
     """Whether the model that was chosen reaches the noise."""
-    model, declared = search.chosen.model, search.declared.model
-    left = (model.chi2 - 1.0) / max(declared.chi2 - 1.0, 1e-9)
-    if model.chi2 <= NOTHING or any(model.chi2 <= most and left <= share for most, share in REACHED):
+    model = search.chosen.model
+    if model.chi2 <= NOTHING:
         return True
+    if any(model.chi2 <= most for most, _ in REACHED):
+        left = (search.chosen.held_out - 1.0) / max(search.declared.held_out - 1.0, 1e-9)
+        if any(model.chi2 <= most and left <= share for most, share in REACHED):
+            return True
     if not any(f.WANDERS for f in model.forms) or model.chi2 > WANDERING:
         return False
     return _without_wander(model) <= CALM

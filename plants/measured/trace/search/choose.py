@@ -157,28 +157,47 @@ def search(
     beam, rounds = [first], list[SearchRound]()
     asked = excitation(declared.stage.playbacks)
     while len(now.model.forms) < MOST and (not rounds or now.lacks_something):
-        candidates: list[Candidate] = []
-        ranking: list[Ranked] = []
-        for start in beam:
-            tell(f"ranking effects beyond {', '.join(start.model.effects) or 'none'}")
-            left = [n for n in names or declared.stage.effects if n not in start.model.effects]
-            found = screen(start.model, left, seed, now.lacks_something)
-            ranking = ranking or found
-            if now.lacks_something:
-                candidates += refit(start.model, shortlist(found))
-        borrowed = {n: why for c in candidates for n, why in borrowed_in(c, asked).items()}
-        candidates = [c for c in candidates if not borrowed_in(c, asked)]
-        candidates = distinct(sorted(candidates, key=lambda c: c.model.chi2))
+        candidates, ranking, borrowed = _further(beam, now, names, asked, seed, tell)
         best = candidates[0] if candidates else None
         if best is not None and best.model.chi2 > 1.0 + WORTH:
             best = reformed(best, asked)
         taken = freed(best) if best is not None and worth_it(now, best, first) else None
-        rounds.append(SearchRound(now, tuple(ranking), tuple(candidates), taken, borrowed))
+        if taken is None and len(now.model.forms) + 2 <= MOST:
+            # Effects of a loop may help only together: each alone bends the others' parameters.
+            some = [c for c in candidates if _enough(now.model.chi2, c.model.chi2, first.model.chi2)][:BEAM]
+            pairs = _further(some, now, names, asked, seed, tell)[0] if some else []
+            candidates = [*pairs, *candidates]
+            taken = freed(pairs[0]) if pairs and worth_it(now, pairs[0], first) else None
+        rounds.append(SearchRound(now, ranking, tuple(candidates), taken, borrowed))
         if taken is None:
             break
         now = pruned(taken, first)
         beam = [now, *(c for c in candidates[1:] if c.model.chi2 < BEAM_REACH * now.model.chi2)][:BEAM]
     return EffectSearch(tuple(rounds), simplest(now) if now.model.forms else now, first)
+
+
+def _further(
+    beam: Sequence[Candidate],
+    now: Candidate,
+    names: Sequence[str] | None,
+    asked: Excitation,
+    seed: int,
+    tell: Callable[[str], None],
+) -> tuple[list[Candidate], tuple[Ranked, ...], dict[str, str]]:
+    """Candidates with one effect more than some models, the best first; the ranking beyond the first of
+    these; effects that may be nothing but the command, with the reason."""
+    found: list[Candidate] = []
+    ranking: list[Ranked] = []
+    for start in beam:
+        tell(f"ranking effects beyond {', '.join(start.model.effects) or 'none'}")
+        left = [n for n in names or start.model.stage.effects if n not in start.model.effects]
+        ranked = screen(start.model, left, seed, now.lacks_something)
+        ranking = ranking or ranked
+        if now.lacks_something:
+            found += refit(start.model, shortlist(ranked))
+    borrowed = {n: why for c in found for n, why in borrowed_in(c, asked).items()}
+    kept = [c for c in found if not borrowed_in(c, asked)]
+    return distinct(sorted(kept, key=lambda c: c.model.chi2)), tuple(ranking), borrowed
 
 
 def distinct(candidates: Sequence[Candidate]) -> list[Candidate]:
@@ -227,17 +246,20 @@ def worth_it(before: Candidate, after: Candidate, declared: Candidate) -> bool:
     Rows left out say nothing there, since slow noise upsets the declared parameters on half of the data as
     much as a missing effect.
     """
+    more = max(1, len(after.model.forms) - len(before.model.forms))
     if before.examined.structured:
-        return falls(before, after) and _enough(before.held_out, after.held_out, declared.held_out)
-    if not _enough(before.model.chi2, after.model.chi2, declared.model.chi2):
+        return falls(before, after) and _enough(before.held_out, after.held_out, declared.held_out, more)
+    if not _enough(before.model.chi2, after.model.chi2, declared.model.chi2, more):
         return False
     more = max(1, len(after.model.names) - len(before.model.names))
     return after.log_likelihood - before.log_likelihood > demanded(more)
 
 
-def _enough(before: float, after: float, declared: float) -> bool:
-    """Whether a chi-square per row falls by enough to be an effect and no imperfection of a form."""
-    return before - after > max(WORTH, SHARE * (before - 1.0), TRIFLE * (declared - before))
+def _enough(before: float, after: float, declared: float, effects: int = 1) -> bool:
+    """Whether a chi-square per row falls by enough to be so many effects and no imperfection of a form: each
+    takes away its share of what the others leave."""
+    share = 1.0 - (1.0 - SHARE) ** effects
+    return before - after > max(effects * WORTH, share * (before - 1.0), TRIFLE * (declared - before))
 
 
 def shortlist(ranking: Sequence[Ranked]) -> list[Ranked]:

@@ -1,0 +1,173 @@
+"""Captions of the robust page's figures, and the sentences that stand beside its tables."""
+
+from design.robustness.assess import Assessment
+from design.robustness.certificates.statements import (
+    LeavesVirginCurve,
+    StaysInRange,
+    TasksDieAway,
+    Unclipped,
+)
+from design.robustness.samples.statements import LEVEL
+from reports.robustness.statements import because, claim_words, class_words
+from reports.robustness.tables import limit_words
+from reports.robustness.words import beyond
+from reports.shared.tables import number, spaced
+
+
+def plane_caption(a: Assessment) -> str:
+    """Beneath the plane of the gains."""
+    return (
+        "Gain plane. Star: these gains. Below the lines the limits are met. Cross-hatched: unstable on some "
+        "branch. Filled: certified for arbitrarily switching slopes, by the rung named; with a fixed law of "
+        "the regulator the region is larger. Ms and delay margin: linear loops; overshoot: worst simulated "
+        "tuning scenario. Edges are interpolated between grid points."
+    )
+
+
+SIGNATURE = (
+    "These gains beside SIMC's. Columns above: branches of the hysteresis at both regulator rates; disc: Ms "
+    "beyond its limit. Below: the step from each initial hysteresis state."
+)
+
+
+LATE = (
+    "Worst overshoot over both signs and all initial states against added dead time, nominal plant. A curve "
+    "ends where the loop no longer settles."
+)
+
+
+NYQUIST = (
+    "Nyquist curves of the open loop on all branches and rates. Grey disc about −1: Ms above 2. Branches "
+    "differ in slope alone, so at one rate their curves are scaled copies of each other."
+)
+
+
+SENSITIVITIES = (
+    "Sensitivity |S| (disturbance to angle error) and complementary sensitivity |T| (noise to angle) on "
+    "every branch and rate. Dashed: limits."
+)
+
+
+DESCRIBING = (
+    "Harmonic balance: a limit cycle is predicted where a coloured curve, the linear part of the loop, "
+    "crosses the black one, −1/N(A) of the hysteresis at pressure amplitude A."
+)
+
+
+NO_CYCLES = (
+    "No limit cycle is predicted. What simulations from large amplitudes show stands in the first table."
+)
+
+
+ENVELOPE = (
+    "True angle of the cases, drawn upwards: median and the band of 90 % of them. Below: the same near the "
+    "reference; dotted: settling band."
+)
+
+
+def model_words(a: Assessment) -> str:
+    """What the certificates are about."""
+    words = (
+        "While the command is not clipped the loop has three states (error, static angle less angle, "
+        "commanded less actual "
+        "pressure), is linear in the slope of the branch, and has no offsets; the rungs below prove "
+        "exponential stability of these states on whichever branch the wrist is and whenever it changes. The "
+        "virgin curve, of slope 0, is left once and never entered again; that time is bounded separately."
+    )
+    model = a.left_out
+    if model:
+        words += f" The plant also has {', '.join(model)}, which the certificates do not include."
+    return words
+
+
+def claims(a: Assessment) -> list[str]:
+    """What each rung claims, those of the sampled loop together; and the word that speaks against some."""
+    found: dict[str, list[str]] = {}
+    for c in a.ladder:
+        if not c.dead_time:
+            about = "" if c.about is None else class_words(c.about)
+            found.setdefault(about, []).append(c.rung)
+    said = [f"{_start(', '.join(rungs))}: {claim}." for claim, rungs in found.items()]
+    if a.word is not None:
+        said.append(
+            f"Where the rate switches too, a destabilising switching sequence exists: {a.word}. It is of the "
+            "class, not of the wrist, whose rate follows the error of the pressure."
+        )
+    return said
+
+
+def region(a: Assessment) -> list[str]:
+    """What is certified of the step itself."""
+    found = []
+    for s in a.certificates:
+        if isinstance(s.claim, LeavesVirginCurve):
+            time = "–" if s.value is None else f"{1000 * s.value:.3g} ms"
+            found.append(f"{_start(claim_words(s.claim))}: {time} at most ({because(s)}).")
+        elif isinstance(s.claim, TasksDieAway):
+            rate = "not proved" if s.value is None else f"{number(s.value)} 1/s"
+            found.append(f"{_start(claim_words(s.claim))}: {rate} ({because(s)}).")
+        elif isinstance(s.claim, StaysInRange):
+            verdict = "proved" if s.holds else "not proved"
+            if not isinstance(s.reason, Unclipped):
+                verdict += f"; steps up to {number(s.value)} deg are covered"
+            found.append(f"{_start(claim_words(s.claim))}: {verdict} ({because(s)}).")
+    return found
+
+
+def _start(words: str) -> str:
+    return words[0].upper() + words[1:]
+
+
+def sample_words(a: Assessment) -> str:
+    """How the samples were drawn."""
+    c, cases = a.conditions, a.cases
+    parts = [
+        f"{len(cases)} cases, independent: a plant from the box below, one of four starting memories, "
+        "either sign of the step"
+    ]
+    parts += [f"dead time up to {1000 * c.dead_time:g} ms"] if c.dead_time else []
+    parts += [f"a constant load of up to ±{c.load:g} deg"] if c.load else []
+    parts += [f"sensor noise of {c.noise:g} deg (s.d.) at 100 Hz"] if c.noise else []
+    parts += [f"a sensor that steps by {c.quantum:g} deg"] if c.quantum else []
+    words = ", ".join(parts) + ". A statement holds where the whole interval is below "
+    words += f"{100 * LEVEL:g} % of cases, and is open where the interval holds that figure."
+    return words + "".join(f" {r[0].upper() + r[1:]}." for r in cases.remarks)
+
+
+def worst_words(a: Assessment) -> str:
+    """The worst scenario in full."""
+    w = a.worst
+    what = (
+        f"It has {beyond(a)}."
+        if w.violated
+        else f"It breaks no limit; it is the one with the largest IAE per degree, {number(w.cost_per_deg)} s."
+    )
+    return (
+        f"References in turn, in brackets how long each is held: {spaced(w.sequence.name)}. {what} Found in "
+        f"{w.evaluations} runs by differential evolution and Nelder-Mead over the box, the starting memory, "
+        "three references and how long they are held; a lower bound of the true worst case, no proof that "
+        "there is none worse."
+    )
+
+
+def worst_caption(a: Assessment) -> str:
+    """Beneath the worst scenario."""
+    m = a.worst.metrics
+    return (
+        "The worst scenario that was found, played by the exact simulator. The last step, shaded, is "
+        f"judged: overshoot {number(m['overshoot_percent'], 2)} %, error at the end "
+        f"{number(m['steady_state_error_deg'], 2)} deg, total variation of the command "
+        f"{number(m['total_variation_V'], 3)} V."
+    )
+
+
+def assumptions(a: Assessment) -> list[str]:
+    """What stands beside parameters."""
+    low, high = a.wrist.rig.command_range
+    found = [
+        f"Limits: {limit_words(a.limits)}.",
+        f"The command is clipped at {low:g} and {high:g} V; certificates hold where it is not.",
+        "Boxes of fitted parameters leave out their correlations.",
+        "Dead time, load, noise and resolution of the samples are assumed: orders typical of such rigs.",
+    ]
+    return found
