@@ -26,7 +26,7 @@ from plants.measured.trace.law import LawChoice, law_of_rig
 from plants.measured.trace.result import Named, StageTrace, Trace
 from plants.measured.trace.search.choose import search
 from plants.measured.trace.search.learnt import learn
-from plants.measured.trace.size import MATTERS, NAMED, remainders_of, span
+from plants.measured.trace.size import MATTERS, NAMED, remainder, remainders_of, span
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import remainders
 from plants.measured.trace.start import starting
@@ -176,7 +176,7 @@ def _result(
     effects = tuple(n for s in stages for n in _named(s, errors, revised))
     before = fit.validate_rmse
     after = {c: rmse(runs, c) for c in CHANNELS} if values else before
-    stages = tuple(s if s.explained else replace(s, explained=not _matters(s, fit)) for s in stages)
+    stages = tuple(s if s.explained else replace(s, explained=not _matters(s, fit, runs)) for s in stages)
     whole = all(s.explained for s in stages)
     found = "explained" if effects or changed else "nothing-missing"
     revised = replace(revised, remainder=remainders_of(runs, fit.noise))
@@ -187,13 +187,15 @@ def _result(
     )  # fmt: skip
 
 
-def _matters(stage: StageTrace, fit: Fit) -> bool:
-    """Whether what is left of a stage, in recordings that it was fitted on, matters: by its share of the
-    range, or because no cause was found for most of what the declared model leaves."""
+def _matters(stage: StageTrace, fit: Fit, runs: Sequence[FreeRun]) -> bool:
+    """Whether what is left of a stage matters: by its share of the range, in recordings that it was fitted on
+    or in held-out ones, or because no cause was found for most of what the declared model leaves."""
     channel, noise = stage.stage.channel, stage.stage.noise
     left = max(stage.model.chi2 - 1.0, 0.0)
     declared = max(stage.search.declared.model.chi2, ((fit.fit_rmse[channel] or 0.0) / noise) ** 2) - 1.0
-    return noise * left**0.5 > MATTERS * span(fit.runs, channel) or left > (1.0 - NAMED) * declared
+    held_out = remainder(runs, channel, noise)
+    share = max(noise * left**0.5 / span(fit.runs, channel), held_out.share_of_range if held_out else 0.0)
+    return share > MATTERS or left > (1.0 - NAMED) * declared
 
 
 def _errors(model: Model) -> dict[str, float | None]:
