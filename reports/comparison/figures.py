@@ -50,7 +50,7 @@ def step_responses(comparison: Comparison, motion: str) -> "Figure":
     columns = {"PIs": [n for n in named if n in PIS]}
     columns |= {"Other designs": [TUNED, *others]} if others else {}
     with styled():
-        figure, axes = new_figure(4, len(columns), height=7.4, sharey="row", height_ratios=(6, 2.2, 2.2, 2))
+        figure, axes = new_figure(4, len(columns), height=5.8, sharey="row", height_ratios=(6, 2.2, 2.2, 2))
         grid = np.array(axes).reshape(4, len(columns))
         coloured = {title: _coloured(comparison, motion, names) for title, names in columns.items()}
         for column, (title, names) in zip(grid.T, columns.items(), strict=True):
@@ -89,7 +89,7 @@ def _responses(
         t, look = comparison.steps[motion, name], {"color": FAINT, "linewidth": 1.0}
         if name in coloured:
             look = controller_line(name, place) | {"zorder": 4 - 0.1 * place, "label": name_of(name)}
-        every: dict[str, Any] = {"zorder": 2, **look}
+        every: dict[str, Any] = {"zorder": 2, "gid": name_of(name), **look}
         soon = slice(0, int(np.searchsorted(t.time, end)) + 1, 5)
         for panel, values in ((angle, t.angle), (pressure, t.pressure), (command, t.command)):
             panel.plot(t.time[soon], values[soon, 0], **every)
@@ -175,7 +175,7 @@ def worst_values(comparison: Comparison) -> "Figure":
     most = max(sum(s.motion == m for s in comparison.standings) for m in motions)
     with styled():
         figure, axes = new_figure(
-            len(motions), 2, height=0.75 + (0.4 + 0.27 * most) * len(motions), sharey="row", sharex="col"
+            len(motions), 2, height=0.75 + (0.4 + 0.2 * most) * len(motions), sharey="row", sharex="col"
         )
         for row, motion in enumerate(motions):
             for column, (metric, label, limit) in enumerate(columns):
@@ -205,7 +205,7 @@ def _dots(axes: "Axes", comparison: Comparison, motion: str, metric: str) -> Non
             bar: dict[str, Any] = {"color": PALE, "linewidth": 8, "solid_capstyle": "butt", "zorder": 1}
             axes.plot([low, end], [position, position], **bar)
         at, marker = (value, "o") if np.isfinite(value) else (WINDOW * 1.06, ">")
-        axes.plot(at, position, marker, color=look["color"], ms=7, zorder=3)
+        axes.plot(at, position, marker, color=look["color"], ms=6, zorder=3)
         digits = 2 if metric.endswith("_s") else 1
         words = f"{value:.{digits}f}" if np.isfinite(value) else f"> {WINDOW:g}"
         column: dict[str, Any] = {"transform": axes.get_yaxis_transform(), "ha": "right", "va": "center"}

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from design.studies.design_study import DesignStudy
-from reports.shared.style import GREY, ORANGE, new_figure, styled
+from reports.shared.style import BLUE, PALE, new_figure, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,14 +20,15 @@ def draw_prices(study: DesignStudy) -> "Figure":
             heights = [r["worst_iae_deg_s"] or 0.0 for r in m.prices]
             place = np.arange(len(names))[::-1]
             held = [r["guarantee"] == "worst case found" and r["feasible"] for r in m.prices]
-            at.barh(place, heights, color=[ORANGE if h else GREY for h in held])
+            at.barh(place, heights, color=[BLUE if h else PALE for h in held])
             for y, r in zip(place, m.prices, strict=True):
                 text = (
                     "open"
                     if r["worst_iae_deg_s"] is None
                     else f"{r['worst_iae_deg_s']:.3g}{'' if r['feasible'] else ', not held'}"
                 )
-                at.text(r["worst_iae_deg_s"] or 0.0, y, f" {text}", va="center")
+                end = (r["worst_iae_deg_s"] or 0.0, y)
+                at.annotate(text, end, (4, 0), textcoords="offset points", va="center")
             at.set_yticks(place, labels=names)
             at.set(title=m.motion, xlabel="worst IAE [deg s]", xlim=(0.0, 1.35 * max(heights)))
             at.grid(False)

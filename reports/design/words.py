@@ -120,7 +120,7 @@ def price_caption(study: DesignStudy) -> str:
     """Beneath the prices."""
     return (
         "Worst IAE of the task's steps, the same for every bar: every plant of the box, initial state, load "
-        "and dead time. Orange: no broken limit found. Gains that were tuned for "
+        "and dead time. Blue: no broken limit found. Gains that were tuned for "
         "less are faster here and break limits in other cases."
     )
 

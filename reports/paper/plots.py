@@ -178,7 +178,7 @@ def pi_steps(panels: tuple[Panel, ...], mark: tuple[float, str] | None = None) -
     if mark:
         angle.axvline(mark[0], ymax=0.55, color=GREY, linestyle=DASHED, linewidth=0.9)
         angle.text(mark[0] + 0.12, 5.0, mark[1], fontsize=SMALL, va="center")
-    angle.legend(loc="lower right" if not mark else "upper left", ncols=3 if mark else 1)
+    figure.legend(*angle.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 
 

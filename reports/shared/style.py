@@ -59,9 +59,6 @@ WIDTH = 5.8
 POINTS = 1500
 """A curve is thinned to about this many points: more cannot be seen, and a page must stay light."""
 
-LARGEST = 1.6
-"""How many times its width in points a figure may take in a page [px]."""
-
 STYLE: Mapping[Any, Any] = {
     "font.family": "DejaVu Sans",  # ships with matplotlib
     "font.size": 9.5,
@@ -154,7 +151,7 @@ def svg(figure: "Figure", name: str, description: str = "") -> str:
     width = figure.get_size_inches()[0]
     head = (
         f'<svg class="figure" role="img" aria-label="{escape(description or name, quote=True)}" '
-        f'style="width:100%;max-width:{width * 72 * LARGEST:.0f}px;height:auto" '
+        f'style="--wide:{width:g}in" '
     )
     opening = re.sub(r'\s(?:width|height)="[^"]*"', "", text[: text.index(">") + 1], count=2)
     return head + opening.removeprefix("<svg").lstrip() + text[text.index(">") + 1 :].strip()

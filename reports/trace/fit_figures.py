@@ -106,7 +106,7 @@ def draw_series(trace: Trace, channel: str) -> "Figure":
     revised = bool(trace.effects)
     with styled():
         figure, (signal, large, small) = new_figure(
-            3, 1, height=6.2, sharex=True, height_ratios=(3, 1.5, 1.5)
+            3, 1, height=5.4, sharex=True, height_ratios=(3, 1.5, 1.5)
         )
         took = "held out" if run.role == "validate" else "fitted to"
         signal.set(title=f"{run.recording.name} ({took})", ylabel=f"{words} [{unit}]")

@@ -6,11 +6,13 @@ from matplotlib.figure import Figure
 from design.controllers.pi import PI
 from design.evaluation.scenarios import tuning_scenarios
 from design.studies.branch_steps import branch_steps
+from design.studies.paper import redrawn
 from design.synthesis.requirements import Limits, Problem
 from design.synthesis.tuning import Region, tune
 from design.synthesis.tuning_rules import baselines
 from plants import Wrist, built_in
 from reports.comparison.page import main_figures
+from reports.paper import figures as paper
 from reports.robustness import page as robust
 from reports.robustness.signature import overshoot_figure, signature
 from reports.shared.card import CardRow, draw_steps
@@ -51,10 +53,17 @@ def cards():
     return {"one motion": draw_steps([row]), "both": draw_steps([row, row])}
 
 
+def paper_figures():
+    """The figures of the paper, redrawn."""
+    wrists = {m: Wrist.of(built_in(m)) for m in ("flexion", "deviation")}
+    return {f"figure {n}": paper.draw(n, panels) for n, panels in redrawn(wrists).items()}
+
+
 ROOMS = {
     "signature": signatures,
     "gain maps": gain_maps,
     "card": cards,
+    "paper": paper_figures,
     "comparison": lambda: main_figures(whole_study()),
     "robustness": lambda: robust.draw_all(small_robustness()),
     "trace": lambda: trace.draw_all(small_trace()),

@@ -9,6 +9,7 @@ import pytest
 
 from reports.comparison.page import write_comparison
 from reports.robustness.page import write_robust
+from reports.shared.direct_labels import SIZE
 from reports.shared.html import Made
 from reports.trace.page import write_trace
 from tests.reports.report_samples import (
@@ -27,6 +28,9 @@ QUIET = (
 )  # fmt: skip
 WIDTHS = (1100, 390)
 PAGES = ("comparison", "trace", "robust")
+A4 = {"width": 672, "height": 1002}
+"""What of a sheet lies within the margins [px]."""
+
 FOOT = ("Workbench", "Commit", "Command", "Seed", "Plant", "Data")
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
@@ -149,6 +153,28 @@ def test_it_prints_and_no_page_is_blank(browser, page):
     drawn = painted(pdf)
     assert 3 <= len(drawn) <= 40
     assert min(drawn) > 20, drawn  # the number of a page alone takes less
+
+
+def test_a_comparison_takes_eight_sheets_at_most_and_its_card_is_on_the_first(browser, made_here):
+    with Opened(browser, made_here["comparison"], 1100) as opened:
+        assert len(painted(opened.tab.pdf(prefer_css_page_size=True, print_background=True))) <= 8
+        opened.tab.emulate_media(media="print")
+        opened.tab.set_viewport_size(A4)
+        foot = opened.tab.evaluate("document.querySelector('.card').getBoundingClientRect().bottom")
+        assert foot < A4["height"]
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_letters_of_a_printed_figure_are_not_smaller_than_six_points(browser, made_here, name):
+    with Opened(browser, made_here[name], 1100) as opened:
+        opened.tab.emulate_media(media="print")
+        opened.tab.set_viewport_size(A4)
+        scales = opened.tab.evaluate(
+            "[...document.querySelectorAll('figure svg')].filter(s => s.getBoundingClientRect().width > 0)"
+            ".map(s => s.getBoundingClientRect().width / s.viewBox.baseVal.width)"
+        )
+        assert len(scales) >= 3
+        assert min(scales) * 72.0 / 96.0 * SIZE >= 6.0
 
 
 def painted(pdf: bytes) -> list[int]:
