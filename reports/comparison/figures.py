@@ -50,14 +50,14 @@ def step_responses(comparison: Comparison, motion: str) -> "Figure":
     columns = {"PIs": [n for n in named if n in PIS]}
     columns |= {"Other designs": [TUNED, *others]} if others else {}
     with styled():
-        figure, axes = new_figure(4, len(columns), height=5.8, sharey="row", height_ratios=(6, 2.2, 2.2, 2))
+        figure, axes = new_figure(4, len(columns), height=5.1, sharey="row", height_ratios=(6, 2.2, 2.2, 2))
         grid = np.array(axes).reshape(4, len(columns))
         coloured = {title: _coloured(comparison, motion, names) for title, names in columns.items()}
         for column, (title, names) in zip(grid.T, columns.items(), strict=True):
             end = SOON if title == "PIs" else SOONER
             _responses(column, comparison, motion, names, end, coloured[title])
             column[0].set_title(title)
-        labels = ("Angle [deg]", "Pressure [kPa]", "Command [V]", "Angle [deg]")
+        labels = ("Angle [deg]", "Pressure\n[kPa]", "Command\n[V]", "Angle\n[deg]")
         for panel, label in zip(grid[:, 0], labels, strict=True):
             panel.set_ylabel(label)
         handles: dict[str, Any] = {}
@@ -99,6 +99,7 @@ def _responses(
         panel.axhline(step, color=BLACK, linewidth=0.8, zorder=1)
     for panel in (angle, pressure, command):
         panel.set_xlim(0.0, end)
+        panel.tick_params(labelbottom=panel is command)
     for bound in bounds:
         words = "range of the command" if bound == bounds[0] else ""
         command.axhline(bound, color=BLACK, linewidth=0.8, linestyle=DASHED, label=words)
@@ -175,7 +176,7 @@ def worst_values(comparison: Comparison) -> "Figure":
     most = max(sum(s.motion == m for s in comparison.standings) for m in motions)
     with styled():
         figure, axes = new_figure(
-            len(motions), 2, height=0.75 + (0.4 + 0.2 * most) * len(motions), sharey="row", sharex="col"
+            len(motions), 2, height=0.75 + (0.4 + 0.19 * most) * len(motions), sharey="row", sharex="col"
         )
         for row, motion in enumerate(motions):
             for column, (metric, label, limit) in enumerate(columns):

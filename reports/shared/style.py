@@ -14,6 +14,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from reports.shared.curves import attributes, panels, with_attributes
 from reports.shared.units import relabel
 
 if TYPE_CHECKING:
@@ -140,9 +141,16 @@ def svg(figure: "Figure", name: str, description: str = "") -> str:
     buffer = io.StringIO()
     relabel(figure)
     _no_formulas(figure)
+    of = attributes(figure)
+    own = {artist: artist.get_gid() for artist in of}
+    marks = {f"curve-{place}": said for place, said in enumerate(of.values())}
+    for artist, mark in zip(of, marks, strict=True):
+        artist.set_gid(mark)
     with matplotlib.rc_context({**STYLE, "svg.hashsalt": name}):
         figure.savefig(buffer, format="svg", metadata={"Date": None})
-    text = buffer.getvalue()
+    for artist, gid in own.items():
+        artist.set_gid(gid)
+    text = with_attributes(buffer.getvalue(), marks)
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     text = _light(text)
@@ -151,7 +159,7 @@ def svg(figure: "Figure", name: str, description: str = "") -> str:
     width = figure.get_size_inches()[0]
     head = (
         f'<svg class="figure" role="img" aria-label="{escape(description or name, quote=True)}" '
-        f'style="--wide:{width:g}in" '
+        f'style="--wide:{width:g}in" data-panels="{escape(panels(figure))}" '
     )
     opening = re.sub(r'\s(?:width|height)="[^"]*"', "", text[: text.index(">") + 1], count=2)
     return head + opening.removeprefix("<svg").lstrip() + text[text.index(">") + 1 :].strip()
@@ -180,7 +188,7 @@ def _light(text: str) -> str:
         r'((?:href="#|url\(#))([^")]+)', lambda m: m.group(1) + names.get(m.group(2), m.group(2)), text
     )
     text = text.replace("'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif")
-    for where in (r'(?<=\sd=")[^"]+', r'(?<=\s[xy]=")[^"]+', r"translate\([^)]+"):
+    for where in (r'(?<=\sd=")[^"]+', r'(?<=\s[xy]=")[^"]+', r"(?:translate|rotate)\([^)]+"):
         text = re.sub(where, lambda m: _LONG.sub(_rounded, m.group(0)), text)
     return re.sub(r"\s*\n\s*", "\n", text)
 
