@@ -32,7 +32,7 @@ def estimate_determined(
         values[worst] = start.values[worst]
         problem = begun_at(replace(problem, names=kept, values=values), problem.begins_at(found.x))
         if problem.bounds(start).size == 0:
-            return problem, replace(found, x=np.empty(0), std_errors=[]), blind
+            return problem, replace(found, x=np.empty(0), std_errors=[], correlation=np.empty((0, 0))), blind
         found = estimate(problem, problem.bounds(start), 1, seed)
     return problem, found, blind
 

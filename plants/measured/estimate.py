@@ -1,5 +1,6 @@
 """Robust nonlinear least squares from several starts, with errors that hold for coloured residuals."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -34,12 +35,38 @@ class LeastSquares(Protocol):
 
 
 @dataclass(frozen=True)
+class Uncertainty:
+    """Standard errors of the n entries of an estimate, None for one that the data does not determine, and the
+    correlation of their errors (n, n), zero for such an entry."""
+
+    std_errors: list[float | None]
+    correlation: Array
+
+
+@dataclass(frozen=True)
+class ParameterCorrelation:
+    """Correlation of the errors of parameters that were estimated together: matrix (n, n), in the order of
+    their n names."""
+
+    names: tuple[str, ...]
+    matrix: Array
+
+    def of(self, names: Iterable[str]) -> "ParameterCorrelation":
+        """The same for some of the parameters."""
+        wanted = set(names)
+        kept = [i for i, n in enumerate(self.names) if n in wanted]
+        return ParameterCorrelation(tuple(self.names[i] for i in kept), self.matrix[np.ix_(kept, kept)])
+
+
+@dataclass(frozen=True)
 class Estimate:
-    """An estimate x (n,); std_errors, None where the data does not determine an entry; costs of
-    the local minima from each start, best first; agreeing: starts that ended within 1 % of it."""
+    """An estimate x (n,); std_errors, None where the data does not determine an entry, and the correlation of
+    the errors (n, n); costs of the local minima from each start, best first; agreeing: starts that ended
+    within 1 % of it."""
 
     x: Array
     std_errors: list[float | None]
+    correlation: Array
     costs: tuple[float, ...]
     agreeing: int
 
@@ -67,8 +94,8 @@ def estimate(problem: LeastSquares, bounds: Array, starts: int, seed: int) -> Es
     ends.sort(key=lambda end: end[1])
     best = ends[0][1]
     agreeing = sum(cost <= best * 1.01 for _, cost in ends)
-    errors = standard_errors(problem, ends[0][0], bounds, corner)
-    return Estimate(ends[0][0], errors, tuple(cost for _, cost in ends), agreeing)
+    of = uncertainty(problem, ends[0][0], bounds, corner)
+    return Estimate(ends[0][0], of.std_errors, of.correlation, tuple(cost for _, cost in ends), agreeing)
 
 
 def _corner(residuals: Array) -> float:
@@ -140,8 +167,8 @@ def minimise(
     return found.x, float(found.cost / found.fun.size)
 
 
-def standard_errors(problem: LeastSquares, x: Array, bounds: Array, corner: float) -> list[float | None]:
-    """Standard errors by the sandwich formula over blocks of time, None for undetermined entries.
+def uncertainty(problem: LeastSquares, x: Array, bounds: Array, corner: float) -> Uncertainty:
+    """Standard errors and their correlation by the sandwich formula over blocks of time.
 
     Residuals within a block may be correlated in any way, so the errors hold
     where a missing effect colours them (Cameron & Miller, J. Human Resources 50
@@ -162,5 +189,8 @@ def standard_errors(problem: LeastSquares, x: Array, bounds: Array, corner: floa
     free = max(1, count - x.size)
     cov = inverse @ (scores.T @ scores) @ inverse * (count / free)
     blind = (vectors[:, ~seen] ** 2).sum(axis=1) > 1e-3
-    errors = np.sqrt(np.maximum(np.diag(cov), 0.0)) * _scale(x, bounds)
-    return [None if b else float(e) for b, e in zip(blind, errors, strict=True)]
+    spread = np.sqrt(np.maximum(np.diag(cov), 0.0))
+    known = np.outer(spread, spread) * ~(blind[:, None] | blind[None, :])
+    correlation = np.divide(cov, known, out=np.zeros_like(cov), where=known > 0.0)
+    errors = spread * _scale(x, bounds)
+    return Uncertainty([None if b else float(e) for b, e in zip(blind, errors, strict=True)], correlation)

@@ -18,7 +18,7 @@ from plants.hysteresis import with_values
 from plants.measured.begin import Begin, at_rest, first_begin, measured
 from plants.measured.campaign import Campaign
 from plants.measured.determined import estimate_determined
-from plants.measured.estimate import Estimate
+from plants.measured.estimate import Estimate, ParameterCorrelation
 from plants.measured.free_run import FreeRun, rmse
 from plants.measured.playback import Playback
 from plants.measured.problem import FitProblem
@@ -46,7 +46,8 @@ class Fit:
     stages: how each estimate went.  at_bounds: parameters that ran into a bound.
     undetermined: parameters that the recordings say nothing about; they keep
     their starting value and its provenance.  begins: where the recordings to
-    fit on start, None where at rest.
+    fit on start, None where at rest.  correlations: of the errors of parameters
+    that were estimated together and have a standard error.
     """
 
     campaign: Campaign
@@ -62,6 +63,7 @@ class Fit:
     undetermined: tuple[str, ...] = ()
     begins: tuple[Begin, ...] | None = None
     no_loop: str | None = None
+    correlations: tuple[ParameterCorrelation, ...] = ()
 
     @property
     def ratios(self) -> dict[str, float]:
@@ -128,6 +130,7 @@ def fit_campaign(
     errors: Errors = {}
     stages: dict[str, Estimate] = {}
     undetermined: list[str] = []
+    together: list[ParameterCorrelation] = []
     for number, (stage, names, channel) in enumerate(plan):
         tell(stage, number / len(plan))
         used = [i for i, r in enumerate(campaign.fit) if measured(r, channel) is not None]
@@ -143,6 +146,8 @@ def fit_campaign(
         undetermined += blind
         values |= {n: float(found.x[i]) for i, n in enumerate(problem.names)}
         errors |= {n: found.std_errors[i] for i, n in enumerate(problem.names)}
+        size = len(problem.names)
+        together.append(ParameterCorrelation(problem.names, found.correlation[:size, :size]))
         if begins is not None:
             for i, begin in zip(used, problem.begins_at(found.x) or (), strict=True):
                 begins[i] = begin
@@ -170,6 +175,7 @@ def fit_campaign(
         campaign, start, fitted, noise,
         _errors(runs, "fit"), _errors(runs, "validate"), _errors(runs, "validate", before=True), runs, stages,
         edges, tuple(undetermined), None if begins is None else tuple(begins), trouble,
+        tuple(c.of(n for n in errors if errors[n] is not None) for c in together),
     )  # fmt: skip
 
 

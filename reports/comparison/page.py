@@ -19,6 +19,8 @@ from reports.comparison.break_even_figure import break_even_figure
 from reports.comparison.contest_words import sentences
 from reports.comparison.designs import budgets, designs
 from reports.comparison.record import comparison_record, contest_csv_text, csv_text
+from reports.comparison.trade_off_figure import CAPTION as TRADE_OFF
+from reports.comparison.trade_off_figure import trade_off
 from reports.paper import figures as paper
 from reports.shared.card import CardRow, card, draw_steps, step_caption
 from reports.shared.fit import draw_fit
@@ -70,6 +72,7 @@ def main_figures(study: Study) -> dict[str, "Figure"]:
         "worst-values": figures.worst_values(comparison),
         "loops": figures.loop_trajectories(comparison, study.question.wrists),
     }
+    found["trade-off"] = trade_off(comparison)
     found |= {f"steps-{slug(m)}": figures.step_responses(comparison, m) for m in study.motions}
     if study.contest:
         found["differences"] = broad.differences_figure(study.contest)
@@ -110,6 +113,7 @@ def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:
         tunings=[_tuning(m, a, shown) for m, a in study.answers.items()],
         designs=[(title_of(m), designs(comparison, m)) for m in motions if comparison.designs],
         standings=tables.standings_table(comparison), worst=shown("worst-values", words.WORST_CAPTION),
+        trade_off=shown("trade-off", TRADE_OFF),
         paper_note=tables.paper_note(),
         contest=_contest(study, study.contest, shown) if study.contest else None,
         wrong=[_wrong(m, b, shown) for m, b in (study.break_even or {}).items()],

@@ -1,9 +1,11 @@
 """A fit as a figure, on held-out recordings, and for machines."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from plants.measured.estimate import ParameterCorrelation
 from plants.measured.fit import Fit
 from plants.measured.free_run import FreeRun
 from plants.measured.logger import habits
@@ -98,6 +100,7 @@ def fit_record(fit: Fit) -> dict[str, Any]:
             for n, p in fit.fitted.parameters.items()
             if isinstance(p.provenance, Fitted)
         },
+        "correlation": correlation_record(fit.correlations),
         "before": {n: p.value for n, p in fit.before.parameters.items()},
         "noise_floor": fit.noise,
         "validate_rmse": fit.validate_rmse,
@@ -108,6 +111,11 @@ def fit_record(fit: Fit) -> dict[str, Any]:
         "remarks": fit.remarks,
         "stages": {n: {"costs": list(e.costs), "agreeing": e.agreeing} for n, e in fit.stages.items()},
     }
+
+
+def correlation_record(found: Sequence[ParameterCorrelation]) -> list[dict[str, Any]]:
+    """Correlations of the errors of parameters, for JSON: an entry for those estimated together."""
+    return [{"parameters": list(c.names), "matrix": c.matrix.round(4).tolist()} for c in found]
 
 
 def start_record(found: RigFit) -> dict[str, Any]:

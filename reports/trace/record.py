@@ -7,6 +7,7 @@ from design.synthesis.answer import UNITS as GAIN_UNITS
 from design.synthesis.retune import Control, RetunedSide
 from plants.measured.logger import habits
 from plants.measured.trace.trace import Named, StageTrace, Trace
+from reports.shared.fit import correlation_record
 from reports.shared.tuning import refused
 from reports.trace.words import NO_LOOP, UNITS, describe
 
@@ -15,7 +16,8 @@ def trace_record(trace: Trace, control: Mapping[str, Any] | None = None) -> dict
     """The answer of a trace as dictionaries, lists, numbers and text, for `plants.files.json_text`.
 
     Errors and the noise floor of a channel that was not logged are None.  `control`:
-    what `control_record` gives, under the key ``control`` where there is one.
+    what `control_record` gives, under the key ``control`` where there is one.  ``correlation``: of the errors
+    of parameters that were estimated together, names under ``parameters``, rows under ``matrix``.
     """
     record: dict[str, Any] = {
         "axis": trace.campaign.axis,
@@ -29,6 +31,7 @@ def trace_record(trace: Trace, control: Mapping[str, Any] | None = None) -> dict
         "law": _law(trace),
         "explained_share": {c.split("_")[0]: trace.explained_share.get(c) for c in UNITS},
         "remainder": _remainder(trace),
+        "correlation": correlation_record(trace.correlations),
         "instrument": habits(trace.instrument),
     }
     return record if control is None else record | {"control": control}

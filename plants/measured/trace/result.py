@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from plants.measured.campaign import Campaign
+from plants.measured.estimate import ParameterCorrelation
 from plants.measured.fit import Fit
 from plants.measured.free_run import FreeRun
 from plants.measured.logger import Remark
@@ -76,7 +77,8 @@ class Trace:
     verdict: ``nothing-missing``, ``explained`` or ``unexplained``; before, after:
     errors by channel on the held-out recordings, with intervals at 95 %
     by bootstrap over blocks; revised: the declared parameters refitted, and effects.  law: how the hysteresis
-    law was chosen, None where it was given; instrument: what the logger does.
+    law was chosen, None where it was given; instrument: what the logger does.  correlations: of the errors of
+    parameters that were estimated together.
     """
 
     campaign: Campaign
@@ -93,6 +95,7 @@ class Trace:
     remarks: tuple[str, ...] = ()
     law: LawChoice | None = None
     instrument: tuple[Remark, ...] = ()
+    correlations: tuple[ParameterCorrelation, ...] = ()
 
     @property
     def explained_share(self) -> dict[str, float | None]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from plants.measured.begin import first_begin, measured
 from plants.measured.campaign import Campaign
-from plants.measured.estimate import HUBER, standard_errors
+from plants.measured.estimate import HUBER, ParameterCorrelation, uncertainty
 from plants.measured.fit import CHANNELS, Fit, fit_campaign
 from plants.measured.free_run import FreeRun, rmse
 from plants.measured.logger import Remark
@@ -166,10 +166,13 @@ def _result(
         forms = tuple(f for s in stages for f in s.model.forms)
     values: dict[str, float] = {}
     errors: dict[str, float | None] = {}
+    correlations: list[ParameterCorrelation] = []
     for s in stages:
         if forms or changed:
             values |= {n: s.model.values[n] for n in s.model.names}
-            errors |= _errors(s.model)
+            of, correlation = _errors(s.model)
+            errors |= of
+            correlations += [correlation]
     origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
     revised = base.fitted.revised(forms, values, errors, origin) if values else fit.fitted
     runs = tuple(_played(fit, Wrist.of(revised), changed))
@@ -184,6 +187,7 @@ def _result(
         campaign, fit, found if whole else "unexplained", stages, effects, revised, runs, before, after,
         intervals(runs, before=True), intervals(runs),
         (*remarks, *rigs_differ(stages)), law, instrument,
+        tuple(correlations) if values else fit.correlations,
     )  # fmt: skip
 
 
@@ -198,13 +202,16 @@ def _matters(stage: StageTrace, fit: Fit, runs: Sequence[FreeRun]) -> bool:
     return share > MATTERS or left > (1.0 - NAMED) * declared
 
 
-def _errors(model: Model) -> dict[str, float | None]:
-    """Standard errors of the parameters, None for one that lies at a bound or is not determined."""
+def _errors(model: Model) -> tuple[dict[str, float | None], ParameterCorrelation]:
+    """Standard errors of the parameters, None for one that lies at a bound or is not determined, and the
+    correlation of the others."""
     corner = HUBER * max(1.0, 1.4826 * float(np.median(np.abs(model.residual))))
-    found = standard_errors(model.problem, model.vector, model.bounds, corner)
+    found = uncertainty(model.problem, model.vector, model.bounds, corner)
     x, low, high = model.bounds
     at_edge = np.minimum(x - low, high - x) < 1e-6 * (high - low)
-    return {n: None if e else s for n, s, e in zip(model.names, found, at_edge, strict=True)}
+    errors = {n: None if e else s for n, s, e in zip(model.names, found.std_errors, at_edge, strict=True)}
+    together = ParameterCorrelation(model.names, found.correlation)
+    return errors, together.of(n for n in errors if errors[n] is not None)
 
 
 def _played(fit: Fit, wrist: Wrist, changed: bool) -> list[FreeRun]:

@@ -10,6 +10,7 @@ from matplotlib.colors import to_rgb
 
 from design.studies.study import Study
 from reports.comparison import figures
+from reports.comparison.trade_off_figure import trade_off
 from reports.shared import signals
 from reports.shared.fit import draw_fit, shown_run
 from reports.shared.gain_map import gain_map
@@ -35,6 +36,7 @@ def drawn(compared):
     yield "steps", figures.step_responses(compared.comparison, "flexion")
     yield "loops", figures.loop_trajectories(compared.comparison, compared.question.wrists)
     yield "worst", figures.worst_values(compared.comparison)
+    yield "trade-off", trade_off(compared.comparison)
     yield "map", gain_map(compared.tunings["flexion"])
     yield "fit", draw_fit(compared.fits["flexion"])
 
