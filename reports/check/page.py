@@ -15,7 +15,7 @@ from reports.shared.tables import Cell, Column, Group, Table, number, row
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SECTIONS = {"envelope": "The log and what was predicted", "residual": "What the plant leaves"}
+SECTIONS = {"envelope": "The log and what was predicted", "residual": "Residual of the plant model"}
 """Titles of the page's sections by their ids."""
 
 SMOOTHED = 0.5
@@ -60,7 +60,7 @@ def draw_envelope(check: LogCheck) -> "Figure":
 
 
 def draw_residual(check: LogCheck) -> "Figure":
-    """What the plant leaves of each channel, and what it may."""
+    """Residual of the plant in each channel, and its bound."""
     from scipy.ndimage import uniform_filter1d
 
     log, channels = check.log, check.residual.channels

@@ -41,13 +41,13 @@ def plant(check: LogCheck) -> str:
         if c.new
     ]
     cause = "no single change explains it" if r.change is None else change(r.change)
-    return f"the plant has changed, it leaves {listed(sizes)}: {cause}"
+    return f"the plant has changed, its residual is {listed(sizes)}: {cause}"
 
 
 def change(c: RigChange) -> str:
     """What goes with a new residual."""
     unit = "" if c.unit == "1" else f" {c.unit}"
-    return f"{c.name} {number(c.size)}{unit} takes away {number(100 * c.takes, 2)} % of it"
+    return f"{c.name} {number(c.size)}{unit} explains {number(100 * c.takes, 2)} % of it"
 
 
 def summary(check: LogCheck) -> list[str]:
@@ -75,7 +75,7 @@ def remarks(check: LogCheck) -> list[str]:
         )
     if check.plant.remainder.get("angle_deg") is None:
         found.append(
-            "The plant's file does not say what it leaves; the sensor's noise alone was taken. `wrist trace "
+            "The plant's file states no residual; the sensor's noise alone was assumed. `wrist trace "
             "--save` writes one that does."
         )
     return found

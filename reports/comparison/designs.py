@@ -46,7 +46,7 @@ def _design(d: Design) -> str:
     unit = COST_WORDS.get(d.problem.cost, "").partition("[")[2].rstrip("]")
     cost = f"Worst cost over the tuning scenarios {number(float(d.at.cost[0]))} {unit}".rstrip()
     broken = " and ".join(_named(n) for n in d.breaks)
-    held = f"the nearest to the limits that was found, it breaks {broken}" if broken else "every limit held"
+    held = f"the nearest to the limits that was found, it breaks {broken}" if broken else "every limit met"
     if isinstance(d, ConvexConcave):
         words = _convex(d)
     else:

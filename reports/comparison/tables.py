@@ -43,8 +43,8 @@ def tuning_table(tuning: Tuning) -> Table:
         words, side, _ = LIMITS.get(name, (name, "", ""))
         broken = float(at.excess[name][0]) > 0.0
         near = float(at.excess[name][0]) > -ACTIVE
-        note = "broken" if broken else "active" if near else "held"
-        strong += [i] if note != "held" else []
+        note = "broken" if broken else "active" if near else "met"
+        strong += [i] if note != "met" else []
         rows.append(row(
             words, f"{side} {number(bound)} {unit}".strip(),
             Cell(f"{number(value)} {unit}".strip(), "", broken), note,

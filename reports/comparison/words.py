@@ -240,7 +240,7 @@ def found(answer: Answer) -> str:
         )
     elif t.problem.adverse:
         words += (
-            f" Every limit holds for all that the rig states that it may do, dead time included: {cases} "
+            f" Every limit is met over the whole stated uncertainty, dead time included: {cases} "
             f"tuned on {len(t.problem.adverse)} cases that a search for the worst found."
         )
     if answer.refusal is not None:
@@ -263,12 +263,12 @@ def evidence(answer: Answer) -> str:
         return (
             f"Nothing was searched here: the map of {region.points} × {region.points} gains shows where the "
             "design's lie. It judges by the limits themselves and on fewer cases than the design, so that "
-            "gains beside may seem to hold at less cost."
+            "neighbouring gains may seem to meet them at less cost."
         )
-    held = "none held the limits"
+    held = "none met the limits"
     head = "What was searched" if answer.refusal else "Evidence that this is the global optimum"
     if ends:
-        held = f"{len(ends)} ended where every limit is held, {near} of them within 1 % of the cost above"
+        held = f"{len(ends)} ended where every limit is met, {near} of them within 1 % of the cost above"
     words = (
         f"{head}: a map of {region.points} × {region.points} gains covers "
         f"Kp from {region.Kp[0]:g} to {region.Kp[1]:g} kPa/deg and Ki from {region.Ki[0]:g} to "

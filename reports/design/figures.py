@@ -25,7 +25,7 @@ def draw_prices(study: DesignStudy) -> "Figure":
                 text = (
                     "open"
                     if r["worst_iae_deg_s"] is None
-                    else f"{r['worst_iae_deg_s']:.3g}{'' if r['feasible'] else ', not held'}"
+                    else f"{r['worst_iae_deg_s']:.3g}{'' if r['feasible'] else ', limit broken'}"
                 )
                 end = (r["worst_iae_deg_s"] or 0.0, y)
                 at.annotate(text, end, (4, 0), textcoords="offset points", va="center")

@@ -28,7 +28,7 @@ def price_table(study: DesignStudy) -> Table:
             gains = r["gains"] or dict.fromkeys(("Kp", "Ki", "b"))
             limit = study.requirements[m.motion]["limits"].get("overshoot_percent", float("inf"))
             over = r["worst_overshoot_percent"]
-            held = "" if not r["gains"] or r["feasible"] else ", not held"
+            held = "" if not r["gains"] or r["feasible"] else ", limit broken"
             rows.append(
                 row(
                     r["guarantee"] + held, r["controller"],

@@ -74,10 +74,10 @@ def last_line(study: DesignStudy) -> str:
     gains = "; ".join(f"{m.motion} {gains_words(m.gains)}" for m in study.motions)
     if not study.holds:
         gone = sorted({m.relaxed for m in study.motions if m.relaxed and not m.holds})
-        without = f"; it would hold without {listed(gone)}" if gone else ""
-        return f"no gains hold every limit; nearest: {gains}{without}"
+        without = f"; every limit would be met without {listed(gone)}" if gone else ""
+        return f"no gains meet every limit; nearest: {gains}{without}"
     late = max(r["longest_dead_time_s"] for r in study.requirements.values())
-    held = f"hold every limit with up to {number(1000 * late)} ms of dead time"
+    held = f"meet every limit with up to {number(1000 * late)} ms of dead time"
     still = [m.motion for m in study.motions if m.evidence["proved"]["status"] != "proved"]
     proved = "exponential decay is proved on the plant as fitted, and sampled on the box"
     open_ = f"a proof is open for {listed(still)}" if still else proved
@@ -105,9 +105,9 @@ def remainder_words(m: MotionDesign, left: Mapping[str, float] | None) -> str:
     """What the remainder of a motion's plant costs; nothing where it leaves none that shows."""
     if left is None:
         return ""
-    size = f"up to {number(left['peak'])} deg along {number(left['length'])} deg of way"
+    size = f"up to {number(left['peak'])} deg along {number(left['length'])} deg of travel"
     bare, plain = m.designs.get(BARE), m.designs[PLAIN]
-    words = f"{m.motion}: what the plant leaves unexplained ({size}) disturbs every case."
+    words = f"{m.motion}: the unexplained residual of the plant ({size}) disturbs every case."
     if bare is None or not plain["holds"]:
         return words
     return (

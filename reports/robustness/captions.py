@@ -129,8 +129,8 @@ def sample_words(a: Assessment) -> str:
     parts += [f"a constant load of up to ±{c.load:g} deg"] if c.load else []
     parts += [f"sensor noise of {c.noise:g} deg (s.d.) at 100 Hz"] if c.noise else []
     parts += [f"a sensor that steps by {c.quantum:g} deg"] if c.quantum else []
-    words = ", ".join(parts) + ". A statement holds where the whole interval is below "
-    words += f"{100 * LEVEL:g} % of cases, and is open where the interval holds that figure."
+    words = ", ".join(parts) + ". A statement is met where the whole interval is below "
+    words += f"{100 * LEVEL:g} % of cases, and is open where the interval contains that figure."
     return words + "".join(f" {r[0].upper() + r[1:]}." for r in cases.remarks)
 
 

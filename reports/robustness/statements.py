@@ -157,13 +157,13 @@ def class_words(c: LoopClass) -> str:
     if c.switching is Switching.EVERY_SAMPLE:
         behind = f" behind {c.samples} samples of dead time" if c.samples else ""
         return (
-            f"the sampled loop{behind}, slope and regulator rate changed at will at every sample, "
+            f"the sampled loop{behind}, slope and regulator rate switching arbitrarily at every sample, "
             "decays while the command is not clipped"
         )
     (low, high), (shallow, steep) = c.rates, c.slopes
     if c.switching.sampled:
         behind = f" behind {c.samples} samples of dead time" if c.samples else ""
-        moves = f"slope {shallow:.4g} to {steep:.4g} deg/kPa changed at will at every sample"
+        moves = f"slope {shallow:.4g} to {steep:.4g} deg/kPa switching arbitrarily at every sample"
         if c.switching is not Switching.SLOPE_EVERY_SAMPLE:
             moves = (
                 f"slope {shallow:.4g} to {steep:.4g} deg/kPa as the loop's own memory has it, of which no "
@@ -189,7 +189,7 @@ def because(s: Statement) -> str:
     """Why a statement holds or does not, or how its figure was checked."""
     match s.claim:
         case StableEverywhere():
-            return "poles, or Nyquist's criterion where a delay leaves none; no switching is considered"
+            return "poles, or, with dead time, Nyquist's criterion; no switching is considered"
         case MarginHeld(_, _, None):
             return f"{reason_words(s.reason)}; no limit is set"
     return reason_words(s.reason)

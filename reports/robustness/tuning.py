@@ -41,7 +41,11 @@ def requirement_words(asked: Requirement) -> str:
         late = "the dead time that was found"
     unit, left = rig.units.angle, asked.box.remainder
     count = len(asked.box.leaving(None).intervals)
-    met = "" if left is None else f"what the plant leaves (up to {left.peak:.3g} {unit}), "
+    met = (
+        ""
+        if left is None
+        else f"the unexplained residual of the plant model (up to {left.peak:.3g} {unit}), "
+    )
     return (
         f"required on {count} uncertain parameters, {late}, {met}load up to "
         f"{asked.space.load:g} {unit}, noise {c.noise:g} {unit}, resolution {c.quantum:g} {unit}: "

@@ -24,7 +24,7 @@ def refused(no: Refusal) -> str:
         return f"no: the gains that were given, Kp {no.Kp:.4g}, Ki {no.Ki:.4g}, break a limit: {broken}"
     (low_p, high_p), (low_i, high_i) = no.Kp_range, no.Ki_range
     return (
-        f"no: no gains in Kp {low_p:g} to {high_p:g}, Ki {low_i:g} to {high_i:g} hold every limit; nearest "
+        f"no: no gains in Kp {low_p:g} to {high_p:g}, Ki {low_i:g} to {high_i:g} meet every limit; nearest "
         f"are Kp {no.Kp:.4g}, Ki {no.Ki:.4g}, where {broken}"
     )
 

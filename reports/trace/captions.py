@@ -80,7 +80,7 @@ def series(trace: Trace, channel: str) -> str:
     part = "held out" if run.role == "validate" else "was fitted to"
     return (
         f"The {word} of {run.recording.name}, which {part}: measured, and simulated from the command alone. "
-        "Below: residuals; the grey band holds 95 % of the noise."
+        "Below: residuals; the grey band contains 95 % of the noise."
     )
 
 
@@ -94,14 +94,14 @@ def left(stage: StageTrace, after_name: str) -> str:
     """What is left of a stage before the effects and after, in sentences."""
     before, after, channel = stage.before, stage.after, stage.stage.channel
     if not before.structured:
-        return f"nothing but noise, {number(before.rmse)} {CHANNELS[channel][1]}."
+        return f"No structure beyond noise: {number(before.rmse)} {CHANNELS[channel][1]}."
     said = f"Before: {describe(before, channel)}"
     if after is before:
         return said
     then = "After" if after_name == REVISED else f"With what was tried ({', '.join(stage.model.effects)})"
     if after.structured:
         return f"{said} {then}: {describe(after, channel)}"
-    return f"{said} {then}: {number(after.rmse)} {CHANNELS[channel][1]}, nothing but noise."
+    return f"{said} {then}: {number(after.rmse)} {CHANNELS[channel][1]}, no structure beyond noise."
 
 
 def remainder(stage: StageTrace, after_name: str) -> str:
@@ -125,8 +125,8 @@ def plant_words(trace: Trace) -> str:
     if not trace.effects:
         return "Nothing was added: these are the declared parameters, fitted to the recordings."
     return (
-        "Everything was fitted together, so the declared parameters moved too. revised.toml beside this page "
-        "holds the plant; wrist tune, compare, simulate and show take it with --plant."
+        "All parameters were fitted together, so the declared ones changed too. revised.toml beside this page "
+        "is the plant; wrist tune, compare, simulate and show read it with --plant."
     )
 
 
@@ -141,7 +141,7 @@ def nothing_refitted(stage: StageTrace) -> str:
     """Why nothing was refitted."""
     chi2 = stage.search.declared.model.chi2
     if chi2 <= 1.0 + WORTH:
-        return f"The declared model is at the noise: chi-square {number(chi2)}. Nothing was to be added."
+        return f"The declared model is at the noise level: chi-square {number(chi2)}. No effect is needed."
     return f"Chi-square is {number(chi2)}, and no effect would lower it by more than chance would."
 
 

@@ -63,7 +63,7 @@ def answer(trace: Trace) -> str:
         return f"{head[0].upper()}{head[1:]} the residual: {falls}."
     if not trace.effects:
         falls = f"{error} {_amount(after, channel)}, {floor}"
-    return f"None of the {len(EFFECTS)} effects explains the rest: {falls}."
+    return f"None of the {len(EFFECTS)} effects explains the residual: {falls}."
 
 
 def evidence(trace: Trace) -> str:
@@ -129,7 +129,7 @@ def _explained(trace: Trace) -> str:
     else:
         said = f"{_law_words(trace)}: with it {falls}"
     if left is not None and left.rms > (trace.noise[channel] or 0.0):
-        said += f"; {_share(left.share_of_range)} of the range is left"
+        said += f"; the residual beyond noise is {_share(left.share_of_range)} of the range"
     either = [f"{e.name} from {' or '.join(e.alternatives)}" for e in trace.effects if e.alternatives]
     return f"{said}{f'; these recordings do not distinguish {_and(either)}' if either else ''}."
 
@@ -154,11 +154,11 @@ def _nothing(trace: Trace) -> str:
     noise = _and(_amount(trace.noise[c], c) for c in logged)
     slow = [_channel(c) for c in logged if (trace.before[c] or 0.0) > SLOW * (trace.noise[c] or 0.0)]
     said = (
-        f"Nothing is missing: on the held-out recordings the declared wrist is off by {left}, "
+        f"Nothing is missing: on the held-out recordings the RMSE of the declared model is {left}, "
         f"and the noise is {noise}"
     )
     if slow:
-        said = said.replace(", and the noise is", ", successive rows scatter by")
+        said = said.replace(", and the noise is", ", the noise from row to row is")
         said += f"; the residual of the {_and(slow)} has no more structure than slow noise"
     return f"{said}."
 
@@ -179,10 +179,10 @@ def _unexplained(trace: Trace) -> str:
         explain = "explains" if len(causes) == 1 else "explain"
         head = (
             f"{_and(causes)} {explain} {100.0 * share:.0f} % of the {_channel(channel)} error; "
-            f"{_share(left.share_of_range)} of the range is left, which has structure"
+            f"the residual, {_share(left.share_of_range)} of the range, has structure"
         )
         return f"{head[0].upper()}{head[1:]}: {_and(off)}; {on}." if off else f"{head}; {on}."
-    head = f"Something is left that none of the {len(EFFECTS)} effects explains"
+    head = f"The residual has structure that none of the {len(EFFECTS)} effects explains"
     return f"{head}: {_and(off)}; {on}." if off else f"{head}; {on}."
 
 
@@ -304,9 +304,9 @@ def control_sentence(control: Control | None) -> str:
         f"tuned on the revised one ({gains(new)}) it {_did(new)}."
     )
     if new.refusal:
-        said += f" No gains hold every limit on the revised plant; these are the nearest ({_refused(new)})."
+        said += f" No gains meet every limit on the revised plant; these are the nearest ({_refused(new)})."
     if control.left_out:
-        said += f" Both were tuned without {_and(control.left_out)}, which no gains take away."
+        said += f" Both were tuned without {_and(control.left_out)}, which no gains can cancel."
     return said
 
 
@@ -331,4 +331,4 @@ def _did(side: RetunedSide) -> str:
         broken.append(
             f"breaks the limit on {limits_words(there)} from another start or on a corner of the plant"
         )
-    return f"{settles} with an IAE of {number(j.iae_deg_s)} deg s and {_and(broken) or 'holds every limit'}"
+    return f"{settles} with an IAE of {number(j.iae_deg_s)} deg s and {_and(broken) or 'meets every limit'}"

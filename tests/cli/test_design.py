@@ -34,7 +34,7 @@ def test_it_goes_all_the_way_and_on_from_what_is_finished(wrist, tmp_path):
     assert load(out / "plant-flexion.toml").axis == "flexion"
     for made in ("gains-flexion.toml", "c-flexion/Makefile", "design.html", "design.json"):
         assert (out / made).stat().st_size > 100, made
-    assert "hold every limit with up to 50 ms of dead time" in " ".join(first.out.split())
+    assert "meet every limit with up to 50 ms of dead time" in " ".join(first.out.split())
     assert first.out.splitlines()[-1] == f"next: make -C {out / 'c-flexion'} check"
     before = {p: p.stat().st_mtime_ns for p in (out / "stages").iterdir()}
     assert len(before) == 6

@@ -56,7 +56,7 @@ def test_on_a_rig_with_dead_time_the_retuned_pi_settles_where_the_declared_one_d
     assert not control.revised.broken
     words = control_sentence(control)
     assert words.startswith("On the rig that was measured, the PI tuned on the declared wrist (Kp ")
-    assert "holds every limit" in words
+    assert "meets every limit" in words
 
 
 def test_a_plant_that_cannot_reach_the_step_is_said_in_one_line():

@@ -69,7 +69,7 @@ def test_each_kind_of_contradiction_is_told(changes, words):
 
 def test_a_word_says_why_no_rung_can():
     (said,) = disagreements(found(ladder=(rung(False),), word="1 s of a, then 2 s of b"))
-    assert "For slopes and rates that switch at will none can: 1 s of a, then 2 s of b." in said
+    assert "For arbitrarily switching slopes and rates none can: 1 s of a, then 2 s of b." in said
     assert "All 1000 samples settled." in said
 
 

@@ -93,7 +93,7 @@ def test_the_page_tells_how_the_other_designs_were_found(page, compared):
     for (_, name), d in compared.comparison.designs.items():
         assert f"{name[:1].upper()}{name[1:]}:" in page.text
         assert number(float(d.at.cost[0])) in page.text
-    for words in ("convex programs", "active: ", "observer", "designed apart", "every limit held"):
+    for words in ("convex programs", "active: ", "observer", "designed apart", "every limit met"):
         assert words in page.text
 
 

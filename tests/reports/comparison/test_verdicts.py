@@ -70,7 +70,7 @@ def test_gains_that_break_a_limit_are_called_the_nearest():
     answers = {m: replace(a, refusal=no) for m, a in study.answers.items()}
     said, other = verdict_sentences(replace(study, answers=answers))
     assert said.startswith(
-        "flexion: no: no gains in Kp 0.1 to 20, Ki 0.1 to 50 hold every limit; nearest are "
+        "flexion: no: no gains in Kp 0.1 to 20, Ki 0.1 to 50 meet every limit; nearest are "
     )
     assert said.endswith(
         "Ms is 3 against 2 on line1, fast rate; what stands as tuned is only the nearest there is."

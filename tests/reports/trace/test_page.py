@@ -142,7 +142,7 @@ def test_what_is_open_is_said_where_nothing_is(bent, unexplained):
     assert summary(clear)[2].startswith("Each of the 15 effects would have shown in these recordings; ")
     said = summary(unexplained)
     assert len(said) == 3
-    assert said[0].startswith("None of the 15 effects explains the rest")
+    assert said[0].startswith("None of the 15 effects explains the residual")
     for few in (clear, unexplained):
         assert all(len(s.split()) <= 20 for s in summary(few))
 
@@ -193,7 +193,9 @@ def test_the_verdicts_read_well(bent, unexplained):
     loud = verdict_sentence(replace(nothing, before=bent.before, after=bent.before))
     assert loud.endswith("; the residual of the angle has no more structure than slow noise.")
     left = verdict_sentence(unexplained)
-    assert left.startswith("Something is left that none of the 15 effects explains: the angle error on ")
+    assert left.startswith(
+        "The residual has structure that none of the 15 effects explains: the angle error on "
+    )
     assert left.endswith("; the residual depends on the angle, and jumps now and then.")
     tied = replace(bent.effects[0], alternatives=("end-stop", "softening"))
     said = verdict_sentence(replace(bent, effects=(tied,)))
