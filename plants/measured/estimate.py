@@ -35,7 +35,7 @@ class LeastSquares(Protocol):
 
 
 @dataclass(frozen=True)
-class Uncertainty:
+class EstimateErrors:
     """Standard errors of the n entries of an estimate, None for one that the data does not determine, and the
     correlation of their errors (n, n), zero for such an entry."""
 
@@ -167,7 +167,7 @@ def minimise(
     return found.x, float(found.cost / found.fun.size)
 
 
-def uncertainty(problem: LeastSquares, x: Array, bounds: Array, corner: float) -> Uncertainty:
+def uncertainty(problem: LeastSquares, x: Array, bounds: Array, corner: float) -> EstimateErrors:
     """Standard errors and their correlation by the sandwich formula over blocks of time.
 
     Residuals within a block may be correlated in any way, so the errors hold
@@ -193,4 +193,4 @@ def uncertainty(problem: LeastSquares, x: Array, bounds: Array, corner: float) -
     known = np.outer(spread, spread) * ~(blind[:, None] | blind[None, :])
     correlation = np.divide(cov, known, out=np.zeros_like(cov), where=known > 0.0)
     errors = spread * _scale(x, bounds)
-    return Uncertainty([None if b else float(e) for b, e in zip(blind, errors, strict=True)], correlation)
+    return EstimateErrors([None if b else float(e) for b, e in zip(blind, errors, strict=True)], correlation)

@@ -32,7 +32,8 @@ def sentence(d: Disagreement) -> str:
             if d.word is not None:
                 words += (
                     f" For arbitrarily switching slopes and rates none can: {d.word}. The wrist itself "
-                    "cannot do that, since its rate follows the error of the pressure and its slope the pressure."
+                    "cannot do that, since its rate follows the error of the pressure and its slope the "
+                    "pressure."
                 )
             return words + (f" All {d.settled} samples settled." if d.settled else "")
         case MarginYetUnproved():

@@ -125,8 +125,8 @@ def plant_words(trace: Trace) -> str:
     if not trace.effects:
         return "Nothing was added: these are the declared parameters, fitted to the recordings."
     return (
-        "All parameters were fitted together, so the declared ones changed too. revised.toml beside this page "
-        "is the plant; wrist tune, compare, simulate and show read it with --plant."
+        "All parameters were fitted together, so the declared ones changed too. revised.toml beside this "
+        "page is the plant; wrist tune, compare, simulate and show read it with --plant."
     )
 
 

@@ -11,6 +11,7 @@ from plants.measured.trace.search.learnt import Learnt, LearntCurve
 from reports.shared.html import Made
 from reports.shared.tables import fixed, number
 from reports.trace.page import draw_all, shown_channels, trace_page
+from reports.trace.parameter_figure import draw_parameters
 from reports.trace.record import trace_record
 from reports.trace.residual_figures import means, telling, thinned
 from reports.trace.tables import decision_table
@@ -185,10 +186,38 @@ def test_the_record_says_what_is_left_and_on_what_it_depends(unexplained):
     assert trace_record(both)["unexplained"]["stage"] == "regulator"
 
 
+def test_the_record_holds_how_the_errors_of_its_parameters_correlate(bent):
+    together = trace_record(bent)["correlation"]
+    names = [n for c in together for n in c["parameters"]]
+    fitted = {n: getattr(p.provenance, "std_error", None) for n, p in bent.revised.parameters.items()}
+    assert sorted(names) == sorted(n for n, error in fitted.items() if error is not None)
+    assert len(together) == 2  # the regulator, and the wrist with its effect
+    for c in together:
+        matrix = np.array(c["matrix"])
+        np.testing.assert_allclose(np.diag(matrix), 1.0)
+        np.testing.assert_allclose(matrix, matrix.T)
+        assert np.linalg.eigvalsh(matrix).min() > -1e-3  # four decimals
+
+
+def test_parameters_are_drawn_with_their_intervals_in_per_cent(bent):
+    left = draw_parameters(bent).axes[0]
+    drawn = {
+        t.get_text().replace("\n", ""): b.get_width()
+        for t, b in zip(left.get_yticklabels(), left.patches, strict=True)
+    }
+    assert set(drawn) == {n for c in bent.correlations for n in c.names}
+    for name, width in drawn.items():
+        p = bent.revised.parameters[name]
+        assert width == pytest.approx(100 * 1.96 * p.provenance.std_error / abs(p.value))
+    assert draw_parameters(replace(bent, correlations=())) is None
+
+
 def test_the_verdicts_read_well(bent, unexplained):
     nothing = stripped(bent, verdict="nothing-missing", before=bent.noise, after=bent.noise)
     said = verdict_sentence(nothing)
-    assert said.startswith("Nothing is missing: on the held-out recordings the declared wrist is off")
+    assert said.startswith(
+        "Nothing is missing: on the held-out recordings the RMSE of the declared model is "
+    )
     assert "slow" not in said
     loud = verdict_sentence(replace(nothing, before=bent.before, after=bent.before))
     assert loud.endswith("; the residual of the angle has no more structure than slow noise.")
