@@ -102,7 +102,7 @@ def differences_figure(found: Contest) -> "Figure":
     motions = [m for m, field, family in found.tables if (field, family) == MAIN]
     with styled():
         most = max(len(found.of(m, *MAIN)) for m in motions)
-        figure, axes = new_figure(1, len(motions), height=0.9 + 0.3 * most, sharey=True)
+        figure, axes = new_figure(1, len(motions), height=0.9 + 0.22 * most, sharey=True)
         for panel, motion in zip(axes, motions, strict=True):
             _panel(panel, found.of(motion, *MAIN))
             panel.set(title=title_of(motion), xlabel="IAE less the tuned PI's [deg s]")

@@ -50,7 +50,7 @@ def step_responses(comparison: Comparison, motion: str) -> "Figure":
     columns = {"PIs": [n for n in named if n in PIS]}
     columns |= {"Other designs": [TUNED, *others]} if others else {}
     with styled():
-        figure, axes = new_figure(4, len(columns), height=5.1, sharey="row", height_ratios=(6, 2.2, 2.2, 2))
+        figure, axes = new_figure(4, len(columns), height=5.1, sharey="row", height_ratios=(5, 2.8, 2.8, 2.4))
         grid = np.array(axes).reshape(4, len(columns))
         coloured = {title: _coloured(comparison, motion, names) for title, names in columns.items()}
         for column, (title, names) in zip(grid.T, columns.items(), strict=True):
@@ -59,7 +59,7 @@ def step_responses(comparison: Comparison, motion: str) -> "Figure":
             column[0].set_title(title)
         labels = ("Angle [deg]", "Pressure\n[kPa]", "Command\n[V]", "Angle\n[deg]")
         for panel, label in zip(grid[:, 0], labels, strict=True):
-            panel.set_ylabel(label)
+            panel.set_ylabel(label, fontsize=8.5)
         handles: dict[str, Any] = {}
         for panel in (*grid[0], grid[2, 0]):
             lines, words = panel.get_legend_handles_labels()

@@ -165,8 +165,8 @@ def test_figures_of_the_comparison_are_inside_and_the_papers_on_a_page_of_their_
     def figures(p):
         return [a for t, a in p.tags if t == "svg" and a.get("class") == "figure"]
 
-    # card, steps, worst and loops, map, fit, differences, break-even
-    assert len(figures(page)) == 1 + 2 + 2 + 1 + 1 + 1 + 1
+    # card, steps, trade-off, worst and loops, map, fit, differences, break-even
+    assert len(figures(page)) == 1 + 2 + 3 + 1 + 1 + 1 + 1
     assert all(a.get("aria-label") and "viewbox" in a for a in figures(page))
     paper = Page((folder / "paper.html").read_text(encoding="utf-8"))
     assert len(figures(paper)) == 9
@@ -274,7 +274,7 @@ def test_pictures_lie_beside_the_page_and_nothing_half_written(folder):
     names = {p.name for p in folder.iterdir()}
     pictures = {
         "steps-flexion.png", "steps-deviation.png", "gains-flexion.png", "fit-flexion.png", "loops.png",
-        "worst-values.png", "differences.png", "decision.png", "paper.html", "break-even-flexion.png",
+        "worst-values.png", "trade-off.png", "differences.png", "decision.png", "paper.html", "break-even-flexion.png",
     }  # fmt: skip
     assert names == pictures | {"comparison.html", "comparison.json", "comparison.csv", "contest.csv"}
     assert all((folder / p).read_bytes().startswith(b"\x89PNG") for p in pictures if p.endswith("png"))
