@@ -274,7 +274,8 @@ def test_pictures_lie_beside_the_page_and_nothing_half_written(folder):
     names = {p.name for p in folder.iterdir()}
     pictures = {
         "steps-flexion.png", "steps-deviation.png", "gains-flexion.png", "fit-flexion.png", "loops.png",
-        "worst-values.png", "trade-off.png", "differences.png", "decision.png", "paper.html", "break-even-flexion.png",
+        "worst-values.png", "trade-off.png", "differences.png", "decision.png", "paper.html",
+        "break-even-flexion.png",
     }  # fmt: skip
     assert names == pictures | {"comparison.html", "comparison.json", "comparison.csv", "contest.csv"}
     assert all((folder / p).read_bytes().startswith(b"\x89PNG") for p in pictures if p.endswith("png"))
