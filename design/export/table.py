@@ -135,7 +135,8 @@ def into_page(
     page = parser.parse_args().page
     try:
         replaced(page.read_text(encoding="utf-8"), heading, "")
-        write_atomically(page, replaced(page.read_text(encoding="utf-8"), heading, told(head, rows)))
+        table = told(head, rows)  # takes minutes, in which the page may change
+        write_atomically(page, replaced(page.read_text(encoding="utf-8"), heading, table))
     except (OSError, InputError) as error:
         raise SystemExit(f"{page}: {error}") from None
 

@@ -24,8 +24,9 @@ PAGE = (DOCS / "targets.md").read_text(encoding="utf-8")
 
 
 def table(heading):
-    """Cells of the table under a heading, its head first."""
-    lines = re.findall(r"^\| (.*) \|$", PAGE.split(heading + "\n")[1].split("\n## ")[0], re.MULTILINE)
+    """Cells of the first table under a heading, its head first."""
+    rows = re.search(r"(?:^\|.*\|\n)+", PAGE.split(heading + "\n")[1], re.MULTILINE)[0]
+    lines = re.findall(r"^\| (.*) \|$", rows, re.MULTILINE)
     return [line.split(" | ") for line in lines if not line.startswith("---")]
 
 
