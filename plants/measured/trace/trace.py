@@ -26,7 +26,7 @@ from plants.measured.trace.law import LawChoice, law_of_rig
 from plants.measured.trace.result import Named, StageTrace, Trace
 from plants.measured.trace.search.choose import search
 from plants.measured.trace.search.learnt import learn
-from plants.measured.trace.size import MATTERS, NAMED, remainder, remainders_of, span
+from plants.measured.trace.size import MATTERS, NAMED, explained_share, remainder, remainders_of, span
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import remainders
 from plants.measured.trace.start import starting
@@ -188,14 +188,19 @@ def _result(
 
 
 def _matters(stage: StageTrace, fit: Fit, runs: Sequence[FreeRun]) -> bool:
-    """Whether what is left of a stage matters: by its share of the range, in recordings that it was fitted on
-    or in held-out ones, or because no cause was found for most of what the declared model leaves."""
+    """Whether what is left of a stage matters: by its share of the range, or because no cause was found for
+    most of what the declared model leaves; in recordings that it was fitted on, or in held-out ones."""
     channel, noise = stage.stage.channel, stage.stage.noise
     left = max(stage.model.chi2 - 1.0, 0.0)
     declared = max(stage.search.declared.model.chi2, ((fit.fit_rmse[channel] or 0.0) / noise) ** 2) - 1.0
+    large = noise * left**0.5 > MATTERS * span(fit.runs, channel)
+    if large or left > (1.0 - NAMED) * declared:
+        return True
     held_out = remainder(runs, channel, noise)
-    share = max(noise * left**0.5 / span(fit.runs, channel), held_out.share_of_range if held_out else 0.0)
-    return share > MATTERS or left > (1.0 - NAMED) * declared
+    named = explained_share(fit.validate_rmse[channel], rmse(runs, channel), noise)
+    return held_out is not None and (
+        held_out.share_of_range > MATTERS or (named is not None and named < NAMED)
+    )
 
 
 def _errors(model: Model) -> dict[str, float | None]:
