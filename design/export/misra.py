@@ -25,7 +25,7 @@ HEAD = ("rule", "category", "where", "times", "why it stays")
 OWN, LAW = "the controller", "CasADi's law"
 
 
-class Finding(NamedTuple):
+class RuleBreach(NamedTuple):
     """What was found: a rule of MISRA C:2012, or the name of one of cppcheck's own checks, and where."""
 
     rule: str
@@ -39,19 +39,19 @@ class Deviation(NamedTuple):
     why: str
 
 
-DEVIATIONS: Mapping[Finding, Deviation] = {
-    Finding("2.5", OWN): Deviation("advisory", "the header's macros (period, range) are for who calls it"),
-    Finding("8.9", OWN): Deviation("advisory", "the tables of the QP stand before the functions"),
-    Finding("15.5", OWN): Deviation("advisory", "a sample that is refused returns at once"),
-    Finding("8.4", LAW): Deviation("required", "the law has no header: NAME.c declares it"),
-    Finding("10.3", LAW): Deviation("required", "CasADi keeps truths in numbers, and writes 0 for 0.0"),
-    Finding("11.9", LAW): Deviation("required", "CasADi writes 0 for NULL"),
-    Finding("12.3", LAW): Deviation("advisory", "CasADi declares all intermediate results in one line"),
-    Finding("20.10", LAW): Deviation("advisory", "CasADi gives its names the law's prefix by ##"),
+DEVIATIONS: Mapping[RuleBreach, Deviation] = {
+    RuleBreach("2.5", OWN): Deviation("advisory", "the header's macros (period, range) are for who calls it"),
+    RuleBreach("8.9", OWN): Deviation("advisory", "the tables of the QP stand before the functions"),
+    RuleBreach("15.5", OWN): Deviation("advisory", "a sample that is refused returns at once"),
+    RuleBreach("8.4", LAW): Deviation("required", "the law has no header: NAME.c declares it"),
+    RuleBreach("10.3", LAW): Deviation("required", "CasADi keeps truths in numbers, and writes 0 for 0.0"),
+    RuleBreach("11.9", LAW): Deviation("required", "CasADi writes 0 for NULL"),
+    RuleBreach("12.3", LAW): Deviation("advisory", "CasADi declares all intermediate results in one line"),
+    RuleBreach("20.10", LAW): Deviation("advisory", "CasADi gives its names the law's prefix by ##"),
 }  # fmt: skip
 
 
-def found_in(part: Part) -> Counter[Finding]:
+def found_in(part: Part) -> Counter[RuleBreach]:
     """What cppcheck finds in the header and the sources of a part, and how often.
 
     Raises InputError where cppcheck is missing or fails.
@@ -72,10 +72,10 @@ def found_in(part: Part) -> Counter[Finding]:
     if done.returncode:
         raise InputError(f"cppcheck failed: {' '.join((done.stdout + done.stderr).split())[:300]}")
     shown = re.findall(r"^(\w+\.[ch]):(?:misra-c2012-)?(\S+)$", done.stderr, re.MULTILINE)
-    return Counter(Finding(rule, LAW if file == f"{n}_law.c" else OWN) for file, rule in shown)
+    return Counter(RuleBreach(rule, LAW if file == f"{n}_law.c" else OWN) for file, rule in shown)
 
 
-def row(finding: Finding, times: int) -> list[str]:
+def row(finding: RuleBreach, times: int) -> list[str]:
     """A line of the table."""
     known = DEVIATIONS.get(finding, Deviation("", "not listed"))
     return [finding.rule, known.category, finding.where, str(times), known.why]
@@ -85,7 +85,7 @@ def main() -> None:
     """Command line."""
     wrist = Wrist.flexion()
     try:
-        found = sum((found_in(exemplary(kind, wrist)) for kind in CATALOGUE), Counter[Finding]())
+        found = sum((found_in(exemplary(kind, wrist)) for kind in CATALOGUE), Counter[RuleBreach]())
     except InputError as error:
         raise SystemExit(str(error)) from None
     order = [*DEVIATIONS, *sorted(found.keys() - DEVIATIONS.keys())]

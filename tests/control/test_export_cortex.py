@@ -85,6 +85,19 @@ def test_a_controller_answers_there_as_in_Python_within_its_budget(pi):
 
 
 @needs_arm
+def test_the_folder_says_what_it_takes_and_stays_an_export(pi, tmp_path):
+    written(around(*pi), tmp_path)
+    before = sorted(p.name for p in tmp_path.iterdir())
+    text, data, bss = map(int, said(["make", "size"], tmp_path).splitlines()[-1].split()[:3])
+    flash, _ = sizes("flexion_pi", "float", objects("flexion_pi", tmp_path), tmp_path)
+    assert 500 < text < flash + 100  # its functions are not dropped where nobody calls them
+    assert (data, bss) == (0, 0)  # nothing global
+    said(["make", "manifest"], tmp_path)
+    assert set(before) <= {p.name for p in tmp_path.iterdir()}
+    assert not (tmp_path / "size.o").exists()
+
+
+@needs_arm
 def test_code_that_does_not_compile_is_told_in_a_line(tmp_path):
     (tmp_path / "x.c").write_text("no C\n")
     with pytest.raises(InputError, match=rf"^{PREFIX}gcc failed: .*error") as refused:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from design.export.misra import DEVIATIONS, HEAD, HEADING, LAW, Finding, found_in, row
+from design.export.misra import DEVIATIONS, HEAD, HEADING, LAW, RuleBreach, found_in, row
 from design.export.table import exemplary
 from plants import InputError
 from tests.control.c_target import WRIST
@@ -19,7 +19,7 @@ needs_cppcheck = pytest.mark.skipif(shutil.which("cppcheck") is None, reason="no
 def test_nothing_is_found_that_is_not_listed(kind):
     found = found_in(exemplary(kind, WRIST))
     assert found.keys() - DEVIATIONS.keys() == set()
-    assert found[Finding("8.4", LAW)] >= 4  # its two laws and two helpers: the add-on ran
+    assert found[RuleBreach("8.4", LAW)] >= 4  # its two laws and two helpers: the add-on ran
 
 
 @needs_cppcheck
@@ -27,7 +27,7 @@ def test_what_is_not_listed_is_found():
     part = exemplary("pi", WRIST)
     bad = "int bad(int x);\nint bad(int x)\n{\n    if (x) {\n        x = 3;\n    }\n    return x;\n}\n"
     found = found_in(replace(part, code=part.code + bad))
-    told = {Finding(rule, LAW) for rule in ("14.4", "17.8")}
+    told = {RuleBreach(rule, LAW) for rule in ("14.4", "17.8")}
     assert found.keys() - DEVIATIONS.keys() >= told
     assert {row(finding, 1)[-1] for finding in told} == {"not listed"}
 

@@ -18,7 +18,7 @@ from plants.errors import InputError
 SHIFT = 7
 
 
-class Counted(NamedTuple):
+class StepCount(NamedTuple):
     """Of a run over a test vector: instructions a step, mean and most; stack [bytes] that was used, the C
     library's frames included; largest difference from Python, in the unit of the output; instructions per
     tick of the timer, as calibrated."""
@@ -30,7 +30,7 @@ class Counted(NamedTuple):
     per_tick: float
 
 
-def counted(part: Part, found: Vector, made: list[str], folder: Path) -> Counted:
+def counted(part: Part, found: Vector, made: list[str], folder: Path) -> StepCount:
     """Run the objects of a part over a vector in QEMU.
 
     Raises InputError where it does not link, does not end, or says something else.
@@ -45,4 +45,4 @@ def counted(part: Part, found: Vector, made: list[str], folder: Path) -> Counted
     if shown is None:
         raise InputError(f"{QEMU}: no figures but {told[:200]!r}")
     mean, most, stack, worst, per_tick = shown.groups()
-    return Counted(float(mean), float(most), int(stack), float(worst), float(per_tick))
+    return StepCount(float(mean), float(most), int(stack), float(worst), float(per_tick))
