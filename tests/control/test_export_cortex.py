@@ -1,7 +1,5 @@
 """What docs/targets.md says of a Cortex-M4F is counted, and rightly for code of known size."""
 
-import shutil
-
 import pytest
 
 from design.export.catalogue import CATALOGUE
@@ -9,7 +7,7 @@ from design.export.cortex import toolchain
 from design.export.cortex.__main__ import CLOCK_MHZ, HEAD, HEADING, row
 from design.export.cortex.emulator import SHIFT, counted
 from design.export.cortex.stack import deepest
-from design.export.cortex.toolchain import FLAGS, PREFIX, missing, objects, said, sizes
+from design.export.cortex.toolchain import COMPILER, FLAGS, missing, objects, said, sizes
 from design.export.folder import around
 from design.export.table import exemplary, written
 from design.export.vectors import vector
@@ -52,7 +50,7 @@ def known(pi, tmp_path):
     def ran(nops, size):
         (tmp_path / "known.c").write_text(KNOWN.format(nops=nops, bytes=size))
         words = [*FLAGS, "-fcallgraph-info=su", "-c", "known.c", "-o", "known.o"]
-        said([f"{PREFIX}gcc", *words], tmp_path)
+        said([COMPILER, *words], tmp_path)
         depth = deepest([(tmp_path / "known.ci").read_text()], "flexion_pi_step")[0]
         return (
             counted(*pi, ["known.o"], tmp_path),
@@ -100,7 +98,7 @@ def test_the_folder_says_what_it_takes_and_stays_an_export(pi, tmp_path):
 @needs_arm
 def test_code_that_does_not_compile_is_told_in_a_line(tmp_path):
     (tmp_path / "x.c").write_text("no C\n")
-    with pytest.raises(InputError, match=rf"^{PREFIX}gcc failed: .*error") as refused:
+    with pytest.raises(InputError, match=rf"^{COMPILER} failed: .*error") as refused:
         objects("x", tmp_path)
     assert "\n" not in str(refused.value)
 
@@ -122,8 +120,14 @@ def test_the_page_has_each_controller_in_both_precisions_and_tells_the_goals_as_
 
 
 def test_what_is_missing_is_told_in_a_line_with_what_to_install(monkeypatch):
-    monkeypatch.setattr(toolchain.shutil, "which", lambda tool: None if "qemu" in tool else shutil.__file__)
+    there = {"arm-none-eabi-gcc", "arm-none-eabi-size"}
+    monkeypatch.setattr(toolchain.shutil, "which", lambda tool: tool if tool in there else None)
+    monkeypatch.setattr(toolchain, "said", lambda *_: "/usr/lib/nano.specs\n")
     assert missing() == "not on this machine: qemu-system-arm; apt-get install qemu-system-arm"
+    monkeypatch.setattr(toolchain, "said", lambda *_: "nano.specs\n")
+    assert str(missing()).endswith("apt-get install qemu-system-arm libnewlib-arm-none-eabi")
+    there.clear()
+    assert "gcc-arm-none-eabi, binutils-arm-none-eabi, qemu-system-arm;" in str(missing())
 
 
 NODE = 'node: {{ title: "{0}" label: "{0}\\nx.c:1:1\\n{1}" }}\n'

@@ -9,7 +9,7 @@ import re
 from pathlib import Path
 from typing import NamedTuple
 
-from design.export.cortex.toolchain import FLAGS, PREFIX, QEMU, said
+from design.export.cortex.toolchain import COMPILER, FLAGS, QEMU, said
 from design.export.part import Part
 from design.export.rendering import render
 from design.export.vectors import Vector
@@ -37,7 +37,7 @@ def counted(part: Part, found: Vector, made: list[str], folder: Path) -> StepCou
     """
     (folder / "measure.c").write_text(render("measure.c.jinja", part, found=found), encoding="utf-8")
     link = ["--specs=rdimon.specs", "-Wl,--section-start=.vectors=0", "-lm", "-o", "measure"]
-    said([f"{PREFIX}gcc", *FLAGS, "measure.c", *made, *link], folder)
+    said([COMPILER, *FLAGS, "measure.c", *made, *link], folder)
     machine = ["-M", "mps2-an386", "-nographic", "-monitor", "none", "-serial", "none"]
     words = [*machine, "-semihosting-config", "enable=on,target=native", "-icount", f"shift={SHIFT}"]
     told = said([QEMU, *words, "-kernel", "measure"], folder)

@@ -7,11 +7,12 @@ from pathlib import Path
 from plants.errors import InputError
 
 PREFIX = "arm-none-eabi-"
+COMPILER = f"{PREFIX}gcc"
 QEMU = "qemu-system-arm"
 CORE = ("-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard")
 FLAGS = (*CORE, "-std=c99", "-O2", "-ffunction-sections", "-fdata-sections")
 NEEDED = {
-    f"{PREFIX}gcc": "gcc-arm-none-eabi",
+    COMPILER: "gcc-arm-none-eabi",
     f"{PREFIX}size": "binutils-arm-none-eabi",
     QEMU: "qemu-system-arm",
 }
@@ -36,8 +37,12 @@ void entry(void)
 
 
 def missing() -> str | None:
-    """What has to be installed, in a line; None where all is there.  The C library is found by linking."""
+    """What has to be installed, in a line; None where all is there."""
     absent = [package for tool, package in NEEDED.items() if shutil.which(tool) is None]
+    if NEEDED[COMPILER] not in absent:
+        # the compiler comes without a C library, and answers with the bare name of what it does not find
+        library = said([COMPILER, "-print-file-name=nano.specs"], Path.cwd()).strip()
+        absent += ["libnewlib-arm-none-eabi"] * (not Path(library).is_absolute())
     if absent:
         return f"not on this machine: {', '.join(absent)}; apt-get install {' '.join(absent)}"
     return None
@@ -56,7 +61,7 @@ def objects(name: str, folder: Path) -> list[str]:
     made = []
     for source in (name, f"{name}_law"):
         words = [*FLAGS, "-Wall", "-Wextra", "-Werror", "-fcallgraph-info=su", "-c", f"{source}.c"]
-        said([f"{PREFIX}gcc", *words, "-o", f"{source}.o"], folder)
+        said([COMPILER, *words, "-o", f"{source}.o"], folder)
         made.append(f"{source}.o")
     return made
 
@@ -68,6 +73,6 @@ def sizes(name: str, real: str, made: list[str], folder: Path) -> tuple[int, int
     """
     (folder / "caller.c").write_text(CALLER.format(n=name, real=real), encoding="utf-8")
     link = ["--specs=nano.specs", "-nostartfiles", "-Wl,--gc-sections,-e,entry", "-lm", "-o", "caller"]
-    said([f"{PREFIX}gcc", *FLAGS, "caller.c", *made, *link], folder)
+    said([COMPILER, *FLAGS, "caller.c", *made, *link], folder)
     text, data, bss = map(int, said([f"{PREFIX}size", "caller"], folder).splitlines()[1].split()[:3])
     return text + data, data + bss
