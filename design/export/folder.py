@@ -7,7 +7,7 @@ from pathlib import Path
 from design.export.part import Part
 from design.export.precision import in_single
 from design.export.rendering import render
-from design.export.vectors import STEPS, csv, vector
+from design.export.vectors import STEPS, Vector, csv, vector
 from plants.errors import InputError
 from plants.files import replaced_folder, write_atomically
 from plants.wrist import Wrist
@@ -19,9 +19,14 @@ MANIFEST = "manifest.sha256"
 def contents(part: Part, wrist: Wrist, steps: int = STEPS) -> dict[str, str]:
     """Files by name: header, sources, README, test vector of so many steps and what replays it.  The same,
     to the byte, for the same law.  The loop of the vector runs around the wrist without its effects."""
+    return around(part, vector(part, replace(wrist, effects=()), steps))
+
+
+def around(part: Part, found: Vector) -> dict[str, str]:
+    """Files by name, as `contents`, with a test vector that is there: that of a law is the same in each
+    precision and for each target."""
     n = part.name
     written = in_single if part.precision == "single" else str
-    found = vector(part, replace(wrist, effects=()), steps)
     files = {
         f"{n}.h": written(render("law.h.jinja", part)),
         f"{n}.c": written(render(part.template, part, **part.constants)),

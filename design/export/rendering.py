@@ -2,6 +2,7 @@
 
 from functools import cache
 from importlib.metadata import version
+from math import isfinite, isnan
 from textwrap import fill, wrap
 from typing import Any
 
@@ -36,7 +37,7 @@ def _environment() -> Any:
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    made.filters |= {"repr": repr, "fill": lambda text: fill(text, 110)}
+    made.filters |= {"repr": repr, "number": number, "fill": lambda text: fill(text, 110)}
     made.globals |= {"comment": comment, "believed": believed}
     return made
 
@@ -46,6 +47,15 @@ def believed(watched: Watched, value: str) -> str:
     c, indent = watched.channel, " " * 18
     limits = ", ".join(repr(x) for x in (c.low, c.high, c.jump, c.rate))
     return f"believed({value}, &state->{watched.last}, &state->{watched.age},\n{indent}{limits})"
+
+
+def number(value: float) -> str:
+    """A number of C, also one that is none.
+
+    >>> number(0.1), number(float("nan"))
+    ('0.1', 'NAN')
+    """
+    return repr(value) if isfinite(value) else "NAN" if isnan(value) else "INFINITY"
 
 
 def comment(*paragraphs: str) -> str:

@@ -41,6 +41,10 @@ with fewest parameters is taken."""
 BEAM, BEAM_REACH = 2, 5.0
 """Models that a round starts from, and how much worse than the best the others may be."""
 
+LEAVES = 0.1
+"""Share that two effects tried together may leave, on rows left out, of what the declared model leaves above
+the noise: of many pairs some fit nearly anything by half."""
+
 FOLDS = 2
 
 CERTAIN = 0.9
@@ -162,12 +166,13 @@ def search(
         if best is not None and best.model.chi2 > 1.0 + WORTH:
             best = reformed(best, asked)
         taken = freed(best) if best is not None and worth_it(now, best, first) else None
-        if taken is None and len(now.model.forms) + 2 <= MOST:
+        if taken is None and not now.model.forms:
             # Effects of a loop may help only together: each alone bends the others' parameters.
             some = [c for c in candidates if _enough(now.model.chi2, c.model.chi2, first.model.chi2)][:BEAM]
             pairs = _further(some, now, names, asked, seed, tell)[0] if some else []
             candidates = [*pairs, *candidates]
-            taken = freed(pairs[0]) if pairs and worth_it(now, pairs[0], first) else None
+            if pairs and _explain(pairs[0], first) and worth_it(now, pairs[0], first):
+                taken = freed(pairs[0])
         rounds.append(SearchRound(now, ranking, tuple(candidates), taken, borrowed))
         if taken is None:
             break
@@ -246,20 +251,22 @@ def worth_it(before: Candidate, after: Candidate, declared: Candidate) -> bool:
     Rows left out say nothing there, since slow noise upsets the declared parameters on half of the data as
     much as a missing effect.
     """
-    more = max(1, len(after.model.forms) - len(before.model.forms))
     if before.examined.structured:
-        return falls(before, after) and _enough(before.held_out, after.held_out, declared.held_out, more)
-    if not _enough(before.model.chi2, after.model.chi2, declared.model.chi2, more):
+        return falls(before, after) and _enough(before.held_out, after.held_out, declared.held_out)
+    if not _enough(before.model.chi2, after.model.chi2, declared.model.chi2):
         return False
     more = max(1, len(after.model.names) - len(before.model.names))
     return after.log_likelihood - before.log_likelihood > demanded(more)
 
 
-def _enough(before: float, after: float, declared: float, effects: int = 1) -> bool:
-    """Whether a chi-square per row falls by enough to be so many effects and no imperfection of a form: each
-    takes away its share of what the others leave."""
-    share = 1.0 - (1.0 - SHARE) ** effects
-    return before - after > max(effects * WORTH, share * (before - 1.0), TRIFLE * (declared - before))
+def _explain(pair: Candidate, declared: Candidate) -> bool:
+    """Whether two effects leave next to nothing of what the declared model leaves on rows left out."""
+    return pair.held_out - 1.0 <= LEAVES * (declared.held_out - 1.0)
+
+
+def _enough(before: float, after: float, declared: float) -> bool:
+    """Whether a chi-square per row falls by enough to be an effect and no imperfection of a form."""
+    return before - after > max(WORTH, SHARE * (before - 1.0), TRIFLE * (declared - before))
 
 
 def shortlist(ranking: Sequence[Ranked]) -> list[Ranked]:

@@ -1,0 +1,70 @@
+"""The tables of docs/targets.md: of the controllers that the command knows, of what ran, in their place."""
+
+import re
+from dataclasses import replace
+
+import pytest
+
+from design.export.catalogue import CATALOGUE
+from design.export.table import (
+    HEAD,
+    HEADING,
+    difference_in_c,
+    difference_in_unit,
+    exemplary,
+    replaced,
+    row,
+)
+from design.export.vectors import vector
+from plants import InputError
+from tests.control.c_target import WRIST, needs_compiler
+from tests.docs.guide import DOCS
+
+PAGE = (DOCS / "targets.md").read_text(encoding="utf-8")
+
+
+def table(heading):
+    """Cells of the first table under a heading, its head first."""
+    rows = re.search(r"(?:^\|.*\|\n)+", PAGE.split(heading + "\n")[1], re.MULTILINE)[0]
+    lines = re.findall(r"^\| (.*) \|$", rows, re.MULTILINE)
+    return [line.split(" | ") for line in lines if not line.startswith("---")]
+
+
+def test_the_page_has_a_row_for_each_controller_of_the_catalogue():
+    head, *rows = table(HEADING)
+    assert head == list(HEAD)
+    assert [cells[:2] for cells in rows] == [[kind, exemplary(kind, WRIST).output.unit] for kind in CATALOGUE]
+    for kind, _, *found in rows:
+        double, single, *units = map(float, found)
+        assert max(double, *units) < exemplary(kind, WRIST).tolerance
+        assert double < single < exemplary(kind, WRIST).at("single").tolerance
+
+
+@needs_compiler
+def test_a_row_is_what_the_targets_did():
+    pytest.importorskip("fmpy")
+    kind, unit, *found = row("lqi", WRIST, 300)
+    assert (kind, unit) == ("lqi", "V")
+    double, single, *units = map(float, found)
+    assert max(double, *units) < 1e-12 < single < 1e-3
+
+
+@needs_compiler
+def test_a_target_that_answers_otherwise_is_seen():
+    pytest.importorskip("fmpy")
+    part = exemplary("pi", WRIST)
+    found = vector(part, WRIST, 200)
+    rows = found.rows.copy()
+    rows[150, 3] += 0.25
+    other = found._replace(rows=rows)
+    assert difference_in_c(part, other) == pytest.approx(0.25)
+    assert difference_in_unit(part, other, "3.0") == pytest.approx(0.25)
+    with pytest.raises(RuntimeError, match="error"):
+        difference_in_c(replace(part, code="no C"), found)
+
+
+def test_a_page_without_a_place_for_the_table_is_refused():
+    with pytest.raises(InputError, match="no table under '## B'"):
+        replaced("## A\n| x |\n", "## B", "| y |")
+    with pytest.raises(InputError, match="no table under '## B'"):
+        replaced("## B\nwords\n\n## A\n| x |\n", "## B", "| y |")
