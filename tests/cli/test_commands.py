@@ -122,8 +122,9 @@ def test_corners_of_no_size_leave_only_the_nominal_plant(wrist):
 @pytest.mark.suite
 def test_compare_writes_its_report_table_and_json(wrist, tmp_path):
     outcome = wrist(
-        "compare", "--points", "8", "--samples", "0", "--mpc-plants", "0", "--out", tmp_path, "--json", "-"
-    )
+        "compare", "--plant", ROOT / "reports/examples/plant-flexion.toml", "--points", "8",
+        "--samples", "0", "--mpc-plants", "0", "--out", tmp_path, "--json", "-",
+    )  # fmt: skip
     assert outcome.code == 0, outcome.err
     written = {p.name for p in tmp_path.iterdir()}
     assert {"comparison.html", "comparison.json", "comparison.csv"} <= written
