@@ -119,18 +119,6 @@ def test_corners_of_no_size_leave_only_the_nominal_plant(wrist):
     assert none["worst_case"][worst]["overshoot_percent"] <= 5.0
 
 
-@pytest.mark.suite
-def test_compare_writes_its_report_table_and_json(wrist, tmp_path):
-    outcome = wrist(
-        "compare", "--plant", ROOT / "reports/examples/plant-flexion.toml", "--points", "8",
-        "--samples", "0", "--mpc-plants", "0", "--out", tmp_path, "--json", "-",
-    )  # fmt: skip
-    assert outcome.code == 0, outcome.err
-    written = {p.name for p in tmp_path.iterdir()}
-    assert {"comparison.html", "comparison.json", "comparison.csv"} <= written
-    assert json.loads((tmp_path / "comparison.json").read_text()) == outcome.json
-
-
 @pytest.mark.parametrize("number", [5, 6, 8, 10, 11, 12, 13, 14, 15])
 def test_every_figure_of_the_paper_is_redrawn(wrist, tmp_path, number):
     outcome = wrist("simulate", "--figure", number, "--out", tmp_path, "--json", "-")

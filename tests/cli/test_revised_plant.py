@@ -83,7 +83,9 @@ def test_compare_of_one_plant_is_of_that_plant_alone(wrist, revised, tmp_path):
         "-",
     )
     assert outcome.code in (0, 1), outcome.err
+    assert {"comparison.html", "comparison.json", "comparison.csv"} <= {p.name for p in out.iterdir()}
     record = json.loads((out / "comparison.json").read_text())
+    assert record == outcome.json
     assert list(record["plants"]) == ["flexion"]
     assert record["plants"]["flexion"]["dead-time.delay"]["value"] == 0.1
     assert {r["motion"] for r in record["rows"]} == {"flexion"}
