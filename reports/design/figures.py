@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from design.studies.design_study import DesignStudy
+from reports.shared.glossary import BROKEN
 from reports.shared.style import BLUE, PALE, new_figure, styled
 
 if TYPE_CHECKING:
@@ -22,11 +23,8 @@ def draw_prices(study: DesignStudy) -> "Figure":
             held = [r["guarantee"] == "worst case found" and r["feasible"] for r in m.prices]
             at.barh(place, heights, color=[BLUE if h else PALE for h in held])
             for y, r in zip(place, m.prices, strict=True):
-                text = (
-                    "open"
-                    if r["worst_iae_deg_s"] is None
-                    else f"{r['worst_iae_deg_s']:.3g}{'' if r['feasible'] else ', limit broken'}"
-                )
+                mark = "" if r["feasible"] else f" {BROKEN}"
+                text = "open" if r["worst_iae_deg_s"] is None else f"{r['worst_iae_deg_s']:.3g}{mark}"
                 end = (r["worst_iae_deg_s"] or 0.0, y)
                 at.annotate(text, end, (4, 0), textcoords="offset points", va="center")
             at.set_yticks(place, labels=names)
