@@ -121,7 +121,7 @@ def price_caption(study: DesignStudy) -> str:
     """Beneath the prices."""
     return (
         "Worst IAE of the task's steps, the same for every bar: every plant of the box, initial state, load "
-        "and dead time. Blue: no broken limit found; ▲: a limit of its own guarantee is broken. Gains that were "
+        "and dead time. Blue: no broken limit found; ▲: limit broken. Gains that were "
         "tuned for less are faster here and break limits in other cases."
     )
 
