@@ -90,6 +90,7 @@ TOLERANCES = (
     Tolerance("*spread_of_best_searches", None, 0.0, "a difference of nearly equal costs"),
     Tolerance("*map_feasible", 0.0, 3.0, "cells whose worst value lies on a limit"),
     Tolerance("*.std_error", 0.05, 0.0, "from differences of the residual, to two digits on the page"),
+    Tolerance("correlation.*", 0.0, 0.05, "from the same differences, to one digit on the page"),
     Tolerance("certificates.*.margin", None, 0.0, "what a solver leaves beyond its own tolerance"),
     Tolerance("certificates.*.value", 0.05, 0.0, "decays by bisection of problems solved to 1e-8 at best"),
     Tolerance("worst_case.greatest_excess", 0.25, 0.0, "a random search: any better scenario is welcome"),
