@@ -77,7 +77,7 @@ def after_words(trace: Trace) -> str:
 def series(trace: Trace, channel: str) -> str:
     """What a figure over time shows."""
     run, word = shown_run(trace, channel), CHANNELS[channel][0].lower()
-    part = "held out" if run.role == "validate" else "was fitted to"
+    part = "was held out" if run.role == "validate" else "was fitted to"
     return (
         f"The {word} of {run.recording.name}, which {part}: measured, and simulated from the command alone. "
         "Below: residuals; the grey band contains 95 % of the noise."
