@@ -24,6 +24,8 @@ BUILT_IN = {
     "design/controllers/pi.py": "the plant of defaults",
     "design/evaluation/metrics.py": "judges made without a rig",
     "design/evaluation/scenarios.py": "the names STEP and Spread's defaults",
+    "design/export/cortex/__main__.py": "the plant whose controllers are counted",
+    "design/export/misra.py": "the plant whose controllers are checked",
     "design/export/table.py": "the plant whose controllers the table compares",
     "design/export/vectors.py": "how long a test vector is",
     "design/mpc/prediction.py": "a wrist whose graph is taken, its numbers not",
