@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from design.robustness.requirement import Requirement
-from design.robustness.robust_tuning import SEARCH, RobustTuning, tune_robustly
+from design.robustness.robust_tuning import RobustTuning, tune_robustly
 from design.synthesis.tuning import Region
 
 Tell = Callable[[str, float], None]
@@ -48,18 +48,17 @@ def tune_candidates(
     rounds: int = 15,
     jobs: int | None = None,
     progress: Tell | None = None,
-    search: int = SEARCH,
 ) -> Candidates:
     """Tune a PI under a requirement, and from its gains and cases on one with two degrees of freedom;
     arguments as of `tune_robustly`."""
     tell = progress or (lambda stage, share: None)
     plain = tune_robustly(
-        requirement, region, 0, seed, rounds, jobs, lambda s, h: tell(f"{PLAIN}: {s}", 0.6 * h), search=search
+        requirement, region, 0, seed, rounds, jobs, lambda s, h: tell(f"{PLAIN}: {s}", 0.6 * h)
     )
     if plain.ended == "out of reach":
         return Candidates(plain, None)
     two_dof = tune_robustly(
         requirement, region, 0, seed, rounds, jobs, lambda s, h: tell(f"{TWO_DOF}: {s}", 0.6 + 0.4 * h),
-        two_dof=True, base=plain.final, search=search,
+        two_dof=True, base=plain.final,
     )  # fmt: skip
     return Candidates(plain, two_dof)

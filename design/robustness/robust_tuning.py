@@ -108,14 +108,12 @@ def tune_robustly(
     progress: Tell | None = None,
     two_dof: bool = False,
     base: Tuning | None = None,
-    search: int = SEARCH,
 ) -> RobustTuning:
     """Gains of least worst cost that hold a requirement, as far as pool, search and fresh samples can tell.
 
     two_dof: with a reference weight and a filter of the angle; base: a tuning, such as of the PI, whose
     gains and cases to begin with; starts: local searches of the last set, which show whether other valleys
-    are as low, beside a map of the region; neither where 0; seed: of searches and samples; search: runs of a
-    round's search for the worst case.  Ends where no
+    are as low, beside a map of the region; neither where 0; seed: of searches and samples.  Ends where no
     worse case is found, after `rounds`, or where no gains in the region hold the grown set: then the last
     tuning is the nearest.
     """
@@ -146,7 +144,7 @@ def tune_robustly(
         def said(stage: str, at: int = number, share: float = share) -> None:
             tell(f"round {at + 1}: {stage}", share)
 
-        worse, fresh = _worse(requirement, found, pool, seed + number, jobs, said, search)
+        worse, fresh = _worse(requirement, found, pool, seed + number, jobs, said)
         done.append(replace(worse, tuning=found))
         if not worse.added:
             ended = "no worse case found"
@@ -189,7 +187,6 @@ def _worse(
     seed: int,
     jobs: int | None,
     tell: Callable[[str], None],
-    search: int,
 ) -> tuple[Round, Check | None]:
     """What breaks a limit of gains, its guard half counted, or costs more than the set: of the pool, else
     of a search, else of fresh samples; the round, and the samples where they were asked."""
@@ -210,7 +207,7 @@ def _worse(
         pool[:, of == k][:, Hunted(pool[:, of == k], at_pool.heights[of == k]).worst(4)] for k in
         np.unique(of)
     ])  # fmt: skip
-    hunted = worst_of(requirement, controller, search, seed, begin, jobs, guard=half)
+    hunted = worst_of(requirement, controller, SEARCH, seed, begin, jobs, guard=half)
     added = _sequences(requirement, hunted, 0.0)
     worst = max(worst, float(requirement.excess(
         requirement.run(hunted.places[:, hunted.worst(1)], controller, jobs=jobs)).max()))  # fmt: skip

@@ -23,7 +23,7 @@ from design.robustness.box import Box
 from design.robustness.checks import check
 from design.robustness.recommended import PLAIN, TWO_DOF, pays, tune_candidates
 from design.robustness.requirement import Requirement, requirement, requirement_record
-from design.robustness.robust_tuning import FRESH, GUARD, SEARCH, RobustTuning, tune_robustly
+from design.robustness.robust_tuning import FRESH, GUARD, RobustTuning, tune_robustly
 from design.studies.decision import checked
 from design.studies.limits_matrix import matrix, step_band
 from design.studies.prices import Tasks, price_rows
@@ -48,9 +48,6 @@ BARE = "PI, remainder left out"
 STAGES = ("trace", "tune", "check", "proof", "prices", "page")
 """Stages of a motion, in order; shares of the time that each takes."""
 
-FULL = 50_000
-"""Runs of the search for the worst case of the recommended gains."""
-
 SHARES = (0.18, 0.46, 0.16, 0.08, 0.10, 0.02)
 
 
@@ -59,14 +56,9 @@ class DesignEffort:
     """How much is spent: fresh samples, runs of the search for the worst case, points of maps, rounds."""
 
     samples: int = 20_000
-    runs: int = FULL
+    runs: int = 50_000
     points: int = 40
     rounds: int = 15
-
-    @property
-    def search(self) -> int:
-        """Runs of each round's search while tuning."""
-        return round(self.runs * SEARCH / FULL)
 
 
 @dataclass(frozen=True)
@@ -280,7 +272,7 @@ def _tuned(
 ) -> dict[str, Any]:
     """Both controllers under the requirement; where neither holds it, what would have to be taken away."""
     region = Region(points=effort.points)
-    both = tune_candidates(required, region, seed, effort.rounds, jobs, tell, effort.search)
+    both = tune_candidates(required, region, seed, effort.rounds, jobs, tell)
     plain = both.plain
     found = {PLAIN: _tuning_record(plain), TWO_DOF: _tuning_record(both.two_dof or plain)}
     if both.two_dof is not None:
@@ -291,9 +283,7 @@ def _tuned(
     if required.box.remainder is not None:
         bare = replace(required, box=required.box.leaving(None))
         tell("without what the plant leaves", 0.99)
-        found[BARE] = _tuning_record(
-            tune_robustly(bare, region, 0, seed, effort.rounds, jobs, search=effort.search)
-        )
+        found[BARE] = _tuning_record(tune_robustly(bare, region, 0, seed, effort.rounds, jobs))
     holds = any(found[n]["holds"] for n in (PLAIN, TWO_DOF))
     return {**found, "relaxed": None if holds else _would_have_to_go(required, seed, jobs, tell)}
 
