@@ -1,6 +1,7 @@
 """A page as one file: templates rendered with everything inside, and what made the page."""
 
 import os
+import re
 import subprocess
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -8,12 +9,12 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from plants.parameters.quantities import ParameterSet
+from plants.parameters.quantities import Fitted, ParameterSet
 from reports.shared.glossary import with_tooltips
-from reports.shared.origins import data_of, remark_on
 from reports.shared.units import page_in_units
 
 DISTRIBUTION = "wrist-workbench"
+SYNTHETIC = "The example campaigns are synthetic: they come from a simulator, not from a rig."
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,34 @@ class Shown:
 
     svg: Any
     caption: str
+
+
+def data_of(sets: Mapping[str, ParameterSet]) -> dict[str, str]:
+    """SHA-256, as far as it is noted, of the campaigns that parameters were fitted to, by name.
+
+    >>> from plants.parameters.files import built_in
+    >>> plant = built_in("flexion")
+    >>> data_of({"flexion": plant.fitted({"a1": 0.36}, {"a1": 0.001}, "bench (sha256 0123456789ab)")})
+    {'bench': '0123456789ab'}
+    """
+    fits = [p.provenance for s in sets.values() for p in s.parameters.values()]
+    noted = (re.fullmatch(r"(.+) \(sha256 (\w+)\)", f.data) for f in fits if isinstance(f, Fitted))
+    return {m[1]: m[2] for m in noted if m}
+
+
+def remark_on(data: Mapping[str, str]) -> str:
+    """That data is synthetic, where campaigns that ship with the project are among it; else nothing.
+
+    >>> remark_on({"flexion": "0123456789ab"})
+    ''
+    """
+    from plants.measured.campaign import load_campaign, shipped
+
+    for folder in shipped():
+        noted = data.get(folder.name)
+        if noted and load_campaign(folder).checksum.startswith(noted):
+            return SYNTHETIC
+    return ""
 
 
 def version() -> str:
