@@ -9,15 +9,13 @@ import hashlib
 import io
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plants.files import write_atomically
-from plants.parameters.files import built_in, dump
-from plants.parameters.quantities import Assumed, ParameterSet
 
 Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
@@ -44,8 +42,7 @@ class Rig:
     name: of the campaign and its axis; title: for people; folder: within the data; origin:
     repository @ commit and path; licence; sources: files within the folder, those to fit on and
     those held out; sample_time [s]; stage: the last one measured; mapping: what was done to the
-    columns; assumed: what nobody recorded; read: the standard columns of one file.  bounds: of
-    declared parameters, where not the widest.
+    columns; assumed: what nobody recorded; read: the standard columns of one file.
     """
 
     name: str
@@ -60,7 +57,6 @@ class Rig:
     mapping: tuple[str, ...]
     assumed: tuple[str, ...]
     read: Callable[[Path], Columns]
-    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def sources(self) -> tuple[str, ...]:
@@ -71,7 +67,7 @@ class Rig:
 def rigs(data: Path) -> tuple[Rig, ...]:
     """The campaigns that can be made of a folder of data, the smallest first."""
     episodes = sorted(p.name for p in (data / "pam-arm").glob("*.json"))
-    return (_SWEEPS, _RESPONSES, _joint(0, 0, 1, episodes, {}), _joint(3, 6, 2, episodes, _UNCROSSED))
+    return (_SWEEPS, _RESPONSES, _joint(0, 0, 1, episodes), _joint(3, 6, 2, episodes))
 
 
 def convert(rig: Rig, data: Path, out: Path) -> Path:
@@ -86,29 +82,7 @@ def convert(rig: Rig, data: Path, out: Path) -> Path:
         f'axis = "{rig.name}"\n{stage}start = "unknown"\nsample_time_s = {rig.sample_time}\n'
         f"fit = {fit}\nvalidate = {validate}\n",
     )
-    dump(starting_set(rig), place / "start.toml")
     return place
-
-
-def starting_set(rig: Rig) -> ParameterSet:
-    """Where a fit of the declared wrist to a rig starts: nothing known, bounds as wide as they can be."""
-    base = built_in("flexion").unbounded()
-    guesses = _REGULATOR if rig.stage == "regulator" else _WRIST
-    changed = {}
-    for name, p in base.parameters.items():
-        low, high = rig.bounds.get(name, (p.low, p.high))
-        guess = guesses.get(name, p.value)
-        value = guess if low <= guess <= high else 0.5 * (low + high)
-        changed[name] = replace(p, value=value, low=low, high=high, provenance=_GUESSED)
-    return replace(base, axis=rig.name, title=f"{rig.title}, before any fit", parameters=changed)
-
-
-_GUESSED = Assumed("a guess: this is another rig, and the fit must find it")
-_REGULATOR = {"gain": GAIN, "k_fast": 5.0, "k_slow": 1.0, "e0": 5.0}
-_WRIST = {
-    "gain": 50.0, "k_fast": 20.0, "k_slow": 10.0, "e0": 20.0,
-    "a1": 0.4, "w1": 10.0, "a2": 0.4, "w2": 10.0, "s": 0.1, "rest_pressure": 100.0, "Tw": 0.1,
-}  # fmt: skip
 
 
 def checksums(rig: Rig, data: Path) -> dict[str, str]:
@@ -182,22 +156,8 @@ def _episode(path: Path, joint: int, muscle: int, neighbour: int) -> Columns:
     return found | {f"joint_{j}_pressure_kPa": 100.0 * (1.0 + differential[:, j]) for j in others}
 
 
-_UNCROSSED = {"a1": (0.8, 1.4), "a2": (0.8, 1.4), "w1": (30.0, 60.0), "w2": (30.0, 60.0), "s": (0.0, 0.7)}
-"""Bounds within which the lines of a loop cannot cross between 0 and 200 kPa, about the slope of joint 3."""
-
-
-def _joint(
-    joint: int,
-    muscle: int,
-    neighbour: int,
-    episodes: Sequence[str],
-    bounds: Mapping[str, tuple[float, float]],
-) -> Rig:
+def _joint(joint: int, muscle: int, neighbour: int, episodes: Sequence[str]) -> Rig:
     held_out = tuple(episodes[THIRD - 1 :: THIRD])
-    bounded = (
-        "slopes and offsets bounded so that the loop cannot run backwards, which else the fit makes it do "
-        "and is refused; the bounds are those of nine tried with the least error on the recordings fitted",
-    )
     return Rig(
         f"pam-joint-{joint}",
         f"Joint {joint} of an arm of pneumatic muscles",
@@ -221,10 +181,8 @@ def _joint(
             "the set-point was not logged: clip(previous + 0.065 action, 0, 1), from the first measured "
             "pressure",
             "the angle is zero where both pressures are equal",
-            *(bounded if bounds else ()),
         ),
         lambda path: _episode(path, joint, muscle, neighbour),
-        bounds,
     )
 
 

@@ -2,14 +2,17 @@
 
 Reads the folder that WRIST_DATA names, makes campaigns of it in ``build/real``
 (`benchmarks.real_data` says how), and writes figures and numbers, never the data,
-to ``reports/examples/real``.  Exit codes: 0 done, or WRIST_DATA is unset; 1 a
-campaign could not be traced, which the numbers then say.
+to ``reports/examples/real``.  With words it does only those rigs in whose names
+one of them is, ``python -m benchmarks.real_rigs seal damper``, and keeps the
+others' numbers.  Exit codes: 0 done, or WRIST_DATA is unset; 1 a campaign could
+not be traced, which the numbers then say.
 """
 
+import json
 import os
 import sys
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,17 +20,18 @@ from typing import Any
 import numpy as np
 
 from benchmarks import friction
+from benchmarks.black_box import METHODS, Logged, Task, error
 from benchmarks.real_data import Rig, checksums, convert, rigs
 from benchmarks.real_figures import draw_rig
 from plants.errors import InputError
 from plants.files import json_text, write_atomically
 from plants.measured.begin import measured
 from plants.measured.campaign import Campaign, load_campaign
-from plants.measured.fit import CHANNELS, Fit, fit_campaign
+from plants.measured.fit import CHANNELS, Fit
 from plants.measured.free_run import FreeRun
+from plants.measured.recording import Recording
 from plants.measured.trace.result import Trace
 from plants.measured.trace.trace import trace_campaign
-from plants.parameters.files import load
 from plants.parameters.quantities import Fitted
 from reports.shared.style import save
 
@@ -36,6 +40,17 @@ MADE = ROOT / "build" / "real"
 KEPT = ROOT / "reports" / "examples" / "real"
 DIGITS = 5
 """Significant digits that are kept: the rest differs from machine to machine."""
+
+
+ABOUT = {
+    "real-rigs.json": "traces of other people's measured rigs, started from the log alone; errors are of "
+    "free runs from the command, on whole held-out recordings; made by python -m benchmarks.real_rigs",
+    "friction.json": "friction of other people's measured rigs, from displacement to force; errors are of "
+    "free runs on rows held out; made by python -m benchmarks.real_rigs",
+}
+"""What the kept files say of themselves, by name."""
+
+INTERVAL = "95 %, bootstrap over blocks of 2 s, or over recordings where these are shorter"
 
 
 @dataclass(frozen=True)
@@ -56,17 +71,13 @@ def outcome(rig: Rig, data: Path, made: Path = MADE) -> Outcome:
     place = convert(rig, data, made)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        campaign, start = load_campaign(place), load(place / "start.toml")
+        campaign = load_campaign(place)
         trace, fit, stopped = None, None, None
         try:
-            trace = trace_campaign(campaign, start)
+            trace = trace_campaign(campaign)
             fit = trace.fit
         except (InputError, ValueError) as error:
             stopped = f"{type(error).__name__}: {error}"
-            try:
-                fit = fit_campaign(campaign, start, starts=3)
-            except InputError as refused:
-                stopped = f"InputError: {refused}"
     # A warning names the file that was made here; its place on this machine is nobody's business.
     warned = tuple(dict.fromkeys(str(w.message).replace(f"{place}/", "") for w in caught))
     return Outcome(rig, campaign, trace, fit, stopped, warned)
@@ -101,7 +112,21 @@ def record(found: Outcome, data: Path) -> dict[str, Any]:
         "cannot_judge": None if trace is None else list(trace.cannot_judge),
         "unexplained": None if trace is None else [_left(s) for s in trace.unexplained],
         "remarks": [] if trace is None else list(trace.remarks),
+        "explained_share": None if trace is None else trace.explained_share,
     }
+
+
+def others(found: Outcome) -> dict[str, Any]:
+    """Errors of what users would take instead, from the command to the last channel, on the same rows."""
+    last = CHANNELS[-1] if found.rig.stage == "wrist" else "pressure_kPa"
+
+    def logged(r: Recording) -> Logged:
+        truth = measured(r, last)
+        assert truth is not None  # a campaign of this stage has it
+        return Logged(r.command[:, None], truth, found.rig.sample_time)
+
+    task = Task(*(tuple(map(logged, runs)) for runs in (found.campaign.fit, found.campaign.validate)))
+    return {name: error(task, method) for name, method in METHODS.items()}
 
 
 def _channel(found: Outcome, channel: str) -> dict[str, Any]:
@@ -182,34 +207,91 @@ def shortened(value: Any) -> Any:
     return float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
 
 
-def main() -> int:
-    """Trace all rigs, one after the other."""
+def main(names: Sequence[str] = ()) -> int:
+    """Trace all rigs and find the friction of all tasks, one after the other; or only those in whose names
+    one of `names` is, and keep what there is of the others."""
     folder = os.environ.get("WRIST_DATA")
     if not folder:
         print("WRIST_DATA is not set: no measured data at hand, nothing done")
         return 0
-    data, records, stopped = Path(folder), [], False
-    for rig in rigs(data):
+    data, stopped = Path(folder), False
+
+    def asked(name: str) -> bool:
+        return not names or any(n in name for n in names)
+
+    for rig in filter(lambda r: asked(r.name), rigs(data)):
         found = outcome(rig, data)
-        records.append(record(found, data))
+        said = record(found, data) | {"others": others(found)}
         stopped = stopped or found.stopped is not None
         if found.fit is not None:
             save(draw_rig(found.rig, found.fit, found.trace), KEPT / f"{rig.name}.png", dpi=150)
-        print(line(records[-1]), flush=True)
-    content = {
-        "what": "traces of other people's measured rigs; errors are of free runs from the command, on "
-        "whole held-out recordings; made by python -m benchmarks.real_rigs",
-        "interval": "95 %, bootstrap over blocks of 2 s, or over recordings where these are shorter",
-        "campaigns": shortened(records),
-    }
-    write_atomically(KEPT / "real-rigs.json", json_text(content))
-    laws = {
-        "what": "laws of hysteresis and friction from displacement to force, errors of free runs on runs "
-        "held out; null for a library that is not installed",
-        "tasks": shortened(friction.table(data)),
-    }
-    write_atomically(KEPT / "friction.json", json_text(laws))
+        print(line(said), flush=True)
+        _keep("real-rigs.json", "campaigns", "campaign", said, [r.name for r in rigs(data)])
+    for task in filter(lambda t: asked(t.name), friction.tasks(data)):
+        law = friction.record(task)
+        print(f"{task.name}: {law['errors']['ours']}", flush=True)
+        _keep("friction.json", "tasks", "task", law, [t.name for t in friction.tasks(data)])
+    kept = [json.loads((KEPT / n).read_text(encoding="utf-8")) for n in ABOUT if (KEPT / n).is_file()]
+    if len(kept) == len(ABOUT):
+        write_atomically(KEPT / "table.md", table(kept[0]["campaigns"], kept[1]["tasks"]))
     return int(stopped)
+
+
+def _keep(name: str, key: str, by: str, said: Mapping[str, Any], order: Sequence[str]) -> None:
+    """Put a record among those that a file keeps under `key`, in the place of the one of its name."""
+    place = KEPT / name
+    old = json.loads(place.read_text(encoding="utf-8"))[key] if place.is_file() else []
+    records = {r[by]: r for r in old} | {said[by]: shortened(said)}
+    content = {"what": ABOUT[name], "interval": INTERVAL, key: [records[n] for n in order if n in records]}
+    write_atomically(place, json_text(content))
+
+
+def table(campaigns: Sequence[Mapping[str, Any]], tasks: Sequence[Mapping[str, Any]]) -> str:
+    """All rigs in Markdown: error of the standard model and of ours, what explains it, and the others'."""
+    rows = [_campaign_row(c) for c in campaigns] + [_task_row(t) for t in tasks]
+    head = ["rig", "rows, fit + held out", "declared or Coulomb", "ours", "explained", *METHODS, "Bouc-Wen"]
+    lines = [head, ["---"] * len(head), *rows]
+    return "".join(f"| {' | '.join(row)} |\n" for row in lines)
+
+
+def _campaign_row(c: Mapping[str, Any]) -> list[str]:
+    channel, unit = (CHANNELS[1], "deg") if c["stage"] == "wrist" else (CHANNELS[0], "kPa")
+    found = c["channels"][channel]
+    names = ", ".join(f"`{e['name']}`" for e in c["effects"])
+    share = (c["explained_share"] or {}).get(channel)
+    why = f"{names}: {100 * share:.0f} %" if names and share is not None else "no effect earned its place"
+    before, after = (
+        {"error": found[s], "interval_95": found[f"{s}_interval_95"]} for s in ("before", "after")
+    )
+    least = [before, after, *c["others"].values()]
+    cells = [_said(before, least), _said(after, least), why]
+    return [
+        f"{c['title']} [{unit}]", f"{c['rows']['fit']} + {c['rows']['held_out']}", *cells,
+        *(_said(c["others"][m], least) for m in METHODS), "–",
+    ]  # fmt: skip
+
+
+def _task_row(t: Mapping[str, Any]) -> list[str]:
+    e = t["errors"]
+    left, before = e["ours"]["error"], e["Coulomb"]["error"]
+    share = f": {100 * (1.0 - (left / before) ** 2):.0f} %" if left and before and left < before else ""
+    why = (", ".join(t["parts"]) or "Coulomb friction") + share
+    least = list(e.values())
+    return [
+        f"{t['task']} [{t['unit']}]", f"{t['rows']['fit']} + {t['rows']['held_out']}",
+        _said(e["Coulomb"], least), _said(e["ours"], least), why,
+        *(_said(e[m], least) for m in METHODS), _said(e["Bouc-Wen"], least),
+    ]  # fmt: skip
+
+
+def _said(found: Mapping[str, Any], beside: Sequence[Mapping[str, Any]]) -> str:
+    """An error to three digits with its interval, in bold where none beside it is less."""
+    if found.get("error") is None:
+        return str(found.get("why", "–"))
+    shown = f"{found['error']:.3g}"
+    least = min(float(f["error"]) for f in beside if f.get("error") is not None)
+    low, high = (f"{v:.3g}" for v in found["interval_95"])
+    return f"{f'**{shown}**' if found['error'] <= least else shown} ({low}–{high})"
 
 
 def line(said: Mapping[str, Any]) -> str:
@@ -224,4 +306,4 @@ def line(said: Mapping[str, Any]) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))

@@ -312,10 +312,11 @@ def loop_guess(runs: Sequence[Recording], drives: Sequence[Array]) -> LoopGuess:
     return best or LoopGuess(0.0, (1e-3,) * PLAYS, 0.1 * span, float(smooth[0][0]), 0.1, float(np.std(y)))
 
 
-def plays(x: Array, thresholds: Array) -> Array:
-    """Plays of a series (n,) with thresholds (m,), from zero excursion, shape (n, m)."""
+def plays(x: Array, thresholds: Array, start: float = 0.0) -> Array:
+    """Plays of a series (n,) with thresholds (m,), shape (n, m), from where the series is ahead of them by a
+    share `start` (-1 to 1) of each threshold."""
     found = np.empty((len(x), len(thresholds)))
-    now = np.full(len(thresholds), x[0])
+    now = x[0] - start * thresholds
     for i, value in enumerate(x):
         now = np.minimum(np.maximum(now, value - thresholds), value + thresholds)
         found[i] = now

@@ -11,7 +11,6 @@ from benchmarks.real_data import Rig, checksums, convert, desired, rigs
 from benchmarks.real_rigs import Outcome, outcome, record, shortened
 from plants.files import json_text
 from plants.measured.campaign import load_campaign
-from plants.parameters.files import load
 
 DATA = os.environ.get("WRIST_DATA")
 pytestmark = pytest.mark.skipif(not DATA, reason="WRIST_DATA is not set: no measured data at hand")
@@ -34,9 +33,8 @@ def smallest(tmp_path_factory: pytest.TempPathFactory) -> Outcome:
 def test_a_rig_becomes_a_campaign_that_loads_without_a_warning(tmp_path: Path, name: str):
     made = rig(name)
     place = convert(made, FOLDER, tmp_path)
-    c, start = load_campaign(place), load(place / "start.toml")
+    c = load_campaign(place)
     assert (c.axis, c.stage, c.start) == (name, made.stage, "unknown")
-    assert start.axis == name
     assert [r.name for r in c.fit + c.validate] == [Path(n).stem + ".csv" for n in made.sources]
     assert all(len(digest) == 64 for digest in checksums(made, FOLDER).values())
     assert all(r.extra and r.pressure is not None for r in c.fit + c.validate)
