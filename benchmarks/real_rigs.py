@@ -231,9 +231,7 @@ def main(names: Sequence[str] = ()) -> int:
         law = friction.record(task)
         print(f"{task.name}: {law['errors']['ours']}", flush=True)
         _keep("friction.json", "tasks", "task", law, [t.name for t in friction.tasks(data)])
-    kept = [json.loads((KEPT / n).read_text(encoding="utf-8")) for n in ABOUT if (KEPT / n).is_file()]
-    if len(kept) == len(ABOUT):
-        write_atomically(KEPT / "table.md", table(kept[0]["campaigns"], kept[1]["tasks"]))
+    print(kept_table())
     return int(stopped)
 
 
@@ -244,6 +242,13 @@ def _keep(name: str, key: str, by: str, said: Mapping[str, Any], order: Sequence
     records = {r[by]: r for r in old} | {said[by]: shortened(said)}
     content = {"what": ABOUT[name], "interval": INTERVAL, key: [records[n] for n in order if n in records]}
     write_atomically(place, json_text(content))
+
+
+def kept_table() -> str:
+    """The table of all rigs whose numbers are kept."""
+    kept = [json.loads(p.read_text(encoding="utf-8")) for n in ABOUT if (p := KEPT / n).is_file()]
+    found = {k: content[k] for content in kept for k in ("campaigns", "tasks") if k in content}
+    return table(found.get("campaigns", ()), found.get("tasks", ()))
 
 
 def table(campaigns: Sequence[Mapping[str, Any]], tasks: Sequence[Mapping[str, Any]]) -> str:
