@@ -16,7 +16,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from benchmarks.black_box import METHODS, Logged, Method, Task, error
-from plants.measured.friction import Choice, ForceRun, fit_friction
+from plants.measured.friction import ForceRun, FrictionChoice, fit_friction
 from plants.measured.friction.choice import LAGS
 from plants.measured.guess import lagged
 
@@ -183,7 +183,7 @@ def slipping(x, slip, share, sharp):  # type: ignore[no-untyped-def]
 def record(task: ForceTask, methods: Sequence[str] = tuple(METHODS)) -> dict[str, Any]:
     """Errors of all laws and methods on a task, for JSON."""
     plain = task.plain
-    choices: list[Choice] = []
+    choices: list[FrictionChoice] = []
 
     def ours(_: Task) -> list[Array]:
         choices.append(fit_friction(task.fit))

@@ -2,14 +2,16 @@
 
 Reads the folder that WRIST_DATA names, makes campaigns of it in ``build/real``
 (`benchmarks.real_data` says how), and writes figures and numbers, never the data,
-to ``reports/examples/real``.  With words it does only those rigs in whose names
-one of them is, ``python -m benchmarks.real_rigs seal damper``, and keeps the
-others' numbers.  Exit codes: 0 done, or WRIST_DATA is unset; 1 a campaign could
-not be traced, which the numbers then say.
+to ``reports/examples/real``, and the table of all rigs into the guide.  With
+words it does only those rigs in whose names one of them is, as in
+``python -m benchmarks.real_rigs seal damper``, and keeps the others' numbers.
+Exit codes: 0 done, or WRIST_DATA is unset; 1 a campaign could not be traced,
+which the numbers then say.
 """
 
 import json
 import os
+import re
 import sys
 import warnings
 from collections.abc import Mapping, Sequence
@@ -38,6 +40,10 @@ from reports.shared.style import save
 ROOT = Path(__file__).parent.parent
 MADE = ROOT / "build" / "real"
 KEPT = ROOT / "reports" / "examples" / "real"
+GUIDE = ROOT / "docs" / "how-trace-decides.md"
+TABLE = re.compile(r"^\| rig \|.*\n(\|.*\n)*", re.MULTILINE)
+"""The table of all rigs, which stands in the guide."""
+
 DIGITS = 5
 """Significant digits that are kept: the rest differs from machine to machine."""
 
@@ -231,7 +237,8 @@ def main(names: Sequence[str] = ()) -> int:
         law = friction.record(task)
         print(f"{task.name}: {law['errors']['ours']}", flush=True)
         _keep("friction.json", "tasks", "task", law, [t.name for t in friction.tasks(data)])
-    print(kept_table())
+    text = GUIDE.read_text(encoding="utf-8")
+    write_atomically(GUIDE, TABLE.sub(lambda _: kept_table(), text))
     return int(stopped)
 
 

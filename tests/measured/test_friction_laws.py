@@ -6,7 +6,7 @@ import pytest
 from benchmarks import friction
 from benchmarks.black_box import Logged, Task, arx, error, hammerstein_wiener, sindy
 from benchmarks.friction import ForceTask, bouc_wen, coulomb
-from plants.measured.friction import ForceRun, Parts, fit_friction
+from plants.measured.friction import ForceRun, FrictionParts, fit_friction
 
 DT = 0.01
 
@@ -43,7 +43,7 @@ def found():
 
 
 def test_springs_that_slip_are_found(found):
-    plain = fit_friction([slipping(1), slipping(2)], [Parts()])
+    plain = fit_friction([slipping(1), slipping(2)], [FrictionParts()])
     assert found.law.parts.presliding
     assert found.law.parts.knots == 0
     assert rms(found.law, slipping(3)) < 0.4 * rms(plain.law, slipping(3))
@@ -63,14 +63,14 @@ def test_plain_friction_keeps_no_parts():
     run = ForceRun(x, np.zeros(4000))
     noise = np.random.default_rng(0).normal(0.0, 0.3, 4000)
     coulombs = 3.0 * np.clip(run.speed / (0.02 * np.quantile(np.abs(run.speed), 0.99)), -1.0, 1.0)
-    assert fit_friction([ForceRun(x, coulombs + 0.2 * x + noise)]).law.parts == Parts()
+    assert fit_friction([ForceRun(x, coulombs + 0.2 * x + noise)]).law.parts == FrictionParts()
 
 
 def test_an_area_is_found_from_a_load_that_hardly_changes():
     x = wandering(6)
     load = 5.0 + 0.05 * np.sin(np.arange(2000) * DT)
     run = ForceRun(x, 50.0 * load + 3.0 * np.sign(np.gradient(x)), load)
-    law = fit_friction([run], [Parts()]).law
+    law = fit_friction([run], [FrictionParts()]).law
     assert law.weights[0] == pytest.approx(50.0, rel=0.01)
 
 
@@ -78,7 +78,7 @@ def test_rows_that_no_weights_describe_count_little():
     run = slipping(7)
     force = run.force.copy()
     force[:60] += 80.0
-    spoilt = fit_friction([ForceRun(run.displacement, force)], [Parts(presliding=True)]).law
+    spoilt = fit_friction([ForceRun(run.displacement, force)], [FrictionParts(presliding=True)]).law
     assert rms(spoilt, slipping(8)) < 0.05
 
 

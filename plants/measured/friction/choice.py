@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.friction.law import FrictionLaw, Parts, Range, behind_lag, columns
+from plants.measured.friction.law import FrictionLaw, FrictionParts, Range, behind_lag, columns
 from plants.measured.friction.run import ForceRun
 from plants.measured.guess import lagged
 
@@ -24,11 +24,11 @@ LAGS = (0.0, 0.01, 0.02, 0.04, 0.08)
 """Time constants [s] between the law and the force that are tried."""
 
 OFFERED = (
-    Parts(),
-    Parts(presliding=True),
-    Parts(presliding=True, knots=8),
-    Parts(presliding=True, knots=32),
-    Parts(presliding=True, knots=32, running_in=True),
+    FrictionParts(),
+    FrictionParts(presliding=True),
+    FrictionParts(presliding=True, knots=8),
+    FrictionParts(presliding=True, knots=32),
+    FrictionParts(presliding=True, knots=32, running_in=True),
 )
 """Laws in the order of their parts."""
 
@@ -46,14 +46,14 @@ MOVING = 0.1
 
 
 @dataclass(frozen=True)
-class Choice:
+class FrictionChoice:
     """The law that was chosen, and the error [N] on blocks left out of each that was offered, in order."""
 
     law: FrictionLaw
-    errors: dict[Parts, float]
+    errors: dict[FrictionParts, float]
 
 
-def fit_friction(runs: Sequence[ForceRun], offered: Sequence[Parts] = OFFERED) -> Choice:
+def fit_friction(runs: Sequence[ForceRun], offered: Sequence[FrictionParts] = OFFERED) -> FrictionChoice:
     """The law of friction of some runs.
 
     offered: laws in the order of their parts; the lag of each is found with the others.
@@ -63,7 +63,7 @@ def fit_friction(runs: Sequence[ForceRun], offered: Sequence[Parts] = OFFERED) -
         raise ValueError(f"friction: a run has fewer than {2 * BLOCKS} rows, or there is none")
     within, block = Range.of(runs), _blocks(runs)
     force = np.concatenate([r.force for r in runs])
-    errors: dict[Parts, Array] = {}
+    errors: dict[FrictionParts, Array] = {}
     for parts in offered:
         plain = [columns(r, parts, within, _sliding(r, within)) for r in runs]
         tried = {}
@@ -76,7 +76,7 @@ def fit_friction(runs: Sequence[ForceRun], offered: Sequence[Parts] = OFFERED) -
     chosen = next(p for p, e in errors.items() if _as_good(e, errors[least]))
     whole = np.vstack([behind_lag(r, chosen, within, _sliding(r, within)) for r in runs])
     law = FrictionLaw(chosen, within, _weights(whole, force, 2 * chosen.knots))
-    return Choice(law, {p: float(np.sqrt(e.mean())) for p, e in errors.items()})
+    return FrictionChoice(law, {p: float(np.sqrt(e.mean())) for p, e in errors.items()})
 
 
 def _blocks(runs: Sequence[ForceRun]) -> NDArray[np.int64]:

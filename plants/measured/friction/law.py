@@ -40,7 +40,7 @@ SHARES = (-1.0, -0.5, 0.0, 0.5, 1.0)
 
 
 @dataclass(frozen=True)
-class Parts:
+class FrictionParts:
     """What a law has beside Coulomb friction: presliding and rate, curves of the position with so many
     knots, running in; lag: time constant [s] behind all of it."""
 
@@ -66,7 +66,7 @@ class Range:
         return cls(float(x.min()), max(float(np.ptp(x)), 1e-12), max(float(fast), 1e-12))
 
 
-def columns(run: ForceRun, parts: Parts, within: Range, start: float = 0.0) -> Array:
+def columns(run: ForceRun, parts: FrictionParts, within: Range, start: float = 0.0) -> Array:
     """What is weighted, before the lag: columns (n, m), those of curves last, two a knot.
 
     start: share of each threshold by which the displacement is ahead of the plays when the run begins.
@@ -88,7 +88,7 @@ def columns(run: ForceRun, parts: Parts, within: Range, start: float = 0.0) -> A
     return np.column_stack(found)
 
 
-def behind_lag(run: ForceRun, parts: Parts, within: Range, start: float = 0.0) -> Array:
+def behind_lag(run: ForceRun, parts: FrictionParts, within: Range, start: float = 0.0) -> Array:
     """The same columns (n, m) behind the lag."""
     return lagged(columns(run, parts, within, start), run.dt, parts.lag, 0.0)
 
@@ -97,7 +97,7 @@ def behind_lag(run: ForceRun, parts: Parts, within: Range, start: float = 0.0) -
 class FrictionLaw:
     """A law as it was fitted: its parts, the range that it was fitted in, a weight of each column (m,)."""
 
-    parts: Parts
+    parts: FrictionParts
     within: Range
     weights: Array
 
