@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.signal import lfilter
+from scipy.stats import norm, truncnorm
 
 import plants.measured
 from plants.measured.campaign import load_campaign
@@ -112,3 +113,15 @@ def test_a_channel_that_stands_still_has_no_coloured_noise():
     """Its differences are 0, as are those of a noise that is smaller than the quantum."""
     assert not is_coloured([np.ones(500), np.zeros(300)])
     assert noise_of([np.ones(500)]) == 0.0
+
+
+def test_of_few_differences_the_four_smaller_count():
+    """Of eight values there are five third differences; the largest, of a jump, is left out."""
+    third = np.array([1.0, -2.0, 3.0, -4.0, 100.0])
+    values = np.concatenate([np.zeros(3), third])
+    for _ in range(3):
+        values = np.cumsum(values)
+    np.testing.assert_allclose(np.diff(values, 3), third)
+    cut = norm.ppf(0.95)
+    expected = np.sqrt(np.mean(third[:4] ** 2) / truncnorm(-cut, cut).var() / 20.0)
+    assert noise_of([values]) == pytest.approx(expected, rel=1e-9)
