@@ -23,31 +23,42 @@ from tests.mutants.reach import Reached, chosen, enclosing, record
 
 ROOT = Path(__file__).parents[2]
 EQUIVALENT = Path(__file__).parent / "equivalent.toml"
-ROOMS: dict[str, tuple[str, ...]] = {
+ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "laws": (
-        "plants/hysteresis", "plants/actuator", "plants/effects", "plants/lag.py", "plants/dynamics.py",
-        "plants/wrist.py", "plants/simulation", "plants/equilibrium.py", "design/controllers",
+        ("plants/hysteresis", "plants/actuator", "plants/effects", "plants/lag.py", "plants/dynamics.py",
+         "plants/wrist.py", "plants/simulation", "plants/equilibrium.py", "design/controllers"),
+        ("laws/*", "oracles/*", "control/test_[fipt]*", "control/test_memory*", "control/test_registered*",
+         "control/test_spikes*"),
     ),
-    "kernels": ("plants/kernel", "design/mpc"),
+    "kernels": (
+        ("plants/kernel", "design/mpc"), ("kernel/*", "laws/test_k*", "laws/test_l*", "control/test_mpc*"),
+    ),
     "statistics": (
-        "plants/measured/residual", "plants/measured/noise.py", "design/contest", "design/evaluation",
+        ("plants/measured/residual", "plants/measured/noise.py", "design/contest", "design/evaluation"),
+        ("residual/*", "evaluation/*", "measured/test_[engl]*", "control/test_contest*",
+         "control/test_break*", "oracles/test_metrics*"),
     ),
-    "certificates": ("design/robustness/certificates", "design/limit"),
-    "export": ("design/export",),
+    "certificates": (
+        ("design/robustness/certificates", "design/limit"), ("robustness/*", "control/test_limit*"),
+    ),
+    "export": (("design/export",), ("control/test_export*",)),
 }  # fmt: skip
-"""Sources by what they are of."""
-
-TESTS = ("laws", "kernel", "control", "oracles", "residual", "measured", "evaluation", "robustness")
-"""Folders of tests that are run on them."""
+"""Sources, and the tests that are run on them, by what they are of."""
 
 
 def sources(room: str) -> list[Path]:
     """The Python files of a room, without those that only gather."""
     found: list[Path] = []
-    for name in ROOMS[room]:
+    for name in ROOMS[room][0]:
         path = ROOT / name
         found += sorted(path.rglob("*.py")) if path.is_dir() else [path]
     return [p for p in found if p.name != "__init__.py"]
+
+
+def tests_of(room: str) -> list[str]:
+    """The files of tests of a room."""
+    found = {p for name in ROOMS[room][1] for p in (ROOT / "tests").glob(f"{name}")}
+    return sorted(str(p.relative_to(ROOT)) for p in found if p.name.startswith("test_") and p.suffix == ".py")
 
 
 def equivalents() -> list[dict[str, str]]:
@@ -123,12 +134,9 @@ def main() -> int:
         left = shutil.ignore_patterns(".git", ".venv", "build", "__pycache__", "*.ipynb")
         shutil.copytree(ROOT, copy, ignore=left)
         prepare(Path(folder) / "cache")
-        files = [
-            str(p.relative_to(ROOT)) for t in TESTS for p in sorted((ROOT / "tests" / t).glob("test_*.py"))
-        ]
-        reached = record(copy, files, Path("build/reach.json"), asked.most)
         known = equivalents()
         for room in asked.room or ROOMS:
+            reached = record(copy, tests_of(room), Path("build/reach.json"), asked.most)
             for mutant in drawn([p for p in sources(room) if asked.only in str(p)], asked.count, asked.seed):
                 begun = time.monotonic()
                 ended, by = judged(mutant, reached, copy, asked.most, known)

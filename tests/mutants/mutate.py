@@ -85,6 +85,8 @@ def _passed_over(tree: ast.Module) -> set[int]:
             parts = [node.returns, *(a.annotation for a in (*node.args.args, *node.args.kwonlyargs))]
         elif isinstance(node, ast.Raise | ast.JoinedStr | ast.Assert):
             parts = [node]
+        elif isinstance(node, ast.keyword) and node.arg == "strict":  # of zip: an assertion
+            parts = [node.value]
         found |= {id(inner) for part in parts if part is not None for inner in ast.walk(part)}
     return found
 

@@ -62,14 +62,14 @@ class Recorder:
 
 def record(copy: Path, files: Iterable[str], kept: Path, most: float) -> dict[str, Reached]:
     """Tests of these files with what they reach; a file is recorded anew where it is another than before,
-    for ``most`` [s], and is left out where its first test takes ten times as long."""
+    for ``most`` [s], and is left out where its first test takes three times as long."""
     known = json.loads(kept.read_text()) if kept.exists() else {}
     reached: dict[str, Reached] = {}
     for name in files:
         digest = hashlib.sha256((copy / name).read_bytes()).hexdigest()
         if known.get(name, {}).get("digest") != digest:
             begun = time.monotonic()
-            ended = pytest_forked(copy, [name], lambda: Recorder(most), 10.0 * most)
+            ended = pytest_forked(copy, [name], lambda: Recorder(most), 3.0 * most)
             if ended.code not in (0, 2, 5, None):  # all passed, stopped, none there, out of time
                 raise SystemExit(f"{name}: its tests do not pass as they are (exit code {ended.code})")
             print(f"{name}: {time.monotonic() - begun:.0f} s, {len(ended.found or {})} tests", flush=True)
