@@ -36,7 +36,7 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "statistics": (
         ("plants/measured/residual", "plants/measured/noise.py", "design/contest", "design/evaluation"),
         ("residual/*", "evaluation/*", "measured/test_[engl]*", "control/test_contest*",
-         "control/test_break*", "oracles/test_metrics*"),
+         "control/test_break*", "oracles/test_metrics*", "robustness/test_sequences*"),
     ),
     "certificates": (
         ("design/robustness/certificates", "design/limit"), ("robustness/*", "control/test_limit*"),

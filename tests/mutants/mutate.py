@@ -83,6 +83,10 @@ def _passed_over(tree: ast.Module) -> set[int]:
             parts = [node.annotation]
         elif isinstance(node, ast.FunctionDef):
             parts = [node.returns, *(a.annotation for a in (*node.args.args, *node.args.kwonlyargs))]
+            late = zip(reversed(node.args.args), reversed(node.args.defaults), strict=False)
+            parts += [
+                default for argument, default in late if argument.arg == "seed"
+            ]  # one is as good as another
         elif isinstance(node, ast.Raise | ast.JoinedStr | ast.Assert):
             parts = [node]
         elif isinstance(node, ast.keyword) and node.arg == "strict":  # of zip: an assertion
@@ -95,7 +99,7 @@ def mutants(path: Path) -> list[Mutant]:
     """All faults of a file."""
     text = path.read_text(encoding="utf-8")
     tree, lines = ast.parse(text), text.splitlines(keepends=True)
-    passed, found = _passed_over(tree), []
+    passed, as_it_is, found = _passed_over(tree), ast.dump(tree), []
     for node in ast.walk(tree):
         if not isinstance(node, ast.expr) or id(node) in passed or node.lineno != node.end_lineno:
             continue
@@ -106,7 +110,7 @@ def mutants(path: Path) -> list[Mutant]:
             new = (line[:begin] + f"({ast.unparse(change)})".encode() + line[end:]).decode()
             whole = "".join([*lines[: node.lineno - 1], new, *lines[node.lineno :]])
             try:
-                same = ast.dump(ast.parse(whole)) == ast.dump(tree)
+                same = ast.dump(ast.parse(whole)) == as_it_is
             except SyntaxError:  # within a format of text
                 continue
             if not same:
