@@ -12,6 +12,7 @@ import tempfile
 import time
 import tomllib
 from collections import Counter
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ import pytest
 
 from tests.mutants.forked import prepare, pytest_forked
 from tests.mutants.mutate import Mutant, drawn
-from tests.mutants.reach import Reached, chosen, enclosing, record
+from tests.mutants.reach import Reached, chosen, enclosing, naming, record
 
 ROOT = Path(__file__).parents[2]
 EQUIVALENT = Path(__file__).parent / "equivalent.toml"
@@ -67,13 +68,16 @@ def equivalents() -> list[dict[str, str]]:
 
 
 class First:
-    """A plugin that runs the chosen tests in their order, and notes the first that fails."""
+    """A plugin that runs the chosen tests in their order, all where none are given, and notes the first that
+    fails."""
 
-    def __init__(self, chosen: list[str]) -> None:
+    def __init__(self, chosen: Sequence[str] = ()) -> None:
         self.rank = {test: place for place, test in enumerate(chosen)}
         self.found = ""
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        if not self.rank:
+            return
         wanted = [i for i in items if i.nodeid in self.rank or not i.nodeid.startswith("tests/")]
         items[:] = sorted(wanted, key=lambda i: self.rank.get(i.nodeid, -1))
 
@@ -86,15 +90,16 @@ class First:
             self.found = report.nodeid
 
 
-def run(mutant: Mutant, tests: list[str], copy: Path, timeout: float) -> tuple[str, str]:
-    """How the tests ended on a mutant: caught, survived or out of time, and by which test."""
+def run(
+    mutant: Mutant, files: list[str], plugin: Callable[[], Any], copy: Path, timeout: float
+) -> tuple[str, str]:
+    """How tests ended on a mutant: caught, survived or out of time, and by which test."""
     path = mutant.path.relative_to(ROOT)
     target = copy / path
     whole = target.read_text(encoding="utf-8")
     target.write_text(mutant.text, encoding="utf-8")
-    files = list(dict.fromkeys(t.partition("::")[0] for t in tests))
     try:
-        ended = pytest_forked(copy, ["-x", *files, str(path)], lambda: First(tests), timeout)
+        ended = pytest_forked(copy, ["-x", *files, str(path)], plugin, timeout)
     finally:
         target.write_text(whole, encoding="utf-8")
     if ended.code is None:
@@ -105,16 +110,27 @@ def run(mutant: Mutant, tests: list[str], copy: Path, timeout: float) -> tuple[s
 
 
 def judged(
-    mutant: Mutant, reached: dict[str, Reached], copy: Path, most: float, known: list[dict[str, str]]
+    mutant: Mutant,
+    reached: dict[str, Reached],
+    unknown: list[str],
+    copy: Path,
+    most: float,
+    known: list[dict[str, str]],
 ) -> tuple[str, str]:
-    """How a mutant ends, `run` with the tests that reach it."""
+    """How a mutant ends, `run` with the tests that reach it; where they pass also with whole files of which
+    that is not known."""
     path = str(mutant.path.relative_to(ROOT))
     for other in known:
         if (other["path"], other["after"]) == (path, mutant.after):
             return "equivalent", other["reason"]
     source = mutant.path.read_text(encoding="utf-8")
     tests = chosen(reached, enclosing(source, path, mutant.line), path, most)
-    return run(mutant, tests, copy, 5.0 * most + 60.0)
+    files, enough = list(dict.fromkeys(t.partition("::")[0] for t in tests)), 5.0 * most + 60.0
+    ended = run(mutant, files, lambda: First(tests), copy, enough)
+    more = naming(copy, unknown, Path(path))
+    if ended[0] == "survived" and more:
+        return run(mutant, more, First, copy, enough)
+    return ended
 
 
 def main() -> int:
@@ -136,10 +152,10 @@ def main() -> int:
         prepare(Path(folder) / "cache")
         known = equivalents()
         for room in asked.room or ROOMS:
-            reached = record(copy, tests_of(room), Path("build/reach.json"), asked.most)
+            reached, unknown = record(copy, tests_of(room), Path("build/reach.json"), asked.most)
             for mutant in drawn([p for p in sources(room) if asked.only in str(p)], asked.count, asked.seed):
                 begun = time.monotonic()
-                ended, by = judged(mutant, reached, copy, asked.most, known)
+                ended, by = judged(mutant, reached, unknown, copy, asked.most, known)
                 counts[ended] += 1
                 place = f"{mutant.path.relative_to(ROOT)}:{mutant.line}"
                 took = time.monotonic() - begun

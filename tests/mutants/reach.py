@@ -3,6 +3,7 @@
 import ast
 import hashlib
 import json
+import re
 import sys
 import threading
 import time
@@ -14,6 +15,8 @@ from typing import Any, NamedTuple
 import pytest
 
 from tests.mutants.forked import pytest_forked
+
+DEFINITIONS = (ast.ClassDef, ast.FunctionDef)
 
 
 class Reached(NamedTuple):
@@ -60,11 +63,14 @@ class Recorder:
                 item.session.shouldstop = "long enough"
 
 
-def record(copy: Path, files: Iterable[str], kept: Path, most: float) -> dict[str, Reached]:
-    """Tests of these files with what they reach; a file is recorded anew where it is another than before,
-    for ``most`` [s], and is left out where its first test takes three times as long."""
+def record(copy: Path, files: Iterable[str], kept: Path, most: float) -> tuple[dict[str, Reached], list[str]]:
+    """Tests of these files with what they reach, and the files of which that is not known of every test.
+
+    A file is recorded anew where it is another than before, for ``most`` [s]; of one whose first test takes
+    three times as long nothing is known."""
     known = json.loads(kept.read_text()) if kept.exists() else {}
     reached: dict[str, Reached] = {}
+    unknown = []
     for name in files:
         digest = hashlib.sha256((copy / name).read_bytes()).hexdigest()
         if known.get(name, {}).get("digest") != digest:
@@ -76,15 +82,26 @@ def record(copy: Path, files: Iterable[str], kept: Path, most: float) -> dict[st
             functions = sorted({f for _, called in (ended.found or {}).values() for f in called})
             number = {f: i for i, f in enumerate(functions)}
             known[name] = {
-                "digest": digest, "functions": functions,
+                "digest": digest, "functions": functions, "whole": ended.code in (0, 5),
                 "tests": {t: [s, [number[f] for f in c]] for t, (s, c) in (ended.found or {}).items()},
             }  # fmt: skip
             kept.parent.mkdir(parents=True, exist_ok=True)
             kept.write_text(json.dumps(known))
         functions = known[name]["functions"]
+        if not known[name]["whole"]:
+            unknown.append(name)
         for test, (seconds, called) in known[name]["tests"].items():
             reached[test] = Reached(seconds, frozenset(functions[i] for i in called))
-    return reached
+    return reached, unknown
+
+
+def naming(copy: Path, files: Iterable[str], path: Path) -> list[str]:
+    """The files of tests that name a module, or what it defines."""
+    defined = [n.name for n in ast.parse((copy / path).read_text()).body if isinstance(n, DEFINITIONS)]
+    public = "|".join(n for n in defined if not n.startswith("_") and len(n) > 4) or "-"
+    package, _, name = ".".join(path.with_suffix("").parts).rpartition(".")
+    wanted = re.compile(rf"{package}\.{name}\b|from {package} import [^\n]*\b{name}\b|\b({public})\b")
+    return [f for f in files if wanted.search((copy / f).read_text(encoding="utf-8"))]
 
 
 def enclosing(source: str, path: str, line: int) -> list[str]:

@@ -111,3 +111,10 @@ def test_words_of_eight_letters_are_tried_unless_told_otherwise() -> None:
     of_eight = (best / keeps * np.cos(angle)) ** (1.0 / 8.0)
     assert radius_bounds(pair).lower == pytest.approx(of_eight, rel=1e-9)
     assert radius_bounds(pair, length=9).lower == pytest.approx(best ** (1.0 / 9.0), rel=1e-9)
+
+
+def test_a_system_of_one_mode_has_a_word_of_one_letter() -> None:
+    system = continuous([np.array([[-0.2, 1.0], [-1.0, -0.2]])])
+    found = search_word(system, 0.1, 1.0, letters=1)
+    assert set(found.letters) == {0}
+    assert found.growth == pytest.approx(-0.2, abs=1e-9)  # the real part of its eigenvalues
