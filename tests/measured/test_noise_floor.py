@@ -10,7 +10,7 @@ from scipy.stats import norm, truncnorm
 
 import plants.measured
 from plants.measured.campaign import load_campaign
-from plants.measured.noise import is_coloured, noise_of
+from plants.measured.noise import _without_hum, is_coloured, noise_of
 from plants.measured.recording import Recording
 from plants.measured.residual.stillness import bent, noise_of_campaign, still_rows
 
@@ -125,3 +125,15 @@ def test_of_few_differences_the_four_smaller_count():
     cut = norm.ppf(0.95)
     expected = np.sqrt(np.mean(third[:4] ** 2) / truncnorm(-cut, cut).var() / 20.0)
     assert noise_of([values]) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(("times", "taken"), [(25.0, False), (60.0, True)])
+def test_a_hum_is_taken_out_of_differences_from_forty_times_the_power_around_it(times, taken):
+    """A wave of amplitude A stands A^2 n / 4 above white noise of 1 in n values."""
+    rows, phase = 4000, 2.0 * np.pi * 0.137 * np.arange(4000)
+    left = []
+    for seed in range(5):
+        wave = np.sqrt(4.0 * times / rows) * np.sin(phase)
+        found = _without_hum(np.random.default_rng(seed).standard_normal(rows) + wave)
+        left.append(abs(np.exp(1j * phase) @ found) ** 2 / rows)
+    assert (np.median(left) < 5.0) == taken
