@@ -229,6 +229,8 @@ def test_curves_have_bounds_that_noise_respects():
     assert curve.mean[-1] > curve.high[-1]
     assert curve.mean[0] < curve.low[0]
     assert curve.mean[-1] - curve.mean[0] == pytest.approx(0.8, abs=0.1)
+    lags = found.curves["autocorrelation"]
+    assert lags.centre == pytest.approx(DT * np.arange(1, len(lags.mean) + 1))
 
 
 @pytest.mark.parametrize("dt", [0.002, 0.02, 0.05])
