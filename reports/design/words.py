@@ -138,8 +138,8 @@ def feedforward_words(m: MotionDesign) -> str:
         f"{m.motion}: an inverse feedforward (filter {number(gains['speed'])} 1/s, model delayed by "
         f"{number(1000 * gains['dead_time'])} ms) around the loop Kp = {number(gains['Kp'])}, Ki = "
         f"{number(gains['Ki'])} meets every limit too, in {FRESH} fresh samples and {SEARCH} runs of a "
-        f"search. Its worst IAE is {number(100 * (1 - found['cost'] / best), 2)} % lower. It needs the model on the "
-        "target, and no certificate covers it."
+        f"search. Its worst IAE is {number(100 * (1 - found['cost'] / best), 2)} % lower. It needs the model "
+        "on the target, and no certificate covers it."
     )
 
 
