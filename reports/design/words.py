@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from design.robustness.recommended import PLAIN
+from design.robustness.robust_tuning import FRESH, SEARCH
 from design.studies.design_study import BARE, FORWARD, DesignStudy, MotionDesign
 from reports.shared.card import gains_words
 from reports.shared.tables import listed, number
@@ -136,9 +137,9 @@ def feedforward_words(m: MotionDesign) -> str:
     return (
         f"{m.motion}: an inverse feedforward (filter {number(gains['speed'])} 1/s, model delayed by "
         f"{number(1000 * gains['dead_time'])} ms) around the loop Kp = {number(gains['Kp'])}, Ki = "
-        f"{number(gains['Ki'])} meets every limit too, and its worst IAE is "
-        f"{number(100 * (1 - found['cost'] / best), 2)} % lower. It needs the model on the target, and the "
-        "certificates do not cover it."
+        f"{number(gains['Ki'])} meets every limit too, in {FRESH} fresh samples and {SEARCH} runs of a "
+        f"search. Its worst IAE is {number(100 * (1 - found['cost'] / best), 2)} % lower. It needs the model "
+        "on the target, and no certificate covers it."
     )
 
 

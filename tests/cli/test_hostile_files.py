@@ -9,6 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from design.controllers.pi import PI
+from design.robustness.box import box_of
+from design.robustness.samples.adversary import worst_case
+from design.robustness.samples.scenario_file import save
 from plants.errors import InputError
 from plants.files import clear, file_name, replaced_folder, temporary_prefix, write_atomically
 from plants.parameters.files import built_in, dump, load
@@ -57,6 +61,20 @@ def test_a_name_leads_to_no_other_folder(wrist, plant, tmp_path, axis):
     assert outcome.code == 0, outcome.err
     (made,) = out.iterdir()
     assert made.name.startswith("simulate-")
+    assert {p.name for p in tmp_path.iterdir()} == {"deep", "in"}
+
+
+@pytest.mark.suite
+def test_a_tuning_and_a_replay_stay_in_their_folder(wrist, plant, tmp_path):
+    """The name of an axis stands in the names of their pictures."""
+    given, out = plant(AXIS, 'axis = "x/../../../evil"'), tmp_path / "deep" / "er" / "out"
+    said = wrist("tune", "--nominal", "--plant", given, "--points", "5", "--starts", "1", "--out", out)
+    assert said.code in (0, 1), said.err
+    gains, saved = PI(3.1, 10.4), tmp_path / "in" / "worst.toml"
+    save(worst_case(box_of(load(given)), gains, dead_time=0.0, load=0.0, budget=64, duration=1.0), saved)
+    replayed = wrist("simulate", "--scenario", saved, "--out", out)
+    assert replayed.code == 0, replayed.err
+    assert sorted(p.name.partition("-")[0] for p in out.iterdir()) == ["scenario", "tune"]
     assert {p.name for p in tmp_path.iterdir()} == {"deep", "in"}
 
 
@@ -109,6 +127,8 @@ def test_a_standard_error_is_a_number_or_absent(fitted, error):
         ("std_error = ", "std_eror = ", "std_error"),
         ("title = ", "titel = ", "title"),
         ('hysteresis = "', 'hysterisis = "', "hysteresis"),
+        ("[parameters.Tw]", "[parameters.Tww]", "Tw"),
+        ("[parameters.Tw]", "[parameter.Tw]", "parameters"),
     ],
 )
 def test_an_unknown_key_is_refused_with_the_nearest_known(wrist, fitted, old, new, said):

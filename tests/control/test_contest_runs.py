@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from design.contest import coupled
 from design.contest.coupled import run_coupled
 from design.contest.periodic import play_coupled
 from design.contest.plants import carrying, nominal
@@ -167,3 +168,13 @@ def test_coupled_motions_that_are_played_by_periods_do_the_same():
 def test_a_wrist_with_effects_of_its_own_is_refused():
     with pytest.raises(InputError, match=r"effects \(creep\) of its own"):
         carrying(WRIST + Creep(0.1), 1)
+
+
+@pytest.mark.parametrize(("last", "turns"), [(0.99e-6, 3), (1.01e-6, 4)])
+def test_turns_end_where_no_pressure_changes_by_a_millionth(monkeypatch, last, turns):
+    """The pressures of one motion change from turn to turn: by 1e-3, by `last`, not at all."""
+    levels = {1: iter((0.0, 1e-3, 1e-3 + last, 1e-3 + last)), 2: iter((0.0,) * 4)}
+    monkeypatch.setattr(coupled, "run", lambda lanes, who, *_: (who, np.full((3, 1), next(levels[who]))))
+    both = SimpleNamespace(other_pressure=None)
+    monkeypatch.setattr(coupled, "replace", lambda lanes, **_: lanes)
+    assert run_coupled((1, 2), (both, both))[1] == turns

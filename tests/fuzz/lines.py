@@ -50,8 +50,7 @@ def not_meant(draw: st.DrawFn) -> Line:
     if kind == "float":
         command = draw(st.sampled_from(sorted(FLOATS)))
         option = draw(st.sampled_from(FLOATS[command]))
-        more = ("--robust",) if option in ("--dead-time", "--load") and command == "tune" else ()
-        more += ("--gains", "1,1") if option == "--step" else ()
+        more = ("--gains", "1,1") if option == "--step" else ()
         words = (command, *BASE.get(command, ()), *more, f"{option}={draw(st.sampled_from(NOT_MEANT))}")
     elif kind == "whole":
         command = draw(st.sampled_from(sorted(WHOLE)))

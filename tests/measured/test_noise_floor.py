@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.signal import lfilter
+from scipy.stats import norm, truncnorm
 
 import plants.measured
 from plants.measured.campaign import load_campaign
-from plants.measured.noise import is_coloured, noise_of
+from plants.measured.noise import _without_hum, is_coloured, noise_of
 from plants.measured.recording import Recording
 from plants.measured.residual.stillness import bent, noise_of_campaign, still_rows
 
@@ -112,3 +113,27 @@ def test_a_channel_that_stands_still_has_no_coloured_noise():
     """Its differences are 0, as are those of a noise that is smaller than the quantum."""
     assert not is_coloured([np.ones(500), np.zeros(300)])
     assert noise_of([np.ones(500)]) == 0.0
+
+
+def test_of_few_differences_the_four_smaller_count():
+    """Of eight values there are five third differences; the largest, of a jump, is left out."""
+    third = np.array([1.0, -2.0, 3.0, -4.0, 100.0])
+    values = np.concatenate([np.zeros(3), third])
+    for _ in range(3):
+        values = np.cumsum(values)
+    np.testing.assert_allclose(np.diff(values, 3), third)
+    cut = norm.ppf(0.95)
+    expected = np.sqrt(np.mean(third[:4] ** 2) / truncnorm(-cut, cut).var() / 20.0)
+    assert noise_of([values]) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(("times", "taken"), [(25.0, False), (60.0, True)])
+def test_a_hum_is_taken_out_of_differences_from_forty_times_the_power_around_it(times, taken):
+    """A wave of amplitude A stands A^2 n / 4 above white noise of 1 in n values."""
+    rows, phase = 4000, 2.0 * np.pi * 0.137 * np.arange(4000)
+    left = []
+    for seed in range(5):
+        wave = np.sqrt(4.0 * times / rows) * np.sin(phase)
+        found = _without_hum(np.random.default_rng(seed).standard_normal(rows) + wave)
+        left.append(abs(np.exp(1j * phase) @ found) ** 2 / rows)
+    assert (np.median(left) < 5.0) == taken

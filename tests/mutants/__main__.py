@@ -1,47 +1,50 @@
-"""``python -m tests.mutants``: draw faults with a seed, run tests of the same room on each, list survivors.
+"""``python -m tests.mutants``: draw faults with a seed, run the tests that reach each, list survivors.
 
-Each fault is put into a copy of the project.  The tests are those of its room that name the module, or what
-it defines; the first that fails ends a run.  Exit codes: 0 at least `--ask` of a hundred caught, 1 not.
+Each fault is put into a copy of the project.  Which tests reach it is recorded first (`tests.mutants.reach`);
+the first that fails ends a run.  Mutants of ``equivalent.toml`` change nothing, for the reason given there,
+and are not run.  Exit codes: 0 at least `--ask` of a hundred caught, 1 not.
 """
 
 import argparse
-import ast
 import json
-import os
-import re
 import shutil
-import subprocess
-import sys
 import tempfile
 import time
+import tomllib
 from collections import Counter
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
+import pytest
+
+from tests.mutants.forked import prepare, pytest_forked
 from tests.mutants.mutate import Mutant, drawn
+from tests.mutants.reach import Reached, chosen, enclosing, naming, record
 
 ROOT = Path(__file__).parents[2]
+EQUIVALENT = Path(__file__).parent / "equivalent.toml"
 ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "laws": (
         ("plants/hysteresis", "plants/actuator", "plants/effects", "plants/lag.py", "plants/dynamics.py",
-         "plants/wrist.py",         "plants/simulation", "plants/equilibrium.py", "design/controllers"),
-        ("tests/laws", "tests/oracles", "tests/control"),
+         "plants/wrist.py", "plants/simulation", "plants/equilibrium.py", "design/controllers"),
+        ("laws/*", "oracles/*", "control/test_[fipt]*", "control/test_memory*", "control/test_registered*",
+         "control/test_spikes*"),
     ),
-    "kernels": (("plants/kernel", "design/mpc"), ("tests/kernel", "tests/laws", "tests/control")),
+    "kernels": (
+        ("plants/kernel", "design/mpc"), ("kernel/*", "laws/test_k*", "laws/test_l*", "control/test_mpc*"),
+    ),
     "statistics": (
         ("plants/measured/residual", "plants/measured/noise.py", "design/contest", "design/evaluation"),
-        ("tests/residual", "tests/measured", "tests/control", "tests/evaluation"),
+        ("residual/*", "evaluation/*", "measured/test_[engl]*", "control/test_contest*",
+         "control/test_break*", "oracles/test_metrics*", "robustness/test_sequences*"),
     ),
     "certificates": (
-        ("design/robustness/certificates", "design/limit"), ("tests/robustness", "tests/control"),
+        ("design/robustness/certificates", "design/limit"), ("robustness/*", "control/test_limit*"),
     ),
-    "export": (("design/export",), ("tests/control",)),
+    "export": (("design/export",), ("control/test_export*",)),
 }  # fmt: skip
-"""Sources and tests by what they are of."""
-
-MOST = 10
-"""Test files that are run on a mutant."""
-
-DEFINITIONS = (ast.ClassDef, ast.FunctionDef)
+"""Sources, and the tests that are run on them, by what they are of."""
 
 
 def sources(room: str) -> list[Path]:
@@ -53,45 +56,81 @@ def sources(room: str) -> list[Path]:
     return [p for p in found if p.name != "__init__.py"]
 
 
-def asked_of(path: Path, room: str) -> list[str]:
-    """Test files of a room that name a module, or what it defines, those first that do it most; and its own
-    examples."""
-    module = ".".join(path.relative_to(ROOT).with_suffix("").parts)
-    package, _, name = module.rpartition(".")
-    defined = [n.name for n in ast.parse(path.read_text(encoding="utf-8")).body if isinstance(n, DEFINITIONS)]
-    public = "|".join(n for n in defined if not n.startswith("_") and len(n) > 4) or "-"
-    wanted = re.compile(
-        rf"{re.escape(module)}\b|from {re.escape(package)} import [^\n]*\b{name}\b|\b({public})\b"
-    )
-    found = Counter({
-        str(p.relative_to(ROOT)): len(wanted.findall(p.read_text(encoding="utf-8")))
-        for folder in ROOMS[room][1]
-        for p in (ROOT / folder).glob("test_*.py")
-    })  # fmt: skip
-    near = [p for p, count in found.most_common(MOST) if count] or sorted(found)
-    return [*near, str(path.relative_to(ROOT))]
+def tests_of(room: str) -> list[str]:
+    """The files of tests of a room."""
+    found = {p for name in ROOMS[room][1] for p in (ROOT / "tests").glob(f"{name}")}
+    return sorted(str(p.relative_to(ROOT)) for p in found if p.name.startswith("test_") and p.suffix == ".py")
 
 
-def run(mutant: Mutant, room: str, copy: Path, timeout: float) -> tuple[str, str]:
-    """How the tests ended on a mutant: caught, survived or out of time, and by which test."""
-    target = copy / mutant.path.relative_to(ROOT)
+def equivalents() -> list[dict[str, str]]:
+    """Mutants that change nothing: ``path``, ``after`` (the changed line), ``reason``."""
+    return tomllib.loads(EQUIVALENT.read_text(encoding="utf-8")).get("mutant", [])
+
+
+class First:
+    """A plugin that runs the chosen tests in their order, all where none are given, and notes the first that
+    fails."""
+
+    def __init__(self, chosen: Sequence[str] = ()) -> None:
+        self.rank = {test: place for place, test in enumerate(chosen)}
+        self.found = ""
+
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        if not self.rank:
+            return
+        wanted = [i for i in items if i.nodeid in self.rank or not i.nodeid.startswith("tests/")]
+        items[:] = sorted(wanted, key=lambda i: self.rank.get(i.nodeid, -1))
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.failed and not self.found:
+            self.found = report.nodeid
+
+    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+        if report.failed and not self.found:
+            self.found = report.nodeid
+
+
+def run(
+    mutant: Mutant, files: list[str], plugin: Callable[[], Any], copy: Path, timeout: float
+) -> tuple[str, str]:
+    """How tests ended on a mutant: caught, survived or out of time, and by which test."""
+    path = mutant.path.relative_to(ROOT)
+    target = copy / path
     whole = target.read_text(encoding="utf-8")
     target.write_text(mutant.text, encoding="utf-8")
-    words = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "--no-header"]
-    environment = os.environ | {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1", "MPLBACKEND": "Agg"}
     try:
-        said = subprocess.run(
-            [*words, *asked_of(mutant.path, room)], cwd=copy, env=environment, capture_output=True, text=True,
-            timeout=timeout, check=False,
-        )  # fmt: skip
-    except subprocess.TimeoutExpired:
-        return "out of time", ""
+        ended = pytest_forked(copy, ["-x", *files, str(path)], plugin, timeout)
     finally:
         target.write_text(whole, encoding="utf-8")
-    if said.returncode == 0:
+    if ended.code is None:
+        return "out of time", ""
+    if ended.code in (0, 5):  # all passed, none chosen
         return "survived", ""
-    failed = re.search(r"^(?:FAILED|ERROR) (\S+)", said.stdout, re.MULTILINE)
-    return "caught", failed[1] if failed else said.stdout[-200:]
+    return "caught", ended.found or "the process died"
+
+
+def judged(
+    mutant: Mutant,
+    reached: dict[str, Reached],
+    unknown: list[str],
+    copy: Path,
+    most: float,
+    known: list[dict[str, str]],
+) -> tuple[str, str]:
+    """How a mutant ends, `run` with the tests that reach it; where they pass also with whole files of which
+    that is not known."""
+    path = str(mutant.path.relative_to(ROOT))
+    for other in known:
+        if (other["path"], other["after"]) == (path, mutant.after):
+            return "equivalent", other["reason"]
+    source = mutant.path.read_text(encoding="utf-8")
+    tests = chosen(reached, enclosing(source, path, mutant.line), path, most)
+    files, enough = list(dict.fromkeys(t.partition("::")[0] for t in tests)), 5.0 * most + 60.0
+    ended = run(mutant, files, lambda: First(tests), copy, enough)
+    more = naming(copy, unknown, Path(path))
+    if ended[0] == "survived" and more:
+        return run(mutant, more, First, copy, enough)
+    return ended
 
 
 def main() -> int:
@@ -99,26 +138,28 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=20, help="mutants of each room")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--room", choices=sorted(ROOMS), action="append")
-    parser.add_argument("--timeout", type=float, default=600.0, help="seconds for the tests of one")
+    parser.add_argument("--most", type=float, default=60.0, help="seconds of tests for a mutant, as recorded")
     parser.add_argument("--ask", type=float, default=95.0)
+    parser.add_argument("--only", default="", help="only mutants of files with this in their path")
     parser.add_argument("--out", type=Path, default=Path("build/mutants.json"))
     asked = parser.parse_args()
     counts: Counter[str] = Counter()
-    records = []
+    records: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / "project"
+        copy = Path(folder).resolve() / "project"
         left = shutil.ignore_patterns(".git", ".venv", "build", "__pycache__", "*.ipynb")
         shutil.copytree(ROOT, copy, ignore=left)
+        prepare(Path(folder) / "cache")
+        known = equivalents()
         for room in asked.room or ROOMS:
-            for mutant in drawn(sources(room), asked.count, asked.seed):
+            reached, unknown = record(copy, tests_of(room), Path("build/reach.json"), asked.most)
+            for mutant in drawn([p for p in sources(room) if asked.only in str(p)], asked.count, asked.seed):
                 begun = time.monotonic()
-                ended, by = run(mutant, room, copy, asked.timeout)
+                ended, by = judged(mutant, reached, unknown, copy, asked.most, known)
                 counts[ended] += 1
                 place = f"{mutant.path.relative_to(ROOT)}:{mutant.line}"
-                print(
-                    f"{room}: {ended} ({time.monotonic() - begun:.0f} s): {place}: {mutant.after} [{by}]",
-                    flush=True,
-                )
+                took = time.monotonic() - begun
+                print(f"{room}: {ended} ({took:.0f} s): {place}: {mutant.after} [{by}]", flush=True)
                 records.append({
                     "room": room, "ended": ended, "place": place, "before": mutant.before,
                     "after": mutant.after, "by": by,
@@ -126,7 +167,9 @@ def main() -> int:
                 asked.out.parent.mkdir(parents=True, exist_ok=True)
                 asked.out.write_text(json.dumps({"seed": asked.seed, "mutants": records}, indent=1) + "\n")
     caught, ended = counts["caught"], counts["caught"] + counts["survived"]
-    print(f"{caught} of {ended} caught; {counts['survived']} survived, some of which may change nothing;")
+    print(
+        f"{caught} of {ended} caught, {counts['survived']} survived; {counts['equivalent']} change nothing;"
+    )
     print(f"of {counts['out of time']} more the tests did not end in time, which says nothing")
     return int(caught < asked.ask / 100.0 * ended)
 

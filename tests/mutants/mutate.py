@@ -83,17 +83,22 @@ def _passed_over(tree: ast.Module) -> set[int]:
             parts = [node.annotation]
         elif isinstance(node, ast.FunctionDef):
             parts = [node.returns, *(a.annotation for a in (*node.args.args, *node.args.kwonlyargs))]
+            late = zip(reversed(node.args.args), reversed(node.args.defaults), strict=False)
+            # One seed is as good as another.
+            parts += [default for argument, default in late if argument.arg == "seed"]
         elif isinstance(node, ast.Raise | ast.JoinedStr | ast.Assert):
             parts = [node]
+        elif isinstance(node, ast.keyword) and node.arg == "strict":  # of zip: an assertion
+            parts = [node.value]
         found |= {id(inner) for part in parts if part is not None for inner in ast.walk(part)}
     return found
 
 
-def mutants(path: Path) -> list[Mutant]:
-    """All faults of a file."""
+def _changed(path: Path) -> Iterator[Mutant]:
+    """All texts of a file with a node changed, some of which may be no program, or the same one."""
     text = path.read_text(encoding="utf-8")
     tree, lines = ast.parse(text), text.splitlines(keepends=True)
-    passed, found = _passed_over(tree), []
+    passed = _passed_over(tree)
     for node in ast.walk(tree):
         if not isinstance(node, ast.expr) or id(node) in passed or node.lineno != node.end_lineno:
             continue
@@ -103,19 +108,32 @@ def mutants(path: Path) -> list[Mutant]:
         for change in changes(node):
             new = (line[:begin] + f"({ast.unparse(change)})".encode() + line[end:]).decode()
             whole = "".join([*lines[: node.lineno - 1], new, *lines[node.lineno :]])
-            try:
-                same = ast.dump(ast.parse(whole)) == ast.dump(tree)
-            except SyntaxError:  # within a format of text
-                continue
-            if not same:
-                found.append(Mutant(path, node.lineno, line.decode().strip(), new.strip(), whole))
-    return found
+            yield Mutant(path, node.lineno, line.decode().strip(), new.strip(), whole)
+
+
+def _is_another(mutant: Mutant) -> bool:
+    """Whether a text is a program, and not the one that it was made of."""
+    try:
+        changed = ast.dump(ast.parse(mutant.text))
+    except SyntaxError:  # within a format of text
+        return False
+    return changed != ast.dump(ast.parse(mutant.path.read_text(encoding="utf-8")))
+
+
+def mutants(path: Path) -> list[Mutant]:
+    """All faults of a file."""
+    return [m for m in _changed(path) if _is_another(m)]
 
 
 def drawn(files: list[Path], count: int, seed: int) -> list[Mutant]:
     """So many faults, each of another line where there are enough, files in proportion to their faults."""
-    every = [m for path in files for m in mutants(path)]
+    every = [m for path in files for m in _changed(path)]
     random.Random(seed).shuffle(every)
-    seen: set[tuple[Path, int]] = set()
-    first = [m for m in every if (m.path, m.line) not in seen and not seen.add((m.path, m.line))]  # type: ignore[func-returns-value]
-    return first[:count]
+    found: dict[tuple[Path, int], Mutant] = {}
+    for mutant in every:
+        if len(found) == count:
+            break
+        place = (mutant.path, mutant.line)
+        if place not in found and _is_another(mutant):
+            found[place] = mutant
+    return list(found.values())

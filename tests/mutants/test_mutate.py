@@ -2,8 +2,9 @@
 
 import ast
 
-from tests.mutants.__main__ import ROOMS, ROOT, asked_of, sources
+from tests.mutants.__main__ import ROOMS, ROOT, equivalents, sources
 from tests.mutants.mutate import drawn, mutants
+from tests.mutants.reach import Reached, chosen, enclosing
 
 TEXT = '''"""A law."""
 
@@ -35,7 +36,46 @@ def test_a_seed_draws_the_same():
     assert drawn(files, 5, 3) == drawn(files, 5, 3) != drawn(files, 5, 4)
 
 
-def test_every_source_has_tests_to_be_run():
-    for room in ROOMS:
-        for path in sources(room):
-            assert any((ROOT / t).name.startswith("test_") for t in asked_of(path, room)), path
+def test_each_that_changes_nothing_is_one_and_says_why():
+    of_rooms = {str(p.relative_to(ROOT)): p for room in ROOMS for p in sources(room)}
+    for known in equivalents():
+        assert known["after"] in {m.after for m in mutants(of_rooms[known["path"]])}, known
+        assert len(known["reason"]) > 20
+
+
+NESTED = """
+LIMIT = 1
+
+class Law:
+    most: float = 2.0
+
+    def step(self, x):
+        def inner(y):
+            return y + 1
+        return inner(x)
+"""
+
+
+def test_a_line_lies_in_functions_named_as_python_names_them():
+    made: dict = {}
+    exec(NESTED, made)
+    step = made["Law"].step.__code__
+    (inner,) = (c for c in step.co_consts if hasattr(c, "co_qualname"))
+    assert enclosing(NESTED, "a.py", 9) == [f"a.py::{inner.co_qualname}", f"a.py::{step.co_qualname}"]
+    assert enclosing(NESTED, "a.py", 10) == [f"a.py::{step.co_qualname}"]
+    assert enclosing(NESTED, "a.py", 5) == enclosing(NESTED, "a.py", 2) == []
+
+
+REACHED = {
+    "one.py::slow": Reached(9.0, frozenset({"a.py::f", "a.py::g"})),
+    "one.py::quick": Reached(1.0, frozenset({"a.py::f"})),
+    "one.py::beside": Reached(0.1, frozenset()),
+    "two.py::far": Reached(0.2, frozenset({"b.py::h"})),
+}
+
+
+def test_tests_that_reach_it_come_first_and_the_quick_ones_of_them():
+    assert chosen(REACHED, ["a.py::f"], "a.py", 99.0) == ["one.py::quick", "one.py::slow", "one.py::beside"]
+    assert chosen(REACHED, ["a.py::f"], "a.py", 5.0) == ["one.py::quick"]
+    assert chosen(REACHED, ["a.py::unseen", "a.py::g"], "a.py", 99.0)[0] == "one.py::slow"
+    assert chosen(REACHED, [], "b.py", 99.0) == ["two.py::far"]

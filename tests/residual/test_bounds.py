@@ -13,11 +13,12 @@ from plants.measured.residual.checks.evidence import Evidence
 from plants.measured.residual.checks.periodic import line_in, spectrum_of
 from plants.measured.residual.checks.whiteness import autocorrelation, ljung_box
 from plants.measured.residual.examine import examine
-from plants.measured.residual.series.background import background, first_order
+from plants.measured.residual.series.background import background, first_order, positive_parts
 from plants.measured.residual.series.bins import bins_of, stretches
 from plants.measured.residual.series.design import design_of
 from plants.measured.residual.series.joined import SILENCE, join
 from plants.measured.residual.series.remainder import Remainder
+from plants.measured.residual.stillness import SLOWEST, _edges, _whitened_periodogram
 from tests.residual.made import DT, coloured, noise, with_structure
 
 
@@ -228,6 +229,8 @@ def test_curves_have_bounds_that_noise_respects():
     assert curve.mean[-1] > curve.high[-1]
     assert curve.mean[0] < curve.low[0]
     assert curve.mean[-1] - curve.mean[0] == pytest.approx(0.8, abs=0.1)
+    lags = found.curves["autocorrelation"]
+    assert lags.centre == pytest.approx(DT * np.arange(1, len(lags.mean) + 1))
 
 
 @pytest.mark.parametrize("dt", [0.002, 0.02, 0.05])
@@ -274,3 +277,43 @@ def test_short_recordings_are_examined_and_raise_no_alarm(rows):
             for n in rows
         ]
         assert not examine(made).structured
+
+
+@pytest.mark.parametrize("rounds", [False, True])
+def test_positive_parts_are_those_that_were_mixed_whatever_solver_finds_them(monkeypatch, rounds):
+    """The second solver takes over where the first goes round in circles."""
+
+    def in_circles(*_):
+        raise RuntimeError
+
+    if rounds:
+        monkeypatch.setattr("scipy.optimize.nnls", in_circles)
+    model = np.random.default_rng(12).uniform(0.1, 1.0, (30, 3)) * (1.0, 100.0, 0.01)
+    mixed = np.array([2.0, 0.0, 500.0])
+    assert positive_parts(model, model @ mixed) == pytest.approx(mixed, rel=1e-4, abs=1e-4)
+    against = positive_parts(model, -model @ mixed)
+    assert against == pytest.approx(0.0, abs=1e-3)
+
+
+def test_edges_of_bands_widen_by_a_quarter_and_by_a_twentieth_of_a_hertz_at_least():
+    value = np.random.default_rng(13).standard_normal(6000)
+    series = join([Remainder("r", "wrist", np.arange(6000) * DT, value, 1.0, {})])
+    at = np.linspace(0.0, 50.0, 50_001)
+    edges = at[_edges(series, at)]
+    assert edges[0] == pytest.approx(SLOWEST / 60.0, abs=1e-3)
+    steps = np.diff(edges)
+    assert steps == pytest.approx(np.maximum(0.25 * edges[:-1], 0.05), abs=2.5e-3)
+    assert 50.0 / 1.25 - 0.01 <= edges[-1] < 50.0
+
+
+def test_the_spectrum_of_differences_is_divided_by_what_they_do_to_it():
+    """Of first-order noise: its closed form, and that of white noise, where differences alone would rise."""
+    for memory in (0.0, 0.05):
+        values = [coloured(20_000, memory, np.random.default_rng(s)) for s in (14, 15)]
+        series = join(
+            [Remainder(str(i), "wrist", np.arange(20_000) * DT, v, 1.0, {}) for i, v in enumerate(values)]
+        )
+        power, at = _whitened_periodogram(series)
+        for low, high in ((1.0, 3.0), (10.0, 14.0), (40.0, 49.0)):
+            band = (at > low) & (at < high)
+            assert np.mean(power[band]) == pytest.approx(np.mean(first_order(at[band], memory, DT)), rel=0.1)

@@ -101,3 +101,20 @@ def test_same_seed_same_word() -> None:
     first = search_word(system, 0.05, 5.0, letters=2, seed=5)
     assert first == search_word(system, 0.05, 5.0, letters=2, seed=5)
     assert not first.grows
+
+
+def test_words_of_eight_letters_are_tried_unless_told_otherwise() -> None:
+    """Turns by a sixteenth of pi, and a projection that sees best what eight of them have turned."""
+    angle, keeps, best = np.pi / 16.0, 0.999, 1.05
+    turn = keeps * np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    pair = [turn, best / keeps**8 * np.outer([1.0, 0.0], [0.0, 1.0])]  # 8 turns take its range to its sight
+    of_eight = (best / keeps * np.cos(angle)) ** (1.0 / 8.0)
+    assert radius_bounds(pair).lower == pytest.approx(of_eight, rel=1e-9)
+    assert radius_bounds(pair, length=9).lower == pytest.approx(best ** (1.0 / 9.0), rel=1e-9)
+
+
+def test_a_system_of_one_mode_has_a_word_of_one_letter() -> None:
+    system = continuous([np.array([[-0.2, 1.0], [-1.0, -0.2]])])
+    found = search_word(system, 0.1, 1.0, letters=1)
+    assert set(found.letters) == {0}
+    assert found.growth == pytest.approx(-0.2, abs=1e-9)  # the real part of its eigenvalues

@@ -61,6 +61,13 @@ def test_a_command_that_never_moves_is_refused(spoiled):
         trace_folder(folder)
 
 
+def test_an_angle_that_never_moves_is_refused(spoiled):
+    for name in ("staircase.csv", "steps.csv", "small.csv", "sine.csv"):
+        folder = spoiled(name, lambda t: t.assign(angle_deg=3.0))
+    with pytest.raises(InputError, match="angle"):
+        trace_folder(folder)
+
+
 def test_a_single_recording_is_split_and_said_so(spoiled):
     folder = spoiled("steps.csv", lambda t: t)
     (folder / "campaign.toml").write_text('axis = "flexion"\nsample_time_s = 0.01\nfit = ["steps.csv"]\n')

@@ -22,6 +22,7 @@ from design.cli.common import (
 )
 from design.cli.completion import costs
 from design.cli.places import check_places
+from design.cli.strict import given as in_line
 from design.cli.strict import refuse
 from design.cli.terminal.screen import console, progress
 
@@ -44,6 +45,11 @@ HELP = (
 )
 EXAMPLE = "Example: wrist tune --axis flexion --out build/tune"
 NEXT = "wrist robust --gains Kp,Ki"
+WHOLE = (
+    "--two-dof", "--robust", "--rounds", "--dead-time", "--load", "--no-dead-time", "--no-load", "--no-noise",
+    "--no-box",
+)  # fmt: skip
+"""Options of the whole requirement."""
 
 
 def command(
@@ -96,7 +102,9 @@ def command(
         str | None, typer.Option(help="Shares by which loop width, slopes and lag of the corners differ.")
     ] = None,
     points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 40,
-    starts: Annotated[int, typer.Option(help="Local searches.", min=1, max=100)] = 5,
+    starts: Annotated[
+        int, typer.Option(help="Local searches; 3 under the whole requirement.", min=1, max=100)
+    ] = 5,
     robust: Annotated[bool, typer.Option("--robust", help="The default now.", hidden=True)] = False,
     rounds: Annotated[int, typer.Option(help="Most rounds of tuning and search.", min=1, max=50)] = 15,
     dead_time: Annotated[
@@ -122,10 +130,17 @@ def command(
     from reports.shared.tuning import tuning_record
 
     check_places({"--json": json}, out)
-    if not robust:
-        refuse(("--rounds", "--dead-time", "--load"), "belongs to --robust")
+    if nominal or plain:
+        refuse(WHOLE, "belongs to the whole requirement, and not to --nominal or --plain")
+    else:
+        refuse(("--scheduler",), "belongs to --plain and --nominal")
     if nominal:
         refuse(("--delay-margin",), "--nominal asks for no delay margin")
+        refuse(("--plain", "--corners"), "--nominal asks for the nominal plant alone")
+    if no_dead_time:
+        refuse(("--dead-time",), "--no-dead-time asks for none")
+    if no_load:
+        refuse(("--load",), "--no-load asks for none")
     if cost not in COSTS:
         raise InputError(f"--cost: unknown cost {cost!r}; one of {', '.join(COSTS)}")
     chosen = parameter_set(axis, plant)
@@ -144,10 +159,6 @@ def command(
     said = console(json)
     record: dict[str, Any] = {}
     if nominal or plain:
-        if two_dof:
-            raise InputError(
-                "--two-dof: is tuned under the whole requirement; leave out --nominal and --plain"
-            )
         problem = default_problem(Wrist.of(chosen), limits, cost, nominal, jobs, spread)
         with progress("tune") as tell:
             found = tune(problem, region, starts, seed, tell, scheduler)
@@ -161,7 +172,9 @@ def command(
             no_noise, no_box,
         )  # fmt: skip
         with progress("tune") as tell:
-            grown = tune_robustly(asked, region, min(starts, 3), seed, rounds, jobs, tell)
+            grown = tune_robustly(
+                asked, region, starts if in_line("--starts") else 3, seed, rounds, jobs, tell
+            )
             if two_dof and grown.ended != "out of reach":
                 grown = tune_robustly(
                     asked, region, 1, seed, rounds, jobs, tell, TWO_DOF_PI, base=grown.final

@@ -1,0 +1,104 @@
+"""What a test vector is made of: references of every kind, a sensor's noise and steps, readings that are lost
+or that no plant can have made."""
+
+import numpy as np
+import pytest
+
+from design.export.catalogue import part
+from design.export.vectors import LOST, SPIKES, _open_loop, csv, references, spoiled, vector
+from plants.errors import InputError
+from tests.control.c_target import WRIST
+
+PI = part("pi", "flexion", WRIST, (3.1, 10.4))
+
+
+@pytest.fixture(scope="module")
+def made():
+    return vector(PI, WRIST, 2000)
+
+
+def test_references_are_jumps_a_chirp_ramps_and_jumps_again():
+    draw = np.random.default_rng(0)
+    found = references(8000, 0.001, (80.0, -60.0), draw)
+    t = np.arange(8000) * 0.001
+    levels = found[:2000:400]
+    assert np.array_equal(np.repeat(levels, 400), found[:2000])  # each held for 0.4 s
+    assert levels[2:4].tolist() == [80.0, -60.0]
+    assert (np.abs(levels[[0, 1, 4]]) <= 25.0).all()
+    phase = 2.0 * np.pi * (0.2 * t + 0.15 * t**2)
+    np.testing.assert_allclose(found[2000:4000], 12.0 * np.sin(phase[2000:4000]), atol=1e-9)
+    ramps = found[4000:6000]
+    assert (ramps.max(), ramps.min()) == pytest.approx((10.0, -10.0), abs=0.02)
+    assert np.abs(np.diff(ramps)) == pytest.approx(0.01, abs=1e-9)  # 10 deg/s, up and down
+    assert len(np.unique(found[6000:])) == 5
+    slow = references(400, 0.02, (80.0, -60.0), np.random.default_rng(0))
+    assert np.flatnonzero(np.diff(slow[:100]))[0] == 59  # held for 60 samples at least
+
+
+def test_readings_are_lost_and_spoiled_as_often_as_it_says(made):
+    assert LOST == 12
+    assert len(set(SPIKES)) == 6
+    assert np.count_nonzero(np.isnan(made.rows[:, :3])) in (11, 12)  # one may be spoiled as well
+    places = spoiled(PI, 2000, np.random.default_rng(1))
+    assert len(places) == 12
+    assert min(places) >= 1
+    told = [(value, added) for _, value, added in places.values()]
+    assert [v for v, added in told if added == 0.0] == list(SPIKES)
+    sensors = PI.sensors
+    for place, value, added in places.values():
+        assert place in (0, 1, 2)
+        if added:
+            channel = {1: sensors.angle, 2: sensors.pressure}[place]
+            assert added == 1.0
+            assert value == pytest.approx(0.3 * (channel.high - channel.low))  # a jump within the range
+    for value in SPIKES:
+        assert value in made.rows[:, :3]
+
+
+def test_the_angle_comes_in_steps_and_with_noise(made):
+    angle = made.rows[:, 1]
+    with np.errstate(invalid="ignore"):
+        shown = np.isfinite(angle) & (np.abs(angle) < 60.0)
+    np.testing.assert_allclose(angle[shown] * 100.0, np.round(angle[shown] * 100.0), atol=1e-6)
+    third = np.diff(angle[shown], 3)
+    third = np.sort(np.abs(third))[: int(0.9 * third.size)]
+    assert np.sqrt(np.mean(third**2) / 20.0) == pytest.approx(
+        0.07 * 0.79, rel=0.1
+    )  # of normal noise, trimmed
+    pressure = made.rows[:, 2]
+    with np.errstate(invalid="ignore"):
+        pressure = pressure[np.isfinite(pressure) & (np.abs(pressure) < 200.0)]
+    moved = np.abs(np.diff(pressure, 3))
+    assert np.median(moved) / 0.6745 / np.sqrt(20.0) == pytest.approx(0.2, rel=0.15)
+    assert (made.pressure, made.angle) == (pytest.approx(100.0), pytest.approx(0.0))
+
+
+def test_the_middle_of_the_loop_stands_at_the_reference():
+    p = WRIST.hysteresis
+    for reference in (-10.0, 0.0, 8.0):
+        pressure = WRIST.regulator.gain * _open_loop(WRIST, reference)
+        lines = [p.a1 * (pressure - p.rest_pressure), p.a2 * (pressure - p.rest_pressure)]
+        assert np.mean(lines) == pytest.approx(reference, abs=1e-9)
+    assert _open_loop(WRIST, 1e3) == 4.0
+    assert _open_loop(WRIST, -1e3) == 0.0
+
+
+def test_the_table_has_what_the_law_reads_and_what_it_answered(made):
+    head, *lines = csv(PI, made).splitlines()
+    assert head == "reference_deg,angle_deg,expected_command_V"
+    read = np.array([[float(x) for x in line.split(",")] for line in lines])
+    np.testing.assert_array_equal(read, made.rows[:, [0, 1, 3]])
+
+
+@pytest.mark.parametrize(("kind", "gains", "words"), [
+    ("pi", (0.0, 0.0), "controls nothing"),
+    ("pi-2dof", (0.0, 0.0, 0.7, 0.01), "controls nothing"),
+    ("pi", None, r"not given; pi takes Kp"),
+    ("pi", (1.0,), r"1 given; pi takes"),
+    ("mpc", (1.0,), "mpc takes no gains"),
+    ("feedforward-pi", (1.2, 2.2, 1e3), "longer than"),
+])  # fmt: skip
+def test_what_cannot_be_is_refused(kind, gains, words):
+    with pytest.raises(InputError, match=words):
+        part(kind, "flexion", WRIST, gains)
+    assert part("pi", "flexion", WRIST, (0.0, 1.0)).name == "flexion_pi"

@@ -1,0 +1,103 @@
+"""What a sequence is held against: steps of other sizes than the task's are scaled to it, and named."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from design.controllers.pi import PI
+from design.evaluation.metrics import Metrics
+from design.evaluation.sequence import PlayedSequence, Sequence, batch, play, repeated, stack
+from plants import Wrist
+
+WRIST = Wrist.flexion()
+TASK = WRIST.rig.task.step
+FIGURES = Metrics(
+    rise_time_s=0.4, settling_time_s=2.5, overshoot_percent=6.0, steady_state_error_deg=0.3, iae_deg_s=9.0,
+    ise_deg2_s=50.0, itae_deg_s2=4.0, total_variation_V=3.0,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("size", "overshoot", "variation", "share"),
+    [
+        (15.0, 6.0, 3.0, 1.0),
+        (30.0, 6.0, 1.5, 0.5),  # half of its travel, error per degree
+        (7.5, 6.0, 3.0, 2.0),  # it must travel for the play of the loop all the same
+        (2.5, 3.0, 3.0, 3.0),  # judged relative to a step of 5
+        (0.0, 0.0, 3.0, 3.0),
+    ],
+)
+def test_a_step_of_another_size_is_scaled_to_the_tasks(size, overshoot, variation, share):
+    found = PlayedSequence(
+        Metrics(**{n: np.array([v]) for n, v in vars(FIGURES).items()}), np.zeros(1), np.array([size]), 15.0
+    ).values
+    assert {n: float(v[0]) for n, v in found.items()} == pytest.approx({
+        "overshoot_percent": overshoot, "steady_error_percent": 2.0, "total_variation_V": variation,
+        "iae_deg_s": 9.0 * share, "itae_deg_s2": 4.0 * share, "settling_time_s": 2.5,
+    })  # fmt: skip
+
+
+def asked(references, holds, **more):
+    return Sequence("virgin", more.pop("angle", 0.0), references, holds, WRIST, **more)
+
+
+def test_a_step_is_the_tasks_by_its_size_and_where_it_is_begun_calmly():
+    assert asked((TASK,), (10.0,)).of_task
+    assert asked((-TASK,), (10.0,)).of_task
+    assert asked((0.0,), (10.0,), angle=TASK).of_task
+    assert asked((TASK, 0.0), (3.0, 10.0)).of_task
+    assert not asked((TASK, 0.0), (2.9, 10.0)).of_task
+    assert not asked((TASK - 1.0,), (10.0,)).of_task
+    assert not asked((TASK,), (10.0,), angle=1.0).of_task
+    assert not asked((TASK,), (10.0,), load=1.0, load_at=0.0).of_task  # a mere load
+    assert asked((TASK,), (10.0,), load=1.0).of_task
+
+
+def test_a_sequence_is_said_in_words():
+    found = replace(asked((15.0, -10.0), (0.8, 10.0), dead_time=0.04), start="line2")
+    assert found.name == "0, +15 (0.8 s), -10 deg from line2, nominal plant, 40 ms of dead time"
+    assert asked((5.0,), (1.0,), load=-2.0).name == "0, +5 deg from virgin, nominal plant, load -2 deg"
+    late = asked((5.0,), (1.0,), load=2.0, load_at=0.5)
+    assert late.name.endswith("load +2 deg after 0.5 s")
+    with pytest.raises(ValueError, match="as many times"):
+        asked((1.0, 2.0), (1.0,))
+    with pytest.raises(ValueError, match="needs references"):
+        asked((), ())
+
+
+def test_a_shorter_sequence_among_longer_ones_is_played_as_alone():
+    one, two = asked((15.0,), (1.0,)), asked((5.0, 15.0, -5.0), (0.2, 0.3, 1.2), load=0.5)
+    gains = PI(3.0, 10.0)
+    together = play([one, two], gains)
+    for lane, alone in enumerate((one, two)):
+        found = play([alone], gains)
+        for name, values in found.values.items():
+            assert together.values[name][lane] == pytest.approx(values[0], rel=1e-9), name
+    both = stack([one, two])
+    np.testing.assert_array_equal(both.switches, [[0.0, 0.0], [0.0, 200.0], [0.0, 500.0]])
+    np.testing.assert_array_equal(both.judged, [1000.0, 1200.0])
+    twice = play(repeated(both, 2), gains)
+    for name, values in together.values.items():
+        np.testing.assert_array_equal(twice.values[name], np.tile(values, 2), err_msg=name)
+
+
+def test_starts_of_lanes_are_their_own():
+    """The state of each lane is the one that its start has alone."""
+    references, holds = np.full((1, 3), 10.0), np.full((1, 3), 1.0)
+    found = batch(WRIST, ["virgin", "line1", "line2"], np.array([0.0, 5.0, -5.0]), references, holds)
+    for lane, (start, angle) in enumerate((("virgin", 0.0), ("line1", 5.0), ("line2", -5.0))):
+        alone = batch(WRIST, [start], np.array([angle]), references[:, :1], holds[:, :1])
+        assert np.asarray(found.state.pressure)[lane] == np.asarray(alone.state.pressure)[0]
+        assert np.asarray(found.state.angle)[lane] == pytest.approx(angle, abs=1e-9)
+
+
+@pytest.mark.parametrize("task_band", [False, True])
+def test_the_band_is_that_of_the_step_or_of_the_tasks(task_band):
+    """A step of 5 degrees settles later in 2 % of it than in 2 % of the task's step, three times as large."""
+    gains = PI(3.0, 10.0)
+    played = play([asked((5.0,), (4.0,))], gains, record=True, task_band=task_band)
+    error = np.abs(5.0 - np.asarray(played.trajectory.angle)[:4000, 0])
+    band = WRIST.rig.task.band * (TASK if task_band else 5.0)
+    settled = (np.flatnonzero(error >= band)[-1] + 1) * 1e-3
+    assert float(played.metrics.settling_time_s[0]) == pytest.approx(settled, abs=1.5e-3)
