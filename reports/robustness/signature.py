@@ -1,5 +1,4 @@
-"""The loop on every branch in one figure: Nyquist curves and |S| by branch and rate, steps by initial state;
-and the overshoot behind a growing dead time."""
+"""The loop on every branch in one figure: Nyquist and |S| by branch and rate, steps by initial state."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,6 @@ from plants.wrist import STARTS, Wrist
 from reports.robustness.branch_figures import frequencies, overlaid
 from reports.shared.style import (
     BLACK,
-    DASHED,
     DOTTED,
     GREY,
     PALE,
@@ -28,7 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COMPARED = ("these gains", "SIMC")
-"""What stands in the small multiples; the overshoot is drawn of all."""
+"""What stands in the small multiples, and in colour where all PIs are drawn."""
 
 
 def signature(wrist: Wrist, found: BranchSteps, limits: Limits) -> "Figure":
@@ -98,22 +96,3 @@ def _steps(axes: "Axes", found: BranchSteps, names: list[str], lane: int, step: 
     axes.axhline(step, color=BLACK, linewidth=0.7)
     axes.set(xlim=(0.0, 3.0), ylim=(-2.0, 1.6 * step), xticks=(0, 1, 2, 3))
     axes.set_xlabel("Time [s]", fontsize=7.5)
-
-
-def overshoot_figure(found: BranchSteps, limit: float | None) -> "Figure":
-    """Overshoot over the dead time of every PI, the worst over signs and initial states; a curve ends where a
-    loop no longer settles."""
-    with styled():
-        figure, (axes,) = new_figure(height=3.2)
-        for place, (name, values) in enumerate(found.overshoot.items()):
-            look = _look(name) if name in COMPARED else controller_line(_KNOWN.get(name, name), place)
-            axes.plot(1000.0 * found.dead_times, values, **{**look, "label": name})
-        if limit is not None:
-            axes.axhline(limit, color=VERMILLION, linestyle=DASHED, linewidth=1.1, label=f"limit {limit:g} %")
-        axes.set(xlabel="Added dead time [ms]", ylabel="Worst overshoot [%]", xlim=(0.0, 100.0))
-        axes.set_ylim(bottom=0.0)
-        figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
-    return figure
-
-
-_KNOWN = {"paper's stand-in": "paper"}
