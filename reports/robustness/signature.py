@@ -37,7 +37,7 @@ def signature(wrist: Wrist, found: BranchSteps, limits: Limits) -> "Figure":
     branches, omega = list(loops[names[0]]), frequencies(wrist)
     columns = max(len(branches), len(STARTS))
     with styled():
-        figure, axes = new_figure(3, columns, height=6.6)
+        figure, axes = new_figure(3, columns, height=5.6, sharey="row")
         grid = np.array(axes).reshape(3, columns)
         for column in range(columns):
             for panel, missing in (
@@ -74,14 +74,14 @@ def _nyquist(axes: "Axes", Ms: float | None) -> None:
     if Ms is not None:
         axes.add_patch(Circle((-1.0, 0.0), 1.0 / Ms, facecolor=PALE, edgecolor=GREY, linewidth=0.7, zorder=1))
     axes.plot(-1.0, 0.0, "+", color=BLACK, ms=7, mew=1.3)
-    axes.set(xlim=(-2.2, 0.8), ylim=(-2.2, 0.8), aspect="equal", xticks=(-2, -1, 0), yticks=(-2, -1, 0))
+    axes.set(xlim=(-1.7, 0.3), ylim=(-1.5, 0.5), aspect="equal", xticks=(-1, 0), yticks=(-1, 0))
     axes.set_xlabel("Re L [1]", fontsize=7.5)
 
 
 def _sensitivity(axes: "Axes", Ms: float | None) -> None:
     if Ms is not None:
         axes.axhline(Ms, color=VERMILLION, linestyle=DOTTED, linewidth=1.1, label=f"limit: Ms {Ms:g}")
-    axes.set(xscale="log", xlim=(0.1, 200.0), ylim=(0.0, 4.0), xticks=(1.0, 100.0))
+    axes.set(xscale="log", xlim=(0.1, 200.0), ylim=(0.0, 3.2), xticks=(1.0, 100.0), yticks=(0, 1, 2, 3))
     axes.minorticks_off()
     axes.xaxis.set_major_formatter(lambda v, _: f"{v:g}")
     axes.set_xlabel("ω [rad/s]", fontsize=7.5)
