@@ -120,7 +120,7 @@ class Study:
 
     @property
     def refusals(self) -> dict[str, Refusal]:
-        """Why no gains hold every limit, of the motions of which none do."""
+        """Why no gains meet every limit, of the motions of which none do."""
         return {m: a.refusal for m, a in self.answers.items() if a.refusal is not None}
 
     @property

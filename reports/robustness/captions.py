@@ -82,7 +82,7 @@ def model_words(a: Assessment) -> str:
 
 
 def claims(a: Assessment) -> list[str]:
-    """What each rung claims, those of the sampled loop together; and the word that speaks against some."""
+    """What each rung claims, those of the sampled loop together; and what disproves some."""
     found: dict[str, list[str]] = {}
     for c in a.ladder:
         if not c.dead_time:
