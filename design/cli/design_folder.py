@@ -33,11 +33,11 @@ def gains_file(folder: Path, motion: str) -> Path:
 def recommended(folder: Path, plant: "ParameterSet") -> "PI":
     """The recommended controller of a plant's motion.  Raises InputError for a file of gains that is missing
     or wrong."""
-    from design.studies.design_study import law
+    from design.synthesis.structure import with_gains
     from design.tuner.gains_file import read, read_more
     from plants.wrist import Wrist
 
     path = gains_file(folder, plant.axis)
     (Kp, Ki), (b, Tf) = read(path), read_more(path)
-    found: PI = law(Wrist.of(plant), {"Kp": Kp, "Ki": Ki, "b": b, "Tf": Tf})
+    found: PI = with_gains(Wrist.of(plant), {"Kp": Kp, "Ki": Ki, "b": b, "Tf": Tf})
     return found

@@ -7,7 +7,7 @@ of the model less the one that is measured (two degrees of freedom: Astrom & Hag
 """
 
 from dataclasses import dataclass, fields, replace
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -150,6 +150,8 @@ class FeedforwardPI(Feedforward):
     dead_time [s]: by which the wrist is known to answer late; the PI sees the model late by as much.
     Raises ValueError as `Feedforward`, and for gains or a dead time that are negative.
     """
+
+    TUNED: ClassVar[tuple[str, ...]] = ("speed", "dead_time")
 
     Kp: Number = 0.0
     Ki: Number = 0.0

@@ -11,7 +11,7 @@ while the command is clipped, unless the error drives it back into the range
 """
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -32,6 +32,9 @@ class PI:
     command.  Raises ValueError for gains
     that are negative or not finite.
     """
+
+    TUNED: ClassVar[tuple[str, ...]] = ()
+    """Settings beside the gains that a tuning chooses."""
 
     Kp: Number
     Ki: Number

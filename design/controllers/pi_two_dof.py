@@ -11,7 +11,7 @@ The integrator stands still while the command is clipped, as that of `design.con
 """
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -29,6 +29,8 @@ class TwoDofPI(PI):
 
     Raises ValueError for gains, a weight or a time constant that are negative or not finite.
     """
+
+    TUNED: ClassVar[tuple[str, ...]] = ("b", "Tf")
 
     b: Number = 1.0
     Tf: Number = 0.0

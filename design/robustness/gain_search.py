@@ -3,14 +3,13 @@
 Gains are what is printed: numbers of three digits, so that what is judged is what is read.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from design.controllers.pi import PI
-from design.controllers.pi_two_dof import TwoDofPI
+from design.controllers.controller import Controller
 from design.synthesis.requirements import (
     COSTS,
     Evaluation,
@@ -20,6 +19,7 @@ from design.synthesis.requirements import (
     evaluate_with,
     excesses,
 )
+from design.synthesis.structure import FORWARD_PI, PLAIN_PI, TWO_DOF_PI, Structure
 from design.synthesis.tuning import LocalSearch, Region, Tuning, _begins, _best, join, merit
 
 Array = NDArray[np.float64]
@@ -33,46 +33,38 @@ TELLING, TOGETHER = 8, 8
 COARSE = (8, 20)
 """Points, in each gain, of the map that a search begins with: as many as the region's own within these."""
 
-WEIGHTS = tuple(float(np.round(0.5 + 0.1 * k, 10)) for k in range(21))
-"""Reference weights that are tried, 0.5 to 2.5: to a tenth, since the cost is flat along it."""
-
-FILTERS = (0.01, 0.02, 0.005)
-"""Time constants [s] of the filter that are tried, as long as the first of them lowers the cost."""
-
 FILTER_PAYS = 0.02
 """Share of the cost that a filter has to take away: it costs phase and a number more on the target, and no
 certificate knows it."""
 
-Law = Callable[[Problem, Array, Array], PI]
+Law = Callable[[Problem, Array, Array], Controller]
 """Controllers of gains (n,)."""
 
 
-def plain(problem: Problem, Kp: Array, Ki: Array) -> PI:
-    """The paper's PI."""
-    return PI.of(problem.wrist, Kp, Ki)
+def law_with(structure: Structure, settings: Mapping[str, float]) -> Law:
+    """Controllers of a structure with some settings."""
 
-
-def weighted(b: float, Tf: float) -> Law:
-    """PIs with a reference weight b [1] and a filter Tf [s]."""
-
-    def law(problem: Problem, Kp: Array, Ki: Array) -> PI:
+    def law(problem: Problem, Kp: Array, Ki: Array) -> Controller:
         n = np.ones(np.shape(Kp))
-        return TwoDofPI.of(problem.wrist, Kp, Ki, b * n, Tf * n)
+        made: Controller = structure.of(problem.wrist, Kp, Ki, **{k: v * n for k, v in settings.items()})
+        return made
 
     return law
 
 
-def solved(problem: Problem, region: Region, known: Evaluation | None, two_dof: bool) -> Evaluation:
+def solved(problem: Problem, region: Region, known: Evaluation | None, structure: Structure) -> Evaluation:
     """The gains of least cost on a set, as they are printed, from those of the set before on; from a map
     where these lead to none."""
     if known is not None:
-        found = _near(problem, region, known, 1.15, two_dof)
+        found = _near(problem, region, known, 1.15, structure)
+        if structure.loop_kept:
+            return found
         if found.feasible[0]:
             return printed(problem, region, found)
     coarse = replace(region, points=max(min(region.points, COARSE[1]), COARSE[0]))
     rows, columns = (g.ravel() for g in np.meshgrid(*coarse.grid, indexing="ij"))
     mapped = _best(evaluate(problem, rows, columns))
-    return printed(problem, region, _near(problem, region, mapped, max(coarse.resolution), two_dof))
+    return printed(problem, region, _near(problem, region, mapped, max(coarse.resolution), structure))
 
 
 def printed(problem: Problem, region: Region, found: Evaluation) -> Evaluation:
@@ -102,36 +94,48 @@ def _steps_down(gain: float, bounds: tuple[float, float]) -> Array:
     return near[(near >= bounds[0]) & (near <= bounds[1])]
 
 
-def _near(problem: Problem, region: Region, known: Evaluation, ratio: float, two_dof: bool) -> Evaluation:
-    """The gains of least cost near to known ones; with two degrees of freedom any weight and filter."""
-    if not two_dof:
-        return zoomed(problem, region, plain, known, ratio)
-    b, Tf = (1.0, 0.0) if known.b is None else (float(known.b[0]), float(known.Tf[0]))  # type: ignore[index]
-    tried: dict[tuple[float, float], Evaluation] = {}
+def _near(
+    problem: Problem, region: Region, known: Evaluation, ratio: float, structure: Structure
+) -> Evaluation:
+    """The gains of least cost near to known ones, with any settings that the structure tries."""
+    if structure.ladder is None:
+        return zoomed(problem, region, law_with(structure, structure.settings), known, ratio)
+    again = known.settings.keys() == structure.settings.keys()
+    begin = {n: float(v[0]) for n, v in known.settings.items()} if again else dict(structure.settings)
+    tried: dict[tuple[float, ...], Evaluation] = {}
 
-    def at(b: float, Tf: float, near: Evaluation) -> Evaluation:
-        if (b, Tf) not in tried:
-            tried[b, Tf] = zoomed(problem, region, weighted(b, Tf), near, max(ratio, 1.2))
-        return tried[b, Tf]
+    def at(settings: Mapping[str, float], near: Evaluation) -> Evaluation:
+        key = tuple(settings.values())
+        if key not in tried:
+            law = law_with(structure, settings)
+            tried[key] = (
+                evaluate_law(problem, law, near.Kp, near.Ki)
+                if structure.loop_kept
+                else zoomed(problem, region, law, near, max(ratio, 1.2))
+            )
+        return tried[key]
 
-    best = at(b, Tf, known)
-    strides = (4, 2, 1) if known.b is None else (1,)
-    for stride in strides:  # downhill along the weights, then a filter
+    best = at(begin, known)
+    name, values = structure.ladder
+    for stride in (1,) if again else structure.strides:  # downhill along the ladder, then a filter
         while True:
-            place = WEIGHTS.index(b)
-            near = [WEIGHTS[i] for i in (place - stride, place + stride) if 0 <= i < len(WEIGHTS)]
-            better = min((at(w, Tf, best) for w in near), key=_rank)
+            place = values.index(begin[name])
+            near = [
+                {**begin, name: values[i]} for i in (place - stride, place + stride) if 0 <= i < len(values)
+            ]
+            better = min((at(s, best) for s in near), key=_rank)
             if _rank(better) >= _rank(best):
                 break
-            best, b = better, float(better.b[0])  # type: ignore[index]
-    unfiltered = at(b, 0.0, best)
-    best = unfiltered if Tf == 0.0 or not _filter_pays(best, unfiltered) else best
-    for filtered in FILTERS if known.b is None else ():
-        other = at(b, filtered, unfiltered)
-        if _rank(other) >= _rank(unfiltered):
-            break
-        if _filter_pays(other, unfiltered) and _rank(other) < _rank(best):
-            best = other
+            best, begin = better, {**begin, name: float(better.settings[name][0])}
+    if structure.filters:
+        unfiltered = at({**begin, "Tf": 0.0}, best)
+        best = unfiltered if begin["Tf"] == 0.0 or not _filter_pays(best, unfiltered) else best
+        for filtered in () if again else structure.filters:
+            other = at({**begin, "Tf": filtered}, unfiltered)
+            if _rank(other) >= _rank(unfiltered):
+                break
+            if _filter_pays(other, unfiltered) and _rank(other) < _rank(best):
+                best = other
     return best
 
 
@@ -197,7 +201,10 @@ def _telling(problem: Problem, law: Law, best: Evaluation) -> Problem:
 
 def law_of(at: Evaluation) -> Law:
     """The law whose gains an evaluation is of."""
-    return plain if at.b is None or at.Tf is None else weighted(float(at.b[0]), float(at.Tf[0]))
+    for structure in (PLAIN_PI, TWO_DOF_PI, FORWARD_PI):
+        if structure.settings.keys() == at.settings.keys():
+            return law_with(structure, {n: float(v[0]) for n, v in at.settings.items()})
+    raise ValueError(f"no structure has the settings {', '.join(at.settings)}")
 
 
 def evaluate_law(problem: Problem, law: Law, Kp: Array, Ki: Array) -> Evaluation:

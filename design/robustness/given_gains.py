@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 
 from design.controllers.pi import PI
-from design.controllers.pi_two_dof import TwoDofPI
-from design.robustness.gain_search import evaluate_law, plain, weighted, with_evidence
+from design.robustness.gain_search import evaluate_law, law_with, with_evidence
 from design.robustness.requirement import Requirement
 from design.robustness.robust_tuning import pool_of
 from design.robustness.samples.hunt import Hunted
 from design.synthesis.answer import out_of_reach
 from design.synthesis.requirements import COSTS
+from design.synthesis.structure import PLAIN_PI, TWO_DOF_PI
 from design.synthesis.tuning import Region, Tuning
 
 NEAR, DEAR = 48, 16
@@ -28,7 +28,8 @@ def given_gains(
     """
     region = region or Region()
     problem = requirement.problem(jobs=jobs)
-    law = weighted(float(controller.b), float(controller.Tf)) if isinstance(controller, TwoDofPI) else plain
+    settings = {n: float(getattr(controller, n)) for n in controller.TUNED}
+    law = law_with(TWO_DOF_PI if settings else PLAIN_PI, settings)
     Kp, Ki = (np.array([float(g)]) for g in (controller.Kp, controller.Ki))
     if out_of_reach(problem) is None:
         pool = pool_of(requirement)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from design.robustness.requirement import Requirement
 from design.robustness.robust_tuning import RobustTuning, tune_robustly
+from design.synthesis.structure import TWO_DOF_PI
 from design.synthesis.tuning import Region
 
 Tell = Callable[[str, float], None]
@@ -59,6 +60,6 @@ def tune_candidates(
         return Candidates(plain, None)
     two_dof = tune_robustly(
         requirement, region, 0, seed, rounds, jobs, lambda s, h: tell(f"{TWO_DOF}: {s}", 0.6 + 0.4 * h),
-        two_dof=True, base=plain.final,
+        TWO_DOF_PI, base=plain.final,
     )  # fmt: skip
     return Candidates(plain, two_dof)

@@ -29,6 +29,7 @@ from design.synthesis.requirements import (
     Evaluation,
     evaluate,
 )
+from design.synthesis.structure import PLAIN_PI, Structure
 from design.synthesis.tuning import Region, Tuning
 
 Array = NDArray[np.float64]
@@ -57,7 +58,10 @@ SEARCH, FRESH = 12_000, 2000
 """Runs of a round's search for the worst case, and fresh samples that must find nothing."""
 
 
-Ended = Literal["no worse case found", "rounds used up", "no gains hold the grown set", "out of reach"]
+Ended = Literal[
+    "no worse case found", "rounds used up", "no gains hold the grown set", "out of reach",
+    "noise breaks a limit",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -106,16 +110,16 @@ def tune_robustly(
     rounds: int = 15,
     jobs: int | None = None,
     progress: Tell | None = None,
-    two_dof: bool = False,
+    structure: Structure = PLAIN_PI,
     base: Tuning | None = None,
 ) -> RobustTuning:
     """Gains of least worst cost that hold a requirement, as far as pool, search and fresh samples can tell.
 
-    two_dof: with a reference weight and a filter of the angle; base: a tuning, such as of the PI, whose
-    gains and cases to begin with; starts: local searches of the last set, which show whether other valleys
-    are as low, beside a map of the region; neither where 0; seed: of searches and samples.  Ends where no
-    worse case is found, after `rounds`, or where no gains in the region hold the grown set: then the last
-    tuning is the nearest.
+    structure: of the controller; base: a tuning, such as of the PI, whose gains and cases to begin with;
+    starts: local searches of the last set, which show whether other valleys are as low, beside a map of the
+    region; neither where 0; seed: of searches and samples.  Ends where no worse case is found, where the
+    sensor's noise breaks a limit that the gains hold without it, after `rounds`, or where no gains in the
+    region hold the grown set: then the last tuning is the nearest.
     """
     tell, region = progress or (lambda stage, share: None), region or Region()
     problem = requirement.problem(dict(GUARD), jobs)
@@ -132,22 +136,27 @@ def tune_robustly(
     for number in range(max(rounds, 1)):
         share = 1.0 - 0.8**number
         tell(f"round {number + 1}: gains", share)
-        known = here = solved(problem, region, known, two_dof)
+        known = here = solved(problem, region, known, structure)
         found = Tuning(problem, region, here, here, ())
         if not here.feasible[0]:
             ended = "no gains hold the grown set"
             done.append(Round(found, 0.0, "pool", 0, ()))
             break
-        if number == 1:  # what is mild under the boldest gains is milder under any later
-            pool = pool[:, _harshest(requirement, done[0].tuning, pool, jobs)]
 
         def said(stage: str, at: int = number, share: float = share) -> None:
             tell(f"round {at + 1}: {stage}", share)
 
-        worse, fresh = _worse(requirement, found, pool, seed + number, jobs, said)
+        said("pool")
+        values = requirement.run(pool, found.controller, jobs=jobs)
+        worse, fresh = _worse(requirement, found, (pool, values), seed + number, jobs, said)
         done.append(replace(worse, tuning=found))
+        if number == 0:  # what is mild under the boldest gains is milder under any later
+            pool = pool[:, _harshest(requirement, pool, values)]
         if not worse.added:
             ended = "no worse case found"
+            break
+        if _noise_alone(done):
+            ended = "noise breaks a limit"
             break
         problem = replace(problem, adverse=(*problem.adverse, *worse.added))
     tell("map", 0.9)
@@ -156,6 +165,17 @@ def tune_robustly(
         done[-1] = replace(last, tuning=with_evidence(last.tuning, starts))
     tell("done", 1.0)
     return RobustTuning(requirement, tuple(done), ended, fresh)
+
+
+def _noise_alone(done: list[Round]) -> bool:
+    """Whether samples broke a limit of the same gains twice: the cases that were added after the first time
+    hold without the noise that samples have, so that no further round will tell more."""
+    last = done[-2:]
+    return (
+        len(last) == 2
+        and all(r.by == "samples" for r in last)
+        and last[0].tuning.gains == last[1].tuning.gains
+    )
 
 
 def pool_of(requirement: Requirement) -> Array:
@@ -172,9 +192,8 @@ def pool_of(requirement: Requirement) -> Array:
     return np.asarray(x[:, space.reachable(x)])
 
 
-def _harshest(requirement: Requirement, found: Tuning, pool: Array, jobs: int | None) -> NDArray[np.intp]:
-    """The quarter of a pool that comes nearest to the limits under some gains, and its dearest cases."""
-    values = requirement.run(pool, found.controller, jobs=jobs)
+def _harshest(requirement: Requirement, pool: Array, values: dict[str, Array]) -> NDArray[np.intp]:
+    """The quarter of a pool that comes nearest to the limits in what runs gave, and its dearest cases."""
     cost = np.where(requirement.space.of_task(pool), values[COSTS[requirement.cost]], 0.0)
     near, dear = np.argsort(-requirement.excess(values)), np.argsort(-cost)
     return np.unique(np.concatenate([near[: POOL // 4], dear[: POOL // 32]]))
@@ -183,16 +202,16 @@ def _harshest(requirement: Requirement, found: Tuning, pool: Array, jobs: int | 
 def _worse(
     requirement: Requirement,
     found: Tuning,
-    pool: Array,
+    at_places: tuple[Array, dict[str, Array]],
     seed: int,
     jobs: int | None,
     tell: Callable[[str], None],
 ) -> tuple[Round, Check | None]:
-    """What breaks a limit of gains, its guard half counted, or costs more than the set: of the pool, else
-    of a search, else of fresh samples; the round, and the samples where they were asked."""
-    tell("pool")
-    controller, half = found.controller, {n: SLACK * v for n, v in GUARD.items()}
-    values = requirement.run(pool, controller, jobs=jobs)
+    """What breaks a limit of gains, its guard half counted, or costs more than the set: of the pool, whose
+    places and values are given, else of a search, else of fresh samples; the round, and the samples where
+    they were asked."""
+    (pool, values), controller = at_places, found.controller
+    half = {n: SLACK * v for n, v in GUARD.items()}
     at_pool = Hunted(pool, requirement.excess(values, half))
     added = _sequences(requirement, at_pool, 0.0)
     cost = np.where(requirement.space.of_task(pool), values[COSTS[requirement.cost]], 0.0)

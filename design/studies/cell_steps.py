@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from design.controllers.pi import PI
+from design.controllers.controller import Controller
 from design.evaluation.runner import play, step_from
 from design.robustness.gain_search import law_of
 from design.synthesis.tuning import Tuning
@@ -34,10 +34,11 @@ class CellSteps:
     reference: float
 
 
-def cell_steps(wrist: Wrist, many: PI) -> CellSteps:
-    """Play the step of the task from rest under PIs, lanes of one, without and with the longest dead time
-    that the rig states.
+def cell_steps(wrist: Wrist, many: Controller) -> CellSteps:
+    """Play the step of the task from rest under controllers, lanes of one, without and with the longest
+    dead time that the rig states.
 
+    >>> from design.controllers.pi import PI
     >>> found = cell_steps(Wrist.flexion(), PI(np.array([1.2, 2.3]), np.array([2.2, 6.4])))
     >>> sorted(found.angle), found.angle[0.0].shape == (2, found.time.size)
     ([0.0, 0.05], True)
@@ -57,6 +58,6 @@ def cell_steps(wrist: Wrist, many: PI) -> CellSteps:
 
 
 def map_steps(tuning: Tuning) -> CellSteps:
-    """The steps of the map of a tuning, under controllers with its reference weight and filter."""
+    """The steps of the map of a tuning, under controllers of its structure with its settings."""
     problem, at = tuning.problem, tuning.map
     return cell_steps(problem.wrist, law_of(tuning.at)(problem, at.Kp, at.Ki))

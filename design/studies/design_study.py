@@ -14,24 +14,20 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from design.alternatives.designs import FORWARD_PI
-from design.alternatives.feedforward_design import design_feedforward
-from design.controllers.feedforward import FeedforwardPI
 from design.controllers.pi import PI
-from design.controllers.pi_two_dof import TwoDofPI
 from design.robustness.box import Box
-from design.robustness.checks import check
 from design.robustness.recommended import PLAIN, TWO_DOF, pays, tune_candidates
 from design.robustness.requirement import Requirement, requirement, requirement_record
-from design.robustness.robust_tuning import FRESH, GUARD, RobustTuning, tune_robustly
+from design.robustness.robust_tuning import GUARD, RobustTuning, tune_robustly
 from design.studies.decision import checked
 from design.studies.limits_matrix import matrix, step_band
 from design.studies.prices import Tasks, price_rows
 from design.studies.proof import proof
 from design.studies.stages import Stages
-from design.synthesis.requirements import Problem
 from design.synthesis.retune import in_sensor, without_sensor
-from design.synthesis.tuning import Region
+from design.synthesis.structure import FORWARD_PI, forward_pi, with_gains
+from design.synthesis.tuning import Region, Tuning
+from plants.effects.effect import dead_time_of
 from plants.errors import InputError
 from plants.measured.campaign import Campaign
 from plants.measured.trace.trace import trace_campaign
@@ -42,7 +38,7 @@ from plants.wrist import Wrist
 Array = NDArray[np.float64]
 Tell = Callable[[str, float], None]
 
-FORWARD = FORWARD_PI
+FORWARD = FORWARD_PI.name
 BARE = "PI, residual left out"
 """What a PI would be whose plant left nothing: told beside, to show what the residual costs."""
 STAGES = ("trace", "tune", "check", "proof", "prices", "page")
@@ -107,7 +103,7 @@ class MotionDesign:
     @property
     def controller(self) -> PI:
         """The recommended controller."""
-        return cast(PI, law(Wrist.of(self.plant), self.gains))
+        return cast(PI, with_gains(Wrist.of(self.plant), self.gains))
 
     @property
     def holds(self) -> bool:
@@ -129,16 +125,6 @@ class DesignStudy:
     def holds(self) -> bool:
         """Whether every motion's gains hold what is required."""
         return all(m.holds for m in self.motions)
-
-
-def law(wrist: Wrist, gains: Mapping[str, float]) -> Any:
-    """The controller with some gains: a plain PI where weight and filter are those of one, with a feedforward
-    where they name its speed."""
-    if "speed" in gains:
-        return FeedforwardPI.of(wrist, speed=gains["speed"], Kp=gains["Kp"], Ki=gains["Ki"])
-    if gains["b"] == 1.0 and gains["Tf"] == 0.0:
-        return PI.of(wrist, gains["Kp"], gains["Ki"])
-    return TwoDofPI.of(wrist, gains["Kp"], gains["Ki"], gains["b"], gains["Tf"])
 
 
 def design_study(
@@ -239,7 +225,7 @@ def _designed(
     best = TWO_DOF if pays((one["holds"], two["holds"]), [one["cost"], two["cost"]]) else PLAIN
     gains = designs[best]["gains"]
     mine = {**asked, "gains": gains}
-    controller = law(wrist, gains)
+    controller = with_gains(wrist, gains)
     evidence = stages.done(
         f"check-{motion}",
         mine,
@@ -272,14 +258,14 @@ def _tuned(
 ) -> dict[str, Any]:
     """Both controllers under the requirement; where neither holds it, what would have to be taken away."""
     region = Region(points=effort.points)
-    both = tune_candidates(required, region, seed, effort.rounds, jobs, tell)
+    both = tune_candidates(required, region, seed, effort.rounds, jobs, lambda s, h: tell(s, 0.6 * h))
     plain = both.plain
     found = {PLAIN: _tuning_record(plain), TWO_DOF: _tuning_record(both.two_dof or plain)}
     if both.two_dof is not None:
-        other = _forward(
-            required, plain.final.problem, seed, jobs, lambda s, h: tell(f"{FORWARD}: {s}", 0.98)
+        loops = [both.best.final] + ([both.plain.final] if both.best is both.two_dof else [])
+        found |= _forward(
+            required, loops, seed, effort.rounds, jobs, lambda s, h: tell(f"{FORWARD}: {s}", 0.6 + 0.4 * h)
         )
-        found |= {FORWARD: other} if other else {}
     if required.box.remainder is not None:
         bare = replace(required, box=required.box.leaving(None))
         tell("without what the plant leaves", 0.99)
@@ -289,23 +275,23 @@ def _tuned(
 
 
 def _forward(
-    required: Requirement, problem: Problem, seed: int, jobs: int | None, tell: Tell
-) -> dict[str, Any] | None:
-    """A PI with feedforward on the cases that the PI was tuned on, judged on fresh ones; None for a plant
-    that has no inverse."""
-    tell("design", 0.0)
+    required: Requirement, loops: list[Tuning], seed: int, rounds: int, jobs: int | None, tell: Tell
+) -> dict[str, dict[str, Any]]:
+    """A feedforward around the first of some PI loops with which it holds the requirement, else around the
+    last; none for a plant that has no inverse."""
+    known = dead_time_of(required.wrist.effects)
+    structure = forward_pi(known + 0.5 * required.space.dead_time)  # the middle of the interval
+    found: dict[str, dict[str, Any]] = {}
     try:
-        made = design_feedforward(problem, seed)
+        structure.of(required.wrist, 0.0, 0.0, **structure.settings)
     except (InputError, ValueError):
-        return None
-    c = made.controller
-    fresh = check(required, c, FRESH, 4000 + seed, jobs)
-    return {
-        "gains": {"Kp": float(c.Kp), "Ki": float(c.Ki), "speed": float(c.speed)},
-        "cost": float(made.at.cost[0]), "holds": not made.breaks and fresh.broken == 0,
-        "ended": f"{fresh.broken} of {fresh.total} fresh samples break a limit", "active": None,
-        "nearest": None, "cases": len(problem.adverse), "rounds": 1,
-    }  # fmt: skip
+        return found
+    for base in loops:
+        tuned = tune_robustly(required, None, 0, seed, rounds, jobs, tell, structure, base)
+        found = {FORWARD: _tuning_record(tuned)}
+        if tuned.holds:
+            break
+    return found
 
 
 def _would_have_to_go(required: Requirement, seed: int, jobs: int | None, tell: Tell) -> str | None:
@@ -332,7 +318,7 @@ def _tuning_record(found: RobustTuning) -> dict[str, Any]:
     t = found.final
     nearest = None if found.refusal is None else {"limit": t.active, "words": type(found.refusal).__name__}
     return {
-        "gains": {"Kp": t.Kp, "Ki": t.Ki, "b": t.b, "Tf": t.Tf}, "cost": float(t.at.cost[0]),
+        "gains": t.gains, "cost": float(t.at.cost[0]),
         "holds": found.holds, "ended": found.ended, "active": t.active, "nearest": nearest,
         "cases": len(t.problem.adverse), "rounds": len(found.rounds),
     }  # fmt: skip
@@ -350,7 +336,7 @@ def _priced(
     rows = price_rows(required, jobs, tell)
     tasks = Tasks.of(required)
     for name, found in designs.items():
-        row = tasks.row(law(required.wrist, found["gains"]), jobs)
+        row = tasks.row(with_gains(required.wrist, found["gains"]), jobs)
         guarantee = "without the residual" if name == BARE else "worst case found"
         own = {"guarantee": guarantee, "controller": name, "gains": found["gains"]}
         rows.append({**own, "feasible": found["holds"], "own_worst_iae_deg_s": found["cost"], **row})

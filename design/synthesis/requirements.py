@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from design.controllers.controller import Controller
 from design.controllers.pi import PI
-from design.controllers.pi_two_dof import TwoDofPI
 from design.evaluation.metrics import Metrics
 from design.evaluation.scenarios import Scenario, Spread, stack, tuning_scenarios, unreachable, within_reach
 from design.evaluation.sequence import Batch as AdverseBatch
@@ -89,8 +88,8 @@ LIMIT_UNITS = {
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What gains of shape (n,) do on a set of scenarios; b and Tf [s] (n,) those of PIs with two degrees of
-    freedom, None of others.
+    """What gains of shape (n,) do on a set of scenarios; settings: what the controllers have beside the
+    gains, by name, each (n,).
 
     cost (n,): the worst over the scenarios (and adverse sequences), `cost_at` (n,) where.  values[limit]
     (n,): the worst value of each limited quantity, `values_at` (n,) on which
@@ -105,8 +104,7 @@ class Evaluation:
     values: dict[str, Array]
     values_at: dict[str, NDArray[np.intp]]
     excess: dict[str, Array]
-    b: Array | None = None
-    Tf: Array | None = None
+    settings: dict[str, Array] = field(default_factory=dict)
 
     @property
     def worst_excess(self) -> Array:
@@ -129,7 +127,7 @@ class Evaluation:
             {k: v[one] for k, v in self.values.items()},
             {k: v[one] for k, v in self.values_at.items()},
             {k: v[one] for k, v in self.excess.items()},
-            *(None if x is None else x[one] for x in (self.b, self.Tf)),
+            {k: v[one] for k, v in self.settings.items()},
         )  # fmt: skip
 
 
@@ -316,8 +314,7 @@ def evaluate_with(problem: Problem, many: Controller, Kp: Array, Ki: Array) -> E
     values = {"Ms": linear.Ms, "Mt": linear.Mt, "delay_margin_s": linear.delay_margin_s}
     at = {"Ms": linear.Ms_at, "Mt": linear.Mt_at, "delay_margin_s": linear.delay_at}
     excess = excesses(values, {n: v for n, v in problem.held_to.items() if n in values})
-    more = (many.b, many.Tf) if isinstance(many, TwoDofPI) else ()
-    b, Tf = (np.broadcast_to(x, Kp.shape) for x in more) if more else (None, None)
+    own = {n: np.broadcast_to(getattr(many, n), Kp.shape) for n in getattr(many, "TUNED", ())}
     run_at = np.arange(Kp.size)
     if problem.screened and excess:
         run_at = np.flatnonzero(np.max(list(excess.values()), axis=0) <= SCREEN)
@@ -330,7 +327,7 @@ def evaluate_with(problem: Problem, many: Controller, Kp: Array, Ki: Array) -> E
     excess = excesses(values, problem.held_to)
     if run_at.size < Kp.size:
         excess = {n: np.where(np.isnan(v), -1.0, v) for n, v in excess.items()}
-    return Evaluation(Kp, Ki, cost.max(axis=1), cost.argmax(axis=1), values, at, excess, b, Tf)
+    return Evaluation(Kp, Ki, cost.max(axis=1), cost.argmax(axis=1), values, at, excess, own)
 
 
 def _judged_where(

@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.cluster import each
-from design.controllers.pi import PI
-from design.controllers.pi_two_dof import TwoDofPI
-from design.synthesis.requirements import Evaluation, Problem, controller, evaluate
+from design.synthesis.requirements import Evaluation, Problem, evaluate
+from design.synthesis.structure import with_gains
 
 Array = NDArray[np.float64]
 PENALTY = 20.0
@@ -88,21 +87,20 @@ class Tuning:
         return float(self.at.Ki[0])
 
     @property
-    def b(self) -> float:
-        """Reference weight [1]; 1 of a plain PI."""
-        return 1.0 if self.at.b is None else float(self.at.b[0])
+    def settings(self) -> dict[str, float]:
+        """Settings beside the gains, by name: b [1] and Tf [s] of a PI with two degrees of freedom, speed
+        [1/s] and dead_time [s] of a feedforward; none of a plain PI."""
+        return {n: float(v[0]) for n, v in self.at.settings.items()}
 
     @property
-    def Tf(self) -> float:
-        """Time constant [s] of the filter of the angle; 0 of a plain PI."""
-        return 0.0 if self.at.Tf is None else float(self.at.Tf[0])
+    def gains(self) -> dict[str, float]:
+        """Gains and settings by name; of a plain PI with the weight and the filter that it has."""
+        return {"Kp": self.Kp, "Ki": self.Ki, **(self.settings or {"b": 1.0, "Tf": 0.0})}
 
     @property
-    def controller(self) -> PI:
+    def controller(self) -> Any:
         """The controller with the gains."""
-        if self.at.b is None:
-            return controller(self.problem, self.Kp, self.Ki)
-        return TwoDofPI.of(self.problem.wrist, self.Kp, self.Ki, self.b, self.Tf)
+        return with_gains(self.problem.wrist, self.gains)
 
     @property
     def feasible(self) -> bool:
@@ -256,8 +254,10 @@ def _around(at: Evaluation, region: Region, zoom: float) -> tuple[Array, Array]:
 
 
 def _best(at: Evaluation) -> Evaluation:
-    """The gains of least cost among those that hold the limits, else those of least excess."""
-    rank = np.where(at.feasible, at.cost, np.inf) if at.feasible.any() else at.worst_excess
+    """The gains of least cost among those that hold the limits, else those of least excess; gains that were
+    not simulated come last, since what they break is not all known."""
+    unseen = np.where(np.isfinite(at.cost), 0.0, 1e6)
+    rank = np.where(at.feasible, at.cost, np.inf) if at.feasible.any() else at.worst_excess + unseen
     return at.only(int(np.argmin(rank)))
 
 
@@ -268,13 +268,7 @@ def join(parts: list[Evaluation]) -> Evaluation:
         return {k: np.concatenate([getattr(p, name)[k] for p in parts]) for k in getattr(parts[0], name)}
 
     row = {n: np.concatenate([getattr(p, n) for p in parts]) for n in ("Kp", "Ki", "cost", "cost_at")}
-    more = {
-        n: None
-        if any(getattr(p, n) is None for p in parts)
-        else np.concatenate([getattr(p, n) for p in parts])
-        for n in ("b", "Tf")
-    }
     return Evaluation(
-        **row, values=table("values"), values_at=table("values_at"), excess=table("excess"), b=more["b"],
-        Tf=more["Tf"],
+        **row, values=table("values"), values_at=table("values_at"), excess=table("excess"),
+        settings=table("settings"),
     )  # fmt: skip

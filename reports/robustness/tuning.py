@@ -77,8 +77,8 @@ def record(found: RobustTuning) -> dict[str, Any]:
             {
                 "Kp": r.tuning.Kp,
                 "Ki": r.tuning.Ki,
-                "b": r.tuning.b,
-                "Tf": r.tuning.Tf,
+                "b": r.tuning.gains["b"],
+                "Tf": r.tuning.gains["Tf"],
                 "feasible": refusal(r.tuning) is None,
                 "cases_in_the_set": [s.name for s in r.tuning.problem.adverse],
                 "worst_cost_of_the_set": float(r.tuning.at.cost[0]),

@@ -42,7 +42,7 @@ def tuning_record(found: Answer, axis: str) -> dict[str, Any]:
         "axis": axis,
         "Kp": t.Kp,
         "Ki": t.Ki,
-        **({} if at.b is None else {"b": t.b, "Tf": t.Tf}),
+        **t.settings,
         "units": UNITS,
         "feasible": found.refusal is None,
         "refusal": None if found.refusal is None else refused(found.refusal),

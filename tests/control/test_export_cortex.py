@@ -86,7 +86,9 @@ def test_a_controller_answers_there_as_in_Python_within_its_budget(pi):
 def test_the_folder_says_what_it_takes_and_stays_an_export(pi, tmp_path):
     written(around(*pi), tmp_path)
     before = sorted(p.name for p in tmp_path.iterdir())
-    text, data, bss = map(int, said(["make", "--no-print-directory", "size"], tmp_path).splitlines()[-1].split()[:3])
+    text, data, bss = map(
+        int, said(["make", "--no-print-directory", "size"], tmp_path).splitlines()[-1].split()[:3]
+    )
     flash, _ = sizes("flexion_pi", "float", objects("flexion_pi", tmp_path), tmp_path)
     assert 500 < text < flash + 100  # its functions are not dropped where nobody calls them
     assert (data, bss) == (0, 0)  # nothing global

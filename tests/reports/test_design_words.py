@@ -1,12 +1,13 @@
 """The page of a design says its answer in three sentences of at most twenty words, whatever the answer."""
 
 import itertools
+from dataclasses import replace
 
 import pytest
 
-from design.studies.design_study import DesignEffort, DesignStudy, MotionDesign
+from design.studies.design_study import FORWARD, DesignEffort, DesignStudy, MotionDesign
 from reports.design import tables
-from reports.design.words import last_line, summary, title
+from reports.design.words import feedforward_words, last_line, summary, title
 
 GAINS = {"Kp": 2.89, "Ki": 7.39, "b": 1.0, "Tf": 0.0}
 
@@ -60,3 +61,16 @@ def test_what_does_not_hold_is_said_first_and_which_guarantee_would_have_to_go()
 def test_a_row_without_gains_is_open():
     (group,) = tables.price_table(study(0, "open", 1)).groups
     assert [c.text for c in group.rows[0]][-1] == "open"
+
+
+def test_a_feedforward_that_holds_is_told_with_what_it_would_save():
+    with_one = motion("flexion", 0, "proved")
+    gains = {"Kp": 2.88, "Ki": 7.39, "speed": 3.0, "dead_time": 0.025}
+    held = {**with_one.designs, FORWARD: {"gains": gains, "holds": True, "cost": 7.5}}
+    words = feedforward_words(replace(with_one, designs=held))
+    assert "filter 3 1/s" in words
+    assert "25 ms" in words
+    assert "25 % lower" in words
+    assert feedforward_words(with_one) == ""
+    broken = {**held, FORWARD: {**held[FORWARD], "holds": False}}
+    assert feedforward_words(replace(with_one, designs=broken)) == ""

@@ -13,11 +13,12 @@ from design.evaluation.scenarios import Scenario
 from design.evaluation.sequence import Sequence, play
 from design.robustness.box import Box
 from design.robustness.checks import check, worst_found
-from design.robustness.gain_search import plain, printed, zoomed
+from design.robustness.gain_search import law_with, printed, zoomed
 from design.robustness.requirement import requirement
 from design.robustness.robust_tuning import GUARD, tune_robustly
 from design.robustness.samples.conditions import Conditions
 from design.synthesis.requirements import COSTS, Limits, Problem, evaluate
+from design.synthesis.structure import PLAIN_PI, TWO_DOF_PI
 from design.synthesis.tuning import Region
 from design.tuner.gains_file import read, write
 from plants import Wrist
@@ -85,7 +86,7 @@ def test_the_gains_are_those_that_are_printed_and_these_hold_every_case(tuned, t
 def test_printed_gains_are_the_cheapest_beside_that_hold_by_a_search_of_all(tuned):
     """Every number of three digits around gains of many, enumerated with decimals."""
     problem = replace(tuned.final.problem, adverse=tuned.final.problem.adverse[:6])
-    exact = zoomed(problem, COARSE, plain, tuned.final.at, 1.15)
+    exact = zoomed(problem, COARSE, law_with(PLAIN_PI, {}), tuned.final.at, 1.15)
     found = printed(problem, COARSE, exact)
     near = []
     for gain in (exact.Kp[0], exact.Ki[0]):
@@ -167,7 +168,7 @@ def test_rounds_that_are_used_up_are_told():
 
 
 def test_a_second_degree_of_freedom_is_never_dearer(tuned):
-    two = tune_robustly(small(), COARSE, 0, two_dof=True, base=tuned.final)
+    two = tune_robustly(small(), COARSE, 0, structure=TWO_DOF_PI, base=tuned.final)
     assert two.holds
     assert float(two.final.at.cost[0]) <= 1.01 * float(tuned.final.at.cost[0])
 

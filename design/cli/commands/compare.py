@@ -125,7 +125,7 @@ def command(
         said.print(f"MPCs are left out: {found.without_mpc}")
     for name, answer in found.answers.items():
         t = answer.tuning
-        weight = "" if t.at.b is None else f", b = {t.b:.3g}, Tf = {t.Tf:.3g} s"
+        weight = "" if not t.settings else f", b = {t.settings['b']:.3g}, Tf = {t.settings['Tf']:.3g} s"
         said.print(f"{name}: Kp = {t.Kp:.4g} kPa/deg, Ki = {t.Ki:.4g} kPa/(deg s){weight}")
     for name, no in found.refusals.items():
         said.print(f"{name}: {refused(no)}")

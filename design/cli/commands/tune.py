@@ -153,6 +153,7 @@ def command(
             found = tune(problem, region, starts, seed, tell, scheduler)
     else:
         from design.robustness.robust_tuning import tune_robustly
+        from design.synthesis.structure import TWO_DOF_PI
         from reports.robustness import tuning as robust_words
 
         asked = _requirement(
@@ -163,7 +164,7 @@ def command(
             grown = tune_robustly(asked, region, min(starts, 3), seed, rounds, jobs, tell)
             if two_dof and grown.ended != "out of reach":
                 grown = tune_robustly(
-                    asked, region, 1, seed, rounds, jobs, tell, two_dof=True, base=grown.final
+                    asked, region, 1, seed, rounds, jobs, tell, TWO_DOF_PI, base=grown.final
                 )
         found = grown.final
         for line in robust_words.lines(grown):
@@ -225,7 +226,7 @@ def lines(answered: "Answer") -> list[str]:
     near = sum(s.feasible and s.cost <= 1.01 * float(at.cost[0]) for s in found.searches)
     apart = " and ".join(f"{100 * (r - 1):.0f} %" for r in region.resolution)
     cases = f" and {len(problem.adverse)} cases of the requirement" if problem.adverse else ""
-    more = "" if at.b is None else f", b = {found.b:.3g}, Tf = {found.Tf:.3g} s"
+    more = "" if not found.settings else f", b = {found.settings['b']:.3g}, Tf = {found.settings['Tf']:.3g} s"
     said = [
         f"Kp = {found.Kp:.4g} kPa/deg, Ki = {found.Ki:.4g} kPa/(deg s){more}",
         f"worst {COST_TEXT[problem.cost].format(at.cost[0])} over {len(problem.scenarios)} scenarios"
