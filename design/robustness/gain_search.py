@@ -200,7 +200,7 @@ def _telling(problem: Problem, law: Law, best: Evaluation) -> Problem:
 
 
 def law_of(at: Evaluation) -> Law:
-    """The law whose gains an evaluation is of."""
+    """The law whose gains an evaluation is of.  Raises ValueError for settings that no structure has."""
     for structure in (PLAIN_PI, TWO_DOF_PI, FORWARD_PI):
         if structure.settings.keys() == at.settings.keys():
             return law_with(structure, {n: float(v[0]) for n, v in at.settings.items()})

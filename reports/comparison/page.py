@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from design.comparison.break_even import BreakEven
-from design.comparison.compare import Comparison
+from design.comparison.compare import FORWARD, Comparison
 from design.contest import Contest
 from design.mpc.timing import Ledger
 from design.studies.cell_steps import CellSteps
@@ -79,7 +79,8 @@ def main_figures(study: Study) -> dict[str, "Figure"]:
     if study.late:
         sweeps = {title_of(m): sweep for m, sweep in study.late.items()}
         shown = {
-            title_of(m): figures.coloured(comparison, m, list(s.overshoot)) for m, s in study.late.items()
+            title_of(m): figures.coloured(comparison, m, [n for n in s.overshoot if n != FORWARD])
+            for m, s in study.late.items()
         }
         found["dead-time"] = dead_time_figure(sweeps, comparison.limits.overshoot_percent, shown)
     found |= {f"steps-{slug(m)}": figures.step_responses(comparison, m) for m in study.motions}

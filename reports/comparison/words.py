@@ -58,7 +58,7 @@ WORST_CAPTION = (
 LATE = (
     "Worst overshoot of every controller against added dead time, plant as fitted: steps of both signs from "
     f"every initial state; of an MPC from rest alone, for {DURATION:g} s. In colour: the tuned PI, and the "
-    f"other that settles first within the limits without dead time. {SETTLED}"
+    f"feedback that settles first within the limits without dead time. {SETTLED}"
 )
 LOOPS_CAPTION = (
     "The step from rest under the tuned PI in the plane of pressure and angle. In the dead zone the pressure "

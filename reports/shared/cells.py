@@ -43,7 +43,8 @@ def cells(
     ]
     if cost:
         name, _, unit = COST_WORDS[cost].partition(" [")
-        rows.append((f"Worst {name}", unit.rstrip("]"), [number(float(v)) for v in at.cost]))
+        known = [number(float(v)) if np.isfinite(v) else NOT_JUDGED for v in at.cost]
+        rows.append((f"Worst {name}", unit.rstrip("]"), known))
     first = [int(np.argmin(np.abs(np.log(axis / gain)))) for axis, gain in zip((Kp, Ki), chosen, strict=True)]
     sent = {
         "gains": [[number(float(v)) for v in axis] for axis in (Kp, Ki)],

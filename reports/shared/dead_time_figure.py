@@ -1,5 +1,5 @@
-"""Overshoot against added dead time: a panel a plant, two controllers in colour, the others named at their
-curves."""
+"""Overshoot against added dead time: a panel a plant, two controllers in colour, the others named where
+they end."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from design.comparison.behind_dead_time import DeadTimeSweep
-from reports.shared.direct_labels import label_curves
+from reports.shared.direct_labels import label_ends
 from reports.shared.names import name_of
 from reports.shared.style import DASHED, DOTTED, FAINT, VERMILLION, controller_line, new_figure, styled
 
@@ -25,7 +25,7 @@ def dead_time_figure(
     """Worst overshoot of every controller over the dead time; sweeps and the controllers that are coloured by
     the title of their panel, which may be empty."""
     with styled():
-        figure, axes = new_figure(len(sweeps), 1, height=0.5 + 2.5 * len(sweeps), sharex=True)
+        figure, axes = new_figure(len(sweeps), 1, height=0.5 + 2.6 * len(sweeps), sharex=True)
         for panel, (title, sweep) in zip(axes, sweeps.items(), strict=True):
             for place, name in enumerate(sweep.overshoot):
                 look: dict[str, Any] = {"color": FAINT, "linewidth": 1.0, "zorder": 2}
@@ -42,8 +42,8 @@ def dead_time_figure(
         axes[-1].set_xlabel("Added dead time [ms]")
         figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
         for panel, (title, sweep) in zip(axes, sweeps.items(), strict=True):
-            curves = {n: (1000.0 * sweep.dead_times, v) for n, v in sweep.overshoot.items()}
-            label_curves(panel, curves, {n: name_of(n) for n in curves if n not in coloured[title]})
+            grey = [n for n in sweep.overshoot if n not in coloured[title]]
+            label_ends(panel, {name_of(n): float(sweep.overshoot[n][-1]) for n in grey})
     return figure
 
 

@@ -1,7 +1,7 @@
 // A map of gains that answers: a click on a cell, or the arrow keys on the map, show the cell's step and what its
 // limits are held against. Without this script the map is a map. `reports/shared/cells.py` writes the data.
 (() => {
-  const SVG = "http://www.w3.org/2000/svg", WIDE = 320, HIGH = 190, [LEFT, RIGHT, TOP, FOOT] = [40, 310, 12, 152];
+  const SVG = "http://www.w3.org/2000/svg", WIDE = 320, HIGH = 190, [LEFT, RIGHT, TOP, FOOT] = [40, 298, 12, 152];
 
   function element(name, attributes = {}, text = "") {
     const made = document.createElementNS(SVG, name);
