@@ -29,7 +29,7 @@ def timid():
 
 
 def test_the_gains_stay_and_hold_cases_that_are_played_one_by_one(timid):
-    assert (timid.Kp, timid.Ki, timid.b, timid.Tf) == (3.0, 7.0, 0.7, 0.0)
+    assert timid.gains == {"Kp": 3.0, "Ki": 7.0, "b": 0.7, "Tf": 0.0}
     cases = timid.problem.adverse
     assert NEAR <= len(cases) <= NEAR + DEAR
     controller = TwoDofPI.of(Wrist.flexion(), 3.0, 7.0, 0.7, 0.0)
