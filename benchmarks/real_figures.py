@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 CHANNELS = (("angle_deg", "Angle", "deg"), ("pressure_kPa", "Pressure", "kPa"))
 BINS = 16
-"""Bins of equal numbers of rows for the band of the remainder."""
+"""Bins of equal numbers of rows for the band of the residual."""
 
 VARIABLES = {
     "pressure_kPa": "Simulated pressure [kPa]",
@@ -42,7 +42,7 @@ VARIABLES = {
 
 def draw_rig(rig: Rig, fit: Fit, trace: Trace | None) -> "Figure":
     """What was measured on the widest recording held out beside free runs of the declared and the
-    revised wrist, and the remainder, on the recordings fitted, against what it depends on."""
+    revised wrist, and the residual, on the recordings fitted, against what it depends on."""
     logged = [c for c in CHANNELS if measured(fit.campaign.validate[0], c[0]) is not None]
     with styled():
         figure, axes = new_figure(
@@ -86,7 +86,7 @@ def _signals(ax: "Axes", fit: Fit, trace: Trace | None, channel: str, label: str
 
 
 def _remainder(ax: "Axes", fit: Fit, trace: Trace | None) -> None:
-    """The remainder of the last stage that is not explained, against what it depends on most."""
+    """The residual of the last stage that is not explained, against what it depends on most."""
     stage = _stage(trace)
     left = _of_declared(fit) if stage is None else remainders(stage.model)
     variable = _variable(stage, left)
@@ -128,7 +128,7 @@ def _of_declared(fit: Fit) -> list[Remainder]:
 
 
 def _variable(stage: StageTrace | None, left: Sequence[Remainder]) -> str:
-    """The first variable that the remainder was found to depend on; of one that only changes in size,
+    """The first variable that the residual was found to depend on; of one that only changes in size,
     the variable with which it does; else the pressure."""
     offered = [n for n in left[0].variables if all(n in r.variables for r in left)]
     if stage is None:

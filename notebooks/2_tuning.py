@@ -72,7 +72,7 @@ shown(limits_table(problem.limits))
 found = tune(problem)
 near = sum(s.feasible and s.cost < 1.01 * found.at.cost[0] for s in found.searches)
 print(f"Kp {found.Kp:.3f} kPa/deg, Ki {found.Ki:.3f} kPa/(deg s): worst IAE {found.at.cost[0]:.3f} deg s")
-print(f"{found.map.feasible.sum()} of {found.map.Kp.size} gains of the map hold every limit")
+print(f"{found.map.feasible.sum()} of {found.map.Kp.size} gains of the map meet every limit")
 print(f"{near} of {len(found.searches)} local searches ended within 1 % of the answer")
 assert found.feasible
 shown(tuning_table(found))
@@ -135,7 +135,7 @@ pairs = [(f.Kp, f.Ki) for f in alone.values()]
 limits_held(problem, evaluate(problem, *zip(*pairs, strict=True)), alone)
 
 # %% [markdown]
-# Each of these pairs holds every limit in its own view (the cell asserts it), and breaks some on the whole
+# Each of these pairs meets every limit in its own view (the cell asserts it), and breaks some on the whole
 # set. The steps of the pair that saw the lines only, beside those of the tuned pair, from all four
 # memories:
 
@@ -201,7 +201,7 @@ assert names[0] == "paper"
 assert not any(ruled.feasible[1:].any() for _, ruled, _ in moved.values())
 held = sum(bool(kept.feasible[0]) for kept, _, _ in moved.values())
 best_Kp, best_Ki = ([getattr(again, gain) for _, _, again in moved.values()] for gain in ("Kp", "Ki"))
-print(f"the gains above still hold every limit in {held} of {len(moved)} cases")
+print(f"the gains above still meet every limit in {held} of {len(moved)} cases")
 print(f"the best Kp lies between {min(best_Kp):.2f} and {max(best_Kp):.2f} kPa/deg")
 print(f"the best Ki lies between {min(best_Ki):.2f} and {max(best_Ki):.2f} kPa/(deg s)")
 print(f"{', '.join(names[1:])}, each fitted to the changed plant: a limit broken in every case")

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 3 How far to trust it, across the branches
 #
-# **Two pairs of gains hold every limit of notebook 2: the tuned one on the edge, and a more cautious one.
+# **Two pairs of gains meet every limit of notebook 2: the tuned one on the edge, and a more cautious one.
 # Each is stable on each branch. What can be said of the loop that moves between the branches, on plants
 # that are not quite as believed?**
 #

@@ -246,7 +246,7 @@ rows(e for e in ends if e["by"] == "IAE")
 # ## What follows, and what does not
 #
 # The limit is real and near: a controller that knows the plant settles several times sooner than a PI which
-# holds every limit, and nothing could be much faster. But the ratios of the nominal plant are promises of a
+# meets every limit, and nothing could be much faster. But the ratios of the nominal plant are promises of a
 # model. With the model a little off, or 50 ms late, the fastest controllers may not come to rest at all.
 # What is left of the gain goes to those that were made for it: on the drawn plants the robust MPC and PI +
 # feedforward still settle sooner than the PI; behind the tube that lead is gone, on this step at least. For

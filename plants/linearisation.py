@@ -150,7 +150,7 @@ def responses(wrist: "Wrist", omega: Any) -> list[FrequencyResponse]:
     """Frequency responses of a wrist with effects at omega [rad/s], on every branch at every rate.
 
     To the command [V], of small motions about an equilibrium: what comes from
-    outside the wrist (load, hum, drift, the other motion) takes no part, nor what
+    outside the wrist (load, sinusoid, drift, the other motion) takes no part, nor what
     only acts beyond a threshold (dead band, end stop, supply) or on large motions
     (the loop's widening with the rate, drag); all else is what `Effect.linear`
     says.  Curved branches come with the least and the largest slope within the

@@ -172,7 +172,7 @@ def largest_Ki(branches: Sequence[BranchResponse], gain: float, shape: Shape | N
 
 
 def _low_gains(rows: Rows, shape: Shape, gain: float) -> tuple[float, float]:
-    """Gains that hold every limit, and the distances that are kept at first, because they are low."""
+    """Gains that meet every limit, and the distances that are kept at first, because they are low."""
     far = replace(shape, Ms=min(shape.Ms or np.inf, 1.0 / STAGES[0]))
     for Ki in 10.0 * 0.5 ** np.arange(40):
         if all(float(e) <= 0.0 for e in excesses(rows, far, gain, 0.1 * Ki, Ki, STAGES[0]).values()):

@@ -4,7 +4,7 @@ For each choice of weights the feedback comes from the semidefinite program (`al
 completed by an observer of some bandwidth, and is judged as a PI is in `design.synthesis.requirements`:
 simulated
 on the same scenarios, with the margins at the command on every branch and rate.  The least worst cost
-that holds every limit is kept; where none holds them all, the nearest.
+that meets every limit is kept; where none holds them all, the nearest.
 """
 
 from collections.abc import Sequence

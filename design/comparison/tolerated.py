@@ -1,8 +1,8 @@
-"""How much dead time, and how much more gain of the plant, a loop bears: by simulation, for controllers that
-have no linear law whose margins could be told, such as an MPC.
+"""How much dead time, and how much more gain of the plant, a loop tolerates: by simulation, for controllers
+that have no linear law whose margins could be told, such as an MPC.
 
 The loop is played from the plant's rest in the task's step, with ever more of either, by bisection on a
-grid; it bears what it still settles with.  That is no margin of linear theory: a loop that rings down too
+grid; it tolerates what it still settles with.  That is no margin of linear theory: a loop that rings down too
 slowly counts as broken, and one that is broken by some dead time might settle again with more.
 """
 
@@ -36,7 +36,7 @@ class Tolerated:
 
 
 def tolerated(wrist: Wrist, controller: Any, duration: float = DURATION) -> Tolerated:
-    """What a controller, of any kind, bears on a wrist, in steps from rest of a duration [s].
+    """What a controller, of any kind, tolerates on a wrist, in steps from rest of a duration [s].
 
     >>> from design.controllers.pi import PI
     >>> found = tolerated(Wrist.flexion(), PI(2.0, 6.0))
@@ -61,7 +61,7 @@ def settles(wrist: Wrist, controller: Any, duration: float) -> bool:
 
 
 def _most(bears: Callable[[int], bool], count: int) -> int:
-    """The most steps that are borne, up to a count; 0 where none is, or not even 0."""
+    """The most steps that are tolerated, up to a count; 0 where none is, or not even 0."""
     if bears(count):
         return count
     low, high = 0, count

@@ -29,7 +29,7 @@ RATES = 0.2
 
 
 SHIFT = "remainder.shift"
-"""The interval that says which part of a remainder a wrist meets."""
+"""The interval that says which part of a residual a wrist meets."""
 
 TOGETHER: Mapping[str, tuple[Role, ...]] = {"slopes": ("outer", "inner"), "widths": ("width",)}
 """Roles of parameters that, where nobody measured them, vary together by one factor: drawn apart, the
@@ -128,7 +128,7 @@ class Box:
         return self.wrist.with_values(**values) + met
 
     def leaving(self, left: ColouredRemainder | None) -> "Box":
-        """The same box of wrists that meet this remainder, or none."""
+        """The same box of wrists that meet this residual, or none."""
         own = tuple(i for i in self.intervals if i.name != SHIFT)
         part = () if left is None else (Interval(SHIFT, 0.0, 0.5, 1.0, "1", Given()),)
         return replace(self, intervals=(*own, *part), remainder=left)

@@ -68,7 +68,7 @@ def solved(problem: Problem, region: Region, known: Evaluation | None, structure
 
 
 def printed(problem: Problem, region: Region, found: Evaluation) -> Evaluation:
-    """The numbers of `DIGITS` digits next to gains that hold every limit and cost least: each gain rounded
+    """The numbers of `DIGITS` digits next to gains that meet every limit and cost least: each gain rounded
     up, down, or one step further down.  The gains as they are where none holds, or they do not."""
     if not found.feasible[0]:
         return found
@@ -172,7 +172,7 @@ def zoomed(
 def _better(problem: Problem, law: Law, Kp: Array, Ki: Array, best: Evaluation) -> Evaluation:
     """The best of gains (n,) and of the best known.
 
-    Where that holds every limit, most others are seen to be dearer, or to break one, on the few cases that
+    Where that meets every limit, most others are seen to be dearer, or to break one, on the few cases that
     are the dearest and the nearest to a limit under it; only the rest are played on all, cheapest first.
     """
     if not best.feasible[0]:

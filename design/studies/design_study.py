@@ -39,8 +39,8 @@ Array = NDArray[np.float64]
 Tell = Callable[[str, float], None]
 
 FORWARD = FORWARD_PI.name
-BARE = "PI, remainder left out"
-"""What a PI would be whose plant left nothing: told beside, to show what the remainder costs."""
+BARE = "PI, residual left out"
+"""What a PI would be whose plant left nothing: told beside, to show what the residual costs."""
 STAGES = ("trace", "tune", "check", "proof", "prices", "page")
 """Stages of a motion, in order; shares of the time that each takes."""
 
@@ -337,7 +337,7 @@ def _priced(
     tasks = Tasks.of(required)
     for name, found in designs.items():
         row = tasks.row(with_gains(required.wrist, found["gains"]), jobs)
-        guarantee = "without the remainder" if name == BARE else "worst case found"
+        guarantee = "without the residual" if name == BARE else "worst case found"
         own = {"guarantee": guarantee, "controller": name, "gains": found["gains"]}
         rows.append({**own, "feasible": found["holds"], "own_worst_iae_deg_s": found["cost"], **row})
     last = next(dict(r) for r in reversed(rows) if r["controller"] == best)

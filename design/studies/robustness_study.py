@@ -11,6 +11,7 @@ from design.robustness.gain_plane import GainPlane, gain_plane
 from design.robustness.samples.monte_carlo import Envelopes, envelopes
 from design.robustness.samples.worst import Worst
 from design.studies.branch_steps import BranchSteps, branch_steps
+from design.studies.cell_steps import CellSteps, cell_steps
 from design.synthesis.requirements import default_problem
 from design.synthesis.tuning_rules import PAPER_GAINS, baselines
 
@@ -23,7 +24,8 @@ class RobustnessStudy:
 
     plane: of the gains; envelopes: of the samples, None where none is within reach; worst_run: the worst
     scenario, with its signals; gains: of the textbook rules and the paper's stand-in, for comparison;
-    branches: steps of all of these from every initial state, and their overshoot behind a dead time.
+    branches: steps of all of these from every initial state, and their overshoot behind a dead time; cells:
+    steps under every cell of the plane.
     """
 
     assessment: Assessment
@@ -32,6 +34,7 @@ class RobustnessStudy:
     worst_run: PlayedSequence
     gains: Mapping[str, tuple[float, float]]
     branches: BranchSteps
+    cells: CellSteps
 
 
 def robustness_study(
@@ -54,6 +57,7 @@ def study_of(assessment: Assessment, plane: GainPlane) -> RobustnessStudy:
     return RobustnessStudy(
         assessment, plane, envelopes(assessment.cases), worst_run(assessment.worst), gains,
         branch_steps(wrist, pis),
+        cell_steps(wrist, replace(assessment.controller, Kp=plane.at.Kp, Ki=plane.at.Ki)),
     )  # fmt: skip
 
 

@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import Any
 
 from design.alternatives.designs import FORWARD_PI, Design, design_mpcs, design_others
+from design.comparison.behind_dead_time import DeadTimeSweep, behind_dead_time
 from design.comparison.break_even import BreakEven, break_even
 from design.comparison.compare import FORWARD, TUNED, Comparison, compare, controllers
 from design.comparison.execution_time import deadlines
@@ -25,6 +26,7 @@ from design.robustness.gain_search import with_evidence
 from design.robustness.given_gains import given_gains
 from design.robustness.recommended import tune_candidates
 from design.robustness.requirement import requirement
+from design.studies.cell_steps import CellSteps, map_steps
 from design.studies.decision import Decision, decide
 from design.studies.panels import Panel
 from design.studies.paper import redrawn
@@ -80,7 +82,8 @@ class Study:
     be, by motion, of those that have one; execution_times: of the steps of each controller, by motion and
     name; redrawn: what the paper's figures show of these plants, by number, where they are the paper's two
     motions; without_mpc: why MPCs were left out, empty where they were not; decisions: what is
-    recommended of each motion, judged by the rig's whole requirement.
+    recommended of each motion, judged by the rig's whole requirement; late: overshoot of every controller
+    behind a growing dead time, by motion; cells: steps under every cell of the map of each tuning.
     """
 
     question: Question
@@ -92,6 +95,8 @@ class Study:
     redrawn: Mapping[int, tuple[Panel, ...]] = field(default_factory=dict)
     without_mpc: str = ""
     decisions: Mapping[str, Decision] = field(default_factory=dict)
+    late: Mapping[str, DeadTimeSweep] = field(default_factory=dict)
+    cells: Mapping[str, CellSteps] = field(default_factory=dict)
 
     @property
     def tunings(self) -> dict[str, Tuning]:
@@ -115,7 +120,7 @@ class Study:
 
     @property
     def refusals(self) -> dict[str, Refusal]:
-        """Why no gains hold every limit, of the motions of which none do."""
+        """Why no gains meet every limit, of the motions of which none do."""
         return {m: a.refusal for m, a in self.answers.items() if a.refusal is not None}
 
     @property
@@ -157,6 +162,10 @@ def study(question: Question, progress: Tell | None = None) -> Study:
     )  # fmt: skip
     alone = _alone(wrists, tuned, designs, more)
     maps = _break_evens(wrists, alone, jobs, tell)
+    late = {}
+    for m, w in wrists.items():
+        tell(f"{m}, dead time", 0.0)
+        late[m] = behind_dead_time(w, alone[m] | mpcs.get(m, {}))
     tell("times of steps", 0.0)
     times = {m: deadlines(w, alone[m], mpcs.get(m)) for m, w in wrists.items()}
     broad = _contest(question, alone, mpcs, _part(tell, "other plants"))
@@ -166,7 +175,20 @@ def study(question: Question, progress: Tell | None = None) -> Study:
         for m, a in answers.items()
         if not isinstance(a.refusal, OutOfReach)
     }
-    return Study(question, answers, comparison, broad, maps, times, redrawn(wrists), without_mpc, decisions)
+    cells = {m: map_steps(t) for m, t in tunings.items()}
+    return Study(
+        question,
+        answers,
+        comparison,
+        broad,
+        maps,
+        times,
+        redrawn(wrists),
+        without_mpc,
+        decisions,
+        late,
+        cells,
+    )
 
 
 def _part(tell: Tell, what: str) -> Tell:

@@ -35,7 +35,7 @@ class Settling:
 
 
 Verdict = Refusal | Settling
-"""Why no gains hold every limit on a motion, or how long its worst task takes."""
+"""Why no gains meet every limit on a motion, or how long its worst task takes."""
 
 
 def verdicts(comparison: Comparison, refusals: Mapping[str, Refusal]) -> dict[str, Verdict]:

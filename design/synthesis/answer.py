@@ -28,7 +28,7 @@ class OutOfReach:
 
 @dataclass(frozen=True)
 class LimitBroken:
-    """No gains of a region (ranges of Kp [kPa/deg] and Ki [kPa/(deg s)]) hold every limit: at the nearest,
+    """No gains of a region (ranges of Kp [kPa/deg] and Ki [kPa/(deg s)]) meet every limit: at the nearest,
     Kp and Ki, the value of `limit` is beyond its bound in a place, by name; given: the same of gains that
     were given, and not searched for."""
 

@@ -116,7 +116,7 @@ class Evaluation:
 
     @property
     def feasible(self) -> NDArray[np.bool_]:
-        """Which gains hold every limit, (n,)."""
+        """Which gains meet every limit, (n,)."""
         return self.worst_excess <= 0.0
 
     def only(self, n: int) -> "Evaluation":

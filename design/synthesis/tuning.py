@@ -104,7 +104,7 @@ class Tuning:
 
     @property
     def feasible(self) -> bool:
-        """Whether the gains hold every limit."""
+        """Whether the gains meet every limit."""
         return bool(self.at.feasible[0])
 
     @property

@@ -91,7 +91,7 @@ class Regions:
 
     @property
     def best(self) -> tuple[float, float] | None:
-        """Kp and Ki of the point of least cost that holds every limit, or None where none does."""
+        """Kp and Ki of the point of least cost that meets every limit, or None where none does."""
         step = (SIDE - 1) // (self.level - 1)
         held = np.where(self.worst <= ROUNDING - 1.0, self.cost[::step, ::step], np.inf)
         i, j = np.unravel_index(int(held.argmin()), held.shape)
@@ -154,7 +154,7 @@ def linear_excess(limits: Limits, found: Margins) -> dict[str, Array]:
 class Outline:
     """The map as lines in the unit square, x along log Kp, y along log Ki.
 
-    held: rings around the gains that hold every limit, holes included, each (n, 2), to be filled by the
+    held: rings around the gains that meet every limit, holes included, each (n, 2), to be filled by the
     even-odd rule; limits: by name, the lines along which a limit is just held, each (n, 2).
     """
 

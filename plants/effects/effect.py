@@ -87,11 +87,11 @@ class TrialHints(Protocol):
         ...
 
     def spectral_lines(self) -> list[tuple[float, float, float]]:
-        """Frequencies [Hz] that the remainder has most of, with sine and cosine part over the noise."""
+        """Frequencies [Hz] that the residual has most of, with sine and cosine part over the noise."""
         ...
 
     def steps(self) -> list[tuple[float, float]]:
-        """Moments [s] at which a shift explains most of the remainder, with its sign."""
+        """Moments [s] at which a shift explains most of the residual, with its sign."""
         ...
 
 
@@ -150,7 +150,7 @@ class Effect(ABC):
     What others need to know of it, and it alone can say:
 
     - LOG: what a log needs beside command, pressure and angle for it to show, columns with their meaning;
-    - FROM_REMAINDER: whether `trials_on` takes values from the remainder, which are as small as it is;
+    - FROM_REMAINDER: whether `trials_on` takes values from the residual, which are as small as it is;
     - WANDERS: whether its sensor wanders besides, which no model foresees;
     - DELAY: the parameter that is its transport delay [s], for one that delays and smooths the command alone;
     - STOPS: whether it is a stop that the joint runs into;

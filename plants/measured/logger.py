@@ -35,7 +35,7 @@ LOWEST = 3
 """Rows of rest before the command first moves that are needed to see an offset."""
 
 LOUD = 3.0
-"""Times its noise that an angle at rest has to be off to be offset: a hum may be off by less."""
+"""Times its noise that an angle at rest has to be off to be offset: a sinusoid may be off by less."""
 
 AT_REST = 1.0
 """Largest angle [deg] at rest that is taken for an offset: what is further off starts elsewhere."""

@@ -10,7 +10,7 @@ KEPT = 0.90
 """Share of the third differences that is used: the largest stem from motion, not from noise."""
 
 HUMS, LINE, SLOWEST_HUM = 3, 40.0, 0.02
-"""Lines of a hum that are looked for; how far one stands above the power around it, which noise reaches
+"""Lines of a sinusoid that are looked for; how far one stands above the power around it, which noise reaches
 in one of 1e13 recordings; and the slowest [cycles per row]: differences hardly see slower ones."""
 
 STRIDE = 3
@@ -30,7 +30,7 @@ def noise_floor(values: Array) -> float:
     multiply white noise by sqrt(20); their spread is taken from the smaller
     nine tenths, corrected for that trimming as for a normal distribution.  A
     rank statistic such as the MAD would be lumpy, since logs are rounded.  A fast
-    hum, which differences would take for noise, is taken out of them.  Never
+    sinusoid, which differences would take for noise, is taken out of them.  Never
     below the error of rounding.
     Raises ValueError for fewer than 8 values.
 
@@ -44,7 +44,7 @@ def noise_floor(values: Array) -> float:
 
 
 def _without_hum(differences: Array) -> Array:
-    """Third differences without the lines of a hum that stand out of their spectrum beyond doubt."""
+    """Third differences without the lines of a sinusoid that stand out of their spectrum beyond doubt."""
     n = differences.size
     if n < 500:
         return differences

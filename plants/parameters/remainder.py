@@ -8,10 +8,10 @@ from plants.errors import InputError
 from plants.toml import check_keys, is_number
 
 BANDS = (0.0, 0.1, 1.0, 10.0)
-"""Edges [Hz] of the bands that a remainder's spectrum is told in; the last is open."""
+"""Edges [Hz] of the bands that a residual's spectrum is told in; the last is open."""
 
 CHANNELS = ("angle_deg", "pressure_kPa")
-"""Channels of which a remainder is told."""
+"""Channels of which a residual is told."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ NUMBERS = ("rms", "largest", "correlation_s", "correlation_way", "noise", "share
 
 
 def remainder_table(left: RemainderSize) -> dict[str, Any]:
-    """A remainder as a TOML table."""
+    """A residual as a TOML table."""
     return {n: float(getattr(left, n)) for n in NUMBERS} | {
         "spectrum": [float(left.spectrum.get(edge, 0.0)) for edge in BANDS]
     }

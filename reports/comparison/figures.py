@@ -15,6 +15,7 @@ from reports.shared.style import (
     BLACK,
     BLUE,
     DASHED,
+    FAINT,
     GREY,
     PALE,
     VERMILLION,
@@ -33,9 +34,6 @@ SOON = 2.5
 SOONER = 1.0
 """The same for the other designs, which are quicker."""
 
-FAINT = "#a3a3a3"
-"""Colour of the curves that stand behind."""
-
 PIS = (TUNED, WITHOUT_DEAD_TIME, "robust PI", "convex-concave PI", "SIMC", "AMIGO", "Ziegler-Nichols", PAPER)
 """Controllers that are drawn together as PIs; all others are other designs."""
 
@@ -52,10 +50,10 @@ def step_responses(comparison: Comparison, motion: str) -> "Figure":
     with styled():
         figure, axes = new_figure(4, len(columns), height=5.1, sharey="row", height_ratios=(5, 2.8, 2.8, 2.4))
         grid = np.array(axes).reshape(4, len(columns))
-        coloured = {title: _coloured(comparison, motion, names) for title, names in columns.items()}
+        chosen = {title: coloured(comparison, motion, names) for title, names in columns.items()}
         for column, (title, names) in zip(grid.T, columns.items(), strict=True):
             end = SOON if title == "PIs" else SOONER
-            _responses(column, comparison, motion, names, end, coloured[title])
+            _responses(column, comparison, motion, names, end, chosen[title])
             column[0].set_title(title)
         labels = ("Angle [deg]", "Pressure\n[kPa]", "Command\n[V]", "Angle\n[deg]")
         for panel, label in zip(grid[:, 0], labels, strict=True):
@@ -69,11 +67,11 @@ def step_responses(comparison: Comparison, motion: str) -> "Figure":
         for panel, (title, names) in zip(grid[0], columns.items(), strict=True):
             drawn = {n: comparison.steps[motion, n] for n in names}
             curves = {n: (t.time[::5], t.angle[::5, 0]) for n, t in drawn.items()}
-            label_curves(panel, curves, {n: name_of(n) for n in names if n not in coloured[title]})
+            label_curves(panel, curves, {n: name_of(n) for n in names if n not in chosen[title]})
     return figure
 
 
-def _coloured(comparison: Comparison, motion: str, names: list[str]) -> list[str]:
+def coloured(comparison: Comparison, motion: str, names: list[str]) -> list[str]:
     """The tuned PI, and of some others the one that settles first within the limits, if any does."""
     of = [s for s in comparison.standings if s.motion == motion and s.controller in names]
     others = [s for s in of if s.controller != TUNED and not s.breaks and np.isfinite(s.worst_settling_s)]

@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from design.comparison.break_even import BreakEven
-from design.comparison.compare import Comparison
+from design.comparison.compare import FORWARD, Comparison
 from design.contest import Contest
 from design.mpc.timing import Ledger
+from design.studies.cell_steps import CellSteps
 from design.studies.study import Study
 from design.synthesis.answer import Answer
 from plants.measured.fit import Fit
@@ -23,6 +24,8 @@ from reports.comparison.trade_off_figure import CAPTION as TRADE_OFF
 from reports.comparison.trade_off_figure import trade_off
 from reports.paper import figures as paper
 from reports.shared.card import CardRow, card, draw_steps, step_caption
+from reports.shared.cells import cells
+from reports.shared.dead_time_figure import dead_time_figure
 from reports.shared.fit import draw_fit
 from reports.shared.gain_map import gain_map
 from reports.shared.html import Made, Shown, markup, render
@@ -73,6 +76,13 @@ def main_figures(study: Study) -> dict[str, "Figure"]:
         "loops": figures.loop_trajectories(comparison, study.question.wrists),
     }
     found["trade-off"] = trade_off(comparison)
+    if study.late:
+        sweeps = {title_of(m): sweep for m, sweep in study.late.items()}
+        shown = {
+            title_of(m): figures.coloured(comparison, m, [n for n in s.overshoot if n != FORWARD])
+            for m, s in study.late.items()
+        }
+        found["dead-time"] = dead_time_figure(sweeps, comparison.limits.overshoot_percent, shown)
     found |= {f"steps-{slug(m)}": figures.step_responses(comparison, m) for m in study.motions}
     if study.contest:
         found["differences"] = broad.differences_figure(study.contest)
@@ -91,8 +101,8 @@ def slug(motion: str) -> str:
 
 
 def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:
-    def shown(name: str, caption: str) -> Shown:
-        return Shown(markup(svg(drawn[name], name, caption)), caption)
+    def shown(name: str, caption: str, data: Any = "") -> Shown:
+        return Shown(markup(svg(drawn[name], name, caption)), caption, data)
 
     comparison, motions = study.comparison, study.motions
     least = {t.problem.cost for t in study.tunings.values()}
@@ -110,10 +120,11 @@ def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:
         limits=tables.limits_table(comparison.limits),
         plants=[_plant(m, s, study.fits.get(m), shown) for m, s in study.plants.items()],
         cost=" and ".join(COST_WORDS.get(c, c) for c in sorted(least)),
-        tunings=[_tuning(m, a, shown) for m, a in study.answers.items()],
+        tunings=[_tuning(m, a, study.cells.get(m), shown) for m, a in study.answers.items()],
         designs=[(title_of(m), designs(comparison, m)) for m in motions if comparison.designs],
         standings=tables.standings_table(comparison), worst=shown("worst-values", words.WORST_CAPTION),
         trade_off=shown("trade-off", TRADE_OFF),
+        late=shown("dead-time", words.LATE) if study.late else None,
         paper_note=tables.paper_note(),
         contest=_contest(study, study.contest, shown) if study.contest else None,
         wrong=[_wrong(m, b, shown) for m, b in (study.break_even or {}).items()],
@@ -219,15 +230,17 @@ def _plant(motion: str, s: ParameterSet, fit: Fit | None, shown: Any) -> dict[st
     }
 
 
-def _tuning(motion: str, answer: Answer, shown: Any) -> dict[str, Any]:
+def _tuning(motion: str, answer: Answer, steps: CellSteps | None, shown: Any) -> dict[str, Any]:
     t = answer.tuning
+    limits, gains = t.problem.limits.named, (t.Kp, t.Ki)
+    known = "" if steps is None else cells(*t.region.grid, t.map, steps, limits, gains, t.problem.cost)
     return {
         "title": title_of(motion),
         "gains": f"Kp = {number(t.Kp)} kPa/deg, Ki = {number(t.Ki)} kPa/(deg s).",
         "found": words.found(answer),
         "evidence": words.evidence(answer),
         "table": tables.tuning_table(t),
-        "figure": shown(f"gains-{slug(motion)}", words.map_caption(motion)),
+        "figure": shown(f"gains-{slug(motion)}", words.map_caption(motion), known),
     }
 
 

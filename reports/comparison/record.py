@@ -24,7 +24,8 @@ def comparison_record(study: Study, made: Made) -> dict[str, Any]:
     Keys: verdicts, limits, standings, rows (see `design.comparison.compare.row_record`), tunings, plants,
     fits (these three by motion), contest (see `design.contest.contest_record`), break_even (rows by
     motion, see `design.comparison.break_even.BreakEven.rows`), ledger (times [s] by motion and controller),
-    each of these three None where there was none, decisions (what is recommended, by motion), and made.
+    each of these three None where there was none, decisions (what is recommended, by motion), dead_time
+    (overshoot by motion, see `design.comparison.behind_dead_time.DeadTimeSweep.rows`), and made.
     """
     comparison, contest = study.comparison, study.contest
     return {
@@ -39,6 +40,7 @@ def comparison_record(study: Study, made: Made) -> dict[str, Any]:
         "break_even": break_even_record(study.break_even),
         "ledger": ledger_record(study.execution_times),
         "decisions": {m: decision_record(d) for m, d in study.decisions.items()},
+        "dead_time": {m: sweep.rows() for m, sweep in study.late.items()},
         "made": asdict(made),
     }
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 CAPTION = (
     "Worst settling time against delay margin, both axes logarithmic: better is down and to the right. Line: "
-    "Pareto front of the controllers that meet every limit; open mark: a limit is broken; square: delay "
+    "Pareto front of the controllers that meet every limit; hollow mark: a limit is broken; square: delay "
     "tolerated in simulation; arrow: no loop to become unstable."
 )
 
@@ -28,9 +28,9 @@ def trade_off(comparison: Comparison) -> "Figure":
     motions = list(dict.fromkeys(s.motion for s in comparison.standings))
     margins = [1000.0 * margin_s(s) for s in comparison.standings if 0.0 < margin_s(s) < np.inf]
     with styled():
-        figure, axes = new_figure(len(motions), 1, height=0.6 + 1.9 * len(motions), sharex=True)
+        figure, axes = new_figure(len(motions), 1, height=0.6 + 2.3 * len(motions), sharex=True)
         axes[0].set_xscale("log")
-        axes[0].set_xlim(0.6 * min(margins), 3.0 * max(margins))
+        axes[0].set_xlim(0.4 * min(margins), 3.0 * max(margins))
         for panel, motion in zip(axes, motions, strict=True):
             panel.set(title=title_of(motion), yscale="log", ylabel="Worst settling [s]")
             _panel(panel, [s for s in comparison.standings if s.motion == motion])

@@ -6,6 +6,7 @@ from math import isfinite
 from design.alternatives.convex_concave import NOISE_GAIN
 from design.alternatives.lqi_design import WASHOUT
 from design.comparison.compare import TUNED, Comparison
+from design.comparison.tolerated import DURATION
 from design.contest.plants import RIGS
 from design.contest.scores import BESIDE, Contest, Score
 from design.contest.statistics import FEWEST, LEVEL
@@ -20,6 +21,7 @@ from plants.measured.fit import Fit
 from plants.parameters.quantities import Assumed
 from reports.comparison.contest import MAIN as PERTURBED
 from reports.comparison.figures import PIS
+from reports.shared.dead_time_figure import SETTLED
 from reports.shared.fit import shown_run
 from reports.shared.names import COST_WORDS, WINDOW, limit_name, name_of, title_of
 from reports.shared.tables import fixed, listed, number, spaced
@@ -52,6 +54,11 @@ APART = "The two motions do not act on each other, except where both are played 
 WORST_CAPTION = (
     "Worst settling time and overshoot over the tasks of a motion; dashed: limit on overshoot; grey bar: the "
     "paper's PI over the range of its gains; arrow: not settled within the run."
+)
+LATE = (
+    "Worst overshoot of every controller against added dead time, plant as fitted: steps of both signs from "
+    f"every initial state; of an MPC from rest alone, for {DURATION:g} s. In colour: the tuned PI, and the "
+    f"feedback that settles first within the limits without dead time. {SETTLED}"
 )
 LOOPS_CAPTION = (
     "The step from rest under the tuned PI in the plane of pressure and angle. In the dead zone the pressure "

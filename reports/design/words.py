@@ -105,7 +105,7 @@ def remarks(study: DesignStudy) -> list[str]:
 
 
 def remainder_words(m: MotionDesign, left: Mapping[str, float] | None) -> str:
-    """What the remainder of a motion's plant costs; nothing where it leaves none that shows."""
+    """What the residual of a motion's plant costs; nothing where it leaves none that shows."""
     if left is None:
         return ""
     size = f"up to {number(left['peak'])} deg along {number(left['length'])} deg of travel"

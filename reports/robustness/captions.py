@@ -11,6 +11,7 @@ from design.robustness.samples.statements import LEVEL
 from reports.robustness.statements import because, claim_words, class_words
 from reports.robustness.tables import limit_words
 from reports.robustness.words import beyond
+from reports.shared.dead_time_figure import SETTLED
 from reports.shared.tables import number, spaced
 
 
@@ -31,8 +32,8 @@ SIGNATURE = (
 
 
 LATE = (
-    "Worst overshoot over both signs and all initial states against added dead time, nominal plant. A curve "
-    "ends where the loop no longer settles."
+    "Worst overshoot over both signs and all initial states against added dead time, nominal plant. "
+    f"{SETTLED}"
 )
 
 
@@ -81,7 +82,7 @@ def model_words(a: Assessment) -> str:
 
 
 def claims(a: Assessment) -> list[str]:
-    """What each rung claims, those of the sampled loop together; and the word that speaks against some."""
+    """What each rung claims, those of the sampled loop together; and what disproves some."""
     found: dict[str, list[str]] = {}
     for c in a.ladder:
         if not c.dead_time:

@@ -10,8 +10,10 @@ from reports.robustness import branch_figures, captions, tables, words
 from reports.robustness import figures as robust_figures
 from reports.robustness.disagreements import disagreement_sentences
 from reports.robustness.record import assessment_record
-from reports.robustness.signature import overshoot_figure, signature
+from reports.robustness.signature import COMPARED, signature
 from reports.shared.card import card
+from reports.shared.cells import cells
+from reports.shared.dead_time_figure import dead_time_figure
 from reports.shared.html import Made, Shown, markup, render
 from reports.shared.plant_tables import assumption_table
 from reports.shared.style import save, svg
@@ -65,7 +67,7 @@ def draw_all(study: RobustnessStudy) -> dict[str, "Figure"]:
     marks = {"these gains": (float(a.controller.Kp), float(a.controller.Ki)), **study.gains}
     found = {
         "signature": signature(a.wrist, study.branches, a.limits),
-        "dead-time": overshoot_figure(study.branches, a.limits.overshoot_percent),
+        "dead-time": dead_time_figure({"": study.branches.late}, a.limits.overshoot_percent, {"": COMPARED}),
         "gains": robust_figures.draw_gain_plane(study.plane, a.limits, marks),
         "nyquist": branch_figures.nyquist(a.wrist, {"these gains": a.controller}),
         "sensitivities": branch_figures.sensitivities(a.wrist, a.controller, a.limits),
@@ -82,9 +84,11 @@ def draw_all(study: RobustnessStudy) -> dict[str, "Figure"]:
 def _page(study: RobustnessStudy, made: Made, drawn: Mapping[str, "Figure"]) -> str:
     a = study.assessment
 
-    def shown(name: str, caption: str) -> Shown:
-        return Shown(markup(svg(drawn[name], name, caption)), caption)
+    def shown(name: str, caption: str, data: Any = "") -> Shown:
+        return Shown(markup(svg(drawn[name], name, caption)), caption, data)
 
+    plane, gains = study.plane, (float(a.controller.Kp), float(a.controller.Ki))
+    known = cells(plane.Kp, plane.Ki, plane.at, study.cells, a.limits.named, gains)
     row = words.card_row(study)
     first = "samples" if "samples" in drawn else "worst"
     content: dict[str, Any] = {
@@ -97,7 +101,7 @@ def _page(study: RobustnessStudy, made: Made, drawn: Mapping[str, "Figure"]) -> 
         "decision": card([row], shown(first, FIRST[first](a))),
         "verdict": tables.verdict_table(a),
         "disagreements": disagreement_sentences(a),
-        "plane": shown("gains", captions.plane_caption(a)),
+        "plane": shown("gains", captions.plane_caption(a), known),
         "signature": shown("signature", captions.SIGNATURE),
         "late": shown("dead-time", captions.LATE),
         "margins": tables.margin_table(a),

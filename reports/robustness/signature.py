@@ -1,5 +1,4 @@
-"""The loop on every branch in one figure: Nyquist curves and |S| by branch and rate, steps by initial state;
-and the overshoot behind a growing dead time."""
+"""The loop on every branch in one figure: Nyquist and |S| by branch and rate, steps by initial state."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,6 @@ from plants.wrist import STARTS, Wrist
 from reports.robustness.branch_figures import frequencies, overlaid
 from reports.shared.style import (
     BLACK,
-    DASHED,
     DOTTED,
     GREY,
     PALE,
@@ -28,7 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COMPARED = ("these gains", "SIMC")
-"""What stands in the small multiples; the overshoot is drawn of all."""
+"""What stands in the small multiples, and in colour where all PIs are drawn."""
 
 
 def signature(wrist: Wrist, found: BranchSteps, limits: Limits) -> "Figure":
@@ -39,7 +37,7 @@ def signature(wrist: Wrist, found: BranchSteps, limits: Limits) -> "Figure":
     branches, omega = list(loops[names[0]]), frequencies(wrist)
     columns = max(len(branches), len(STARTS))
     with styled():
-        figure, axes = new_figure(3, columns, height=6.6)
+        figure, axes = new_figure(3, columns, height=5.6, sharey="row")
         grid = np.array(axes).reshape(3, columns)
         for column in range(columns):
             for panel, missing in (
@@ -76,14 +74,14 @@ def _nyquist(axes: "Axes", Ms: float | None) -> None:
     if Ms is not None:
         axes.add_patch(Circle((-1.0, 0.0), 1.0 / Ms, facecolor=PALE, edgecolor=GREY, linewidth=0.7, zorder=1))
     axes.plot(-1.0, 0.0, "+", color=BLACK, ms=7, mew=1.3)
-    axes.set(xlim=(-2.2, 0.8), ylim=(-2.2, 0.8), aspect="equal", xticks=(-2, -1, 0), yticks=(-2, -1, 0))
+    axes.set(xlim=(-1.7, 0.3), ylim=(-1.5, 0.5), aspect="equal", xticks=(-1, 0), yticks=(-1, 0))
     axes.set_xlabel("Re L [1]", fontsize=7.5)
 
 
 def _sensitivity(axes: "Axes", Ms: float | None) -> None:
     if Ms is not None:
         axes.axhline(Ms, color=VERMILLION, linestyle=DOTTED, linewidth=1.1, label=f"limit: Ms {Ms:g}")
-    axes.set(xscale="log", xlim=(0.1, 200.0), ylim=(0.0, 4.0), xticks=(1.0, 100.0))
+    axes.set(xscale="log", xlim=(0.1, 200.0), ylim=(0.0, 3.2), xticks=(1.0, 100.0), yticks=(0, 1, 2, 3))
     axes.minorticks_off()
     axes.xaxis.set_major_formatter(lambda v, _: f"{v:g}")
     axes.set_xlabel("ω [rad/s]", fontsize=7.5)
@@ -98,22 +96,3 @@ def _steps(axes: "Axes", found: BranchSteps, names: list[str], lane: int, step: 
     axes.axhline(step, color=BLACK, linewidth=0.7)
     axes.set(xlim=(0.0, 3.0), ylim=(-2.0, 1.6 * step), xticks=(0, 1, 2, 3))
     axes.set_xlabel("Time [s]", fontsize=7.5)
-
-
-def overshoot_figure(found: BranchSteps, limit: float | None) -> "Figure":
-    """Overshoot over the dead time of every PI, the worst over signs and initial states; a curve ends where a
-    loop no longer settles."""
-    with styled():
-        figure, (axes,) = new_figure(height=3.2)
-        for place, (name, values) in enumerate(found.overshoot.items()):
-            look = _look(name) if name in COMPARED else controller_line(_KNOWN.get(name, name), place)
-            axes.plot(1000.0 * found.dead_times, values, **{**look, "label": name})
-        if limit is not None:
-            axes.axhline(limit, color=VERMILLION, linestyle=DASHED, linewidth=1.1, label=f"limit {limit:g} %")
-        axes.set(xlabel="Added dead time [ms]", ylabel="Worst overshoot [%]", xlim=(0.0, 100.0))
-        axes.set_ylim(bottom=0.0)
-        figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
-    return figure
-
-
-_KNOWN = {"paper's stand-in": "paper"}

@@ -50,6 +50,25 @@ def label_curves(axes: "Axes", curves: Mapping[str, tuple[Array, Array]], named:
         )  # fmt: skip
 
 
+def label_ends(axes: "Axes", ends: Mapping[str, float]) -> None:
+    """Write the names of curves to the right of their panel, at the heights, given in data, where they end:
+    one above the other where these are close, each joined to its end by a thin line."""
+    axes.figure.draw_without_rendering()  # type: ignore[union-attr]  # the panel's size
+    high = axes.get_window_extent().height * 72.0 / axes.figure.dpi
+    bottom, top = axes.get_ylim()
+    names = sorted(ends, key=lambda n: ends[n])
+    true = (np.array([ends[n] for n in names]) - bottom) / (top - bottom)
+    apart = 1.3 * SIZE / high * np.arange(len(names))
+    least = np.maximum.accumulate(true - apart)  # each as low as it may be above the one below it
+    places = np.minimum(least, 1.0 - apart[-1:]) + apart
+    for name, y, place in zip(names, true, places, strict=True):
+        axes.annotate(
+            name, (1.0, y), (1.06, place), xycoords="axes fraction", textcoords="axes fraction",
+            fontsize=SIZE, va="center", color="#333333", annotation_clip=False,
+            arrowprops={"arrowstyle": "-", "color": GREY, "linewidth": 0.5, "shrinkA": 0, "shrinkB": 0},
+        )  # fmt: skip
+
+
 def _best(
     at: Array, own: Array, others: Array, every: Array, size: Array, taken: list[Array]
 ) -> tuple[Array, Array]:

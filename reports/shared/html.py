@@ -49,10 +49,11 @@ class Made:
 
 @dataclass(frozen=True)
 class Shown:
-    """A figure in a page: SVG ready to be put in, and the words beneath."""
+    """A figure in a page: SVG ready to be put in, the words beneath, and data for the page's script."""
 
     svg: Any
     caption: str
+    data: Any = ""
 
 
 def data_of(sets: Mapping[str, ParameterSet]) -> dict[str, str]:

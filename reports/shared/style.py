@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 GREY, PALE = "#6b6b6b", "#d9d9d9"
+FAINT = "#a3a3a3"
+"""Colour of the curves that stand behind."""
 
 DASHED, DOTTED, DASH_DOT, LONG = (0, (5, 2)), (0, (1.2, 1.6)), (0, (6, 2, 1.2, 2)), (0, (9, 3))
 LINES: tuple[dict[str, Any], ...] = (

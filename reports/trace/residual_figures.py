@@ -23,7 +23,7 @@ PANELS = 4
 """Variables whose conditional means are drawn, those that the tests found most on."""
 
 DOTS = 1200
-"""Rows of a remainder that are drawn as dots."""
+"""Rows of a residual that are drawn as dots."""
 
 STILL = 10.0
 """Rates of the pressure [kPa/s] below which the axis is linear, logarithmic above: most rows stand still."""
@@ -53,7 +53,7 @@ AFTER: dict[str, Any] = {"color": BLUE, "linestyle": "-", "marker": "o", "marker
 
 
 def draw_remainder(stage: StageTrace, after_name: str = "revised") -> "Figure":
-    """Conditional means of the remainder on the variables that tell most, with the bounds that noise
+    """Conditional means of the residual on the variables that tell most, with the bounds that noise
     alone stays within, its autocorrelation and its spectrum, before the effects and after.
 
     after_name: what the model with the effects is called.
@@ -131,7 +131,7 @@ def thinned(curve: BinnedCurve) -> tuple[Array, Array]:
 
 
 def described(stage: StageTrace) -> list[str]:
-    """Variables to draw an unexplained remainder against: those of its description, or else those
+    """Variables to draw an unexplained residual against: those of its description, or else those
     that it was found to depend on, or else time."""
     named = ["time_s" if n == "time" else n for n in stage.after.depends_on]
     wanted = stage.learnt.variables if stage.learnt is not None else dict.fromkeys(named)

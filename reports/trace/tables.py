@@ -16,7 +16,7 @@ from reports.shared.tuning import refused
 from reports.trace.words import VARIABLES, limits_words
 
 SHOWN = 10
-"""Tests of a remainder that a page lists; those that found most."""
+"""Tests of a residual that a page lists; those that found most."""
 
 
 SEEN = {
@@ -145,7 +145,7 @@ def finding_table(before: Examination, after: Examination) -> Table:
 
 
 def _key(f: Finding) -> tuple[str, str]:
-    """What tests of two remainders have in common; the frequency of a line may differ."""
+    """What tests of two residuals have in common; the frequency of a line may differ."""
     return f.test, f.variable.split(" at ")[0]
 
 

@@ -30,13 +30,13 @@ VARIABLES = {
     "other_pressure_kPa": "the other motion's pressure",
     "reference_deg": "the set-point",
 }
-"""Variables that a remainder may depend on, for people; a channel of the user's own keeps its name."""
+"""Variables that a residual may depend on, for people; a channel of the user's own keeps its name."""
 
 SLOW = 1.25
 """Noise that is this many times as large as its floor, which is taken from row to row, is slow."""
 
 BEHAVES = {"events": "jumps now and then", "changing size": "changes in size", "offset": "has an offset"}
-"""What else a remainder may do."""
+"""What else a residual may do."""
 
 
 def summary(trace: Trace) -> list[str]:
@@ -259,7 +259,7 @@ def describe(after: Examination, channel: str) -> str:
 
 
 def description(learnt: Learnt) -> str:
-    """What a description of a remainder is worth, in a sentence."""
+    """What a description of a residual is worth, in a sentence."""
     curves = "smooth curves of " if len(learnt.variables) > 1 else "a smooth curve of "
     made = curves + listed([VARIABLES.get(v, v) for v in learnt.variables])
     takes = "take" if len(learnt.variables) > 1 else "takes"

@@ -8,6 +8,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from design.alternatives.designs import design_others
+from design.comparison.behind_dead_time import behind_dead_time
 from design.comparison.break_even import BreakEven, break_even
 from design.comparison.compare import compare
 from design.contest import Contest, contest
@@ -21,6 +22,7 @@ from design.robustness.box import box_of
 from design.robustness.certificates.continuous.search import RUNGS
 from design.robustness.gain_plane import gain_plane
 from design.robustness.requirement import requirement
+from design.studies.cell_steps import map_steps
 from design.studies.decision import Decision, decide
 from design.studies.paper import redrawn
 from design.studies.robustness_study import RobustnessStudy, study_of
@@ -28,6 +30,7 @@ from design.studies.study import Question, Study
 from design.synthesis.answer import answer
 from design.synthesis.requirements import Problem
 from design.synthesis.tuning import Region, tune
+from design.synthesis.tuning_rules import baselines
 from plants import Wrist, built_in
 from plants.measured.campaign import Campaign, load_campaign
 from plants.measured.fit import Fit
@@ -123,7 +126,11 @@ def small_study() -> Study:
     problem = problems["flexion"]
     tunings = {"flexion": tune(problem, Region(points=8), starts=2)}
     question = Question(sets, {"flexion": small_fit("flexion")})
-    return Study(question, {m: answer(t) for m, t in tunings.items()}, comparison, redrawn=redrawn(wrists))
+    late = {m: behind_dead_time(w, {"tuned": tuned[m], **baselines(w)}) for m, w in wrists.items()}
+    return Study(
+        question, {m: answer(t) for m, t in tunings.items()}, comparison, redrawn=redrawn(wrists), late=late,
+        cells={m: map_steps(t) for m, t in tunings.items()},
+    )  # fmt: skip
 
 
 @cache

@@ -14,8 +14,9 @@ from plants import Wrist, built_in
 from reports.comparison.page import main_figures
 from reports.paper import figures as paper
 from reports.robustness import page as robust
-from reports.robustness.signature import overshoot_figure, signature
+from reports.robustness.signature import COMPARED, signature
 from reports.shared.card import CardRow, draw_steps
+from reports.shared.dead_time_figure import dead_time_figure
 from reports.shared.gain_map import gain_map
 from reports.trace import page as trace
 from tests.reports.legible import faults
@@ -32,7 +33,7 @@ def signatures():
         steps = branch_steps(wrist, pis)
         found[f"signature, {motion}"] = signature(wrist, steps, Limits())
         found[f"without a limit, {motion}"] = signature(wrist, steps, Limits(Ms=None))
-        found[f"dead time, {motion}"] = overshoot_figure(steps, 5.0)
+        found[f"dead time, {motion}"] = dead_time_figure({"": steps.late}, 5.0, {"": COMPARED})
     return found
 
 

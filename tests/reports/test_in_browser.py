@@ -155,8 +155,9 @@ def test_it_prints_and_no_page_is_blank(browser, page):
     assert min(drawn) > 20, drawn  # the number of a page alone takes less
 
 
-def test_a_comparison_takes_eight_sheets_at_most_and_its_card_is_on_the_first(browser, made_here):
-    with Opened(browser, made_here["comparison"], 1100) as opened:
+@pytest.mark.parametrize("name", ["comparison", "robust"])
+def test_a_page_takes_eight_sheets_at_most_and_its_card_is_on_the_first(browser, made_here, name):
+    with Opened(browser, made_here[name], 1100) as opened:
         assert len(painted(opened.tab.pdf(prefer_css_page_size=True, print_background=True))) <= 8
         opened.tab.emulate_media(media="print")
         opened.tab.set_viewport_size(A4)

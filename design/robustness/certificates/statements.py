@@ -55,7 +55,7 @@ class LeavesVirginCurve(Claim):
 @dataclass(frozen=True)
 class Confirmed(Reason):
     """A solver found a function, the check outside it has this margin (None: has none); left_out: effects of
-    the plant that the loop lacks; name: of the rung, where it speaks for a class."""
+    the plant that the loop lacks; name: of the rung, where it is of a class."""
 
     solver: str
     margin: float | None

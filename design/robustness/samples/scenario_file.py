@@ -37,7 +37,7 @@ SETTINGS = {
 """What a file says of the controller, by the names of `design.controllers.pi.PI`, with units."""
 
 REMAINDER = "remainder_shift"
-"""Which part of the plant's remainder the run meets, where it meets one."""
+"""Which part of the plant's residual the run meets, where it meets one."""
 
 KEYS = (
     "start", "angle", "references", "holds", "dead_time", "load", "load_at", REMAINDER, "plant", "violated",
@@ -159,7 +159,7 @@ def _sequence(path: str | Path, asked: Mapping[str, Any], plant_set: ParameterSe
     if REMAINDER in asked:
         left = ColouredRemainder.of(plant_set.remainder.get("angle_deg"))
         if left is None:
-            raise InputError(f"{path}: scenario.{REMAINDER} is of a remainder that [remainder] does not tell")
+            raise InputError(f"{path}: scenario.{REMAINDER} is of a residual that [remainder] does not tell")
         wrist = wrist + replace(left, shift=_number(path, f"scenario.{REMAINDER}", asked[REMAINDER]))
     return Sequence(start, angle, references, holds, wrist, dead_time, shift, str(plant), load_at)
 

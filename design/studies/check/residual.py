@@ -1,6 +1,6 @@
 """What the traced plant leaves of a log of the closed loop: as much as it left before, or something new.
 
-The plant runs freely from the logged command.  How much it may leave is what its remainder and noise were,
+The plant runs freely from the logged command.  How much it may leave is what its residual and noise were,
 and what plants of its box differ by under the same command; a load or a dead time that the design allows
 for, but the plant did not have, is new.  What is new is tried against changes that rigs go through, each of
 one parameter, on a grid: a hint of where to look, no identification.
@@ -27,7 +27,7 @@ MARGIN = 1.3
 """A residual is new above this many times the largest that the plants of the box would leave."""
 
 STRETCH = 1.5
-"""Factor of a remainder that may be left of another log: what a model leaves depends on what is asked."""
+"""Factor of a residual that may be left of another log: what a model leaves depends on what is asked."""
 
 PLANTS = 64
 """Plants of the box that are run from the logged command."""

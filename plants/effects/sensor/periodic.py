@@ -1,4 +1,4 @@
-"""Periodic disturbance: a hum of one frequency on the measured angle (compressor, tremor)."""
+"""Periodic disturbance: a sinusoid of one frequency on the measured angle (compressor, tremor)."""
 
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -50,7 +50,7 @@ class _Humming(Effect):
 
     @classmethod
     def trials_on(cls, log: TrialHints) -> list[dict[str, float]]:
-        """The lines of the remainder's spectrum."""
+        """The lines of the residual's spectrum."""
         first, noise = next(cls.trials(log.rig)), log.noise
         return [
             {**first, "frequency": f, "sine": a * noise, "cosine": b * noise}

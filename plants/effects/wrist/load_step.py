@@ -46,7 +46,7 @@ class _Loaded(Effect):
 
     @classmethod
     def trials_on(cls, log: TrialHints) -> list[dict[str, float]]:
-        """Shifts of three times the noise at the moments at which the remainder steps."""
+        """Shifts of three times the noise at the moments at which the residual steps."""
         first, size = next(cls.trials(log.rig)), 3.0 * log.noise
         return [{**first, "moment": moment, "shift": size * sign} for moment, sign in log.steps()]
 

@@ -2,9 +2,9 @@
 
 What a good model leaves hangs on where the wrist is and how it came there: it stands still where the wrist
 does, and an integrator takes it away.  So it is drawn as a function of the way that the static angle has
-gone: a sum of sines, weighted as first-order noise of the remainder's correlation length has its power, of
-the remainder's rms and within its largest.  It counts from where the run begins, where the loop has long
-taken it away, so that a wrist rests as it does without.  The remainder is that of a free run from the
+gone: a sum of sines, weighted as first-order noise of the residual's correlation length has its power, of
+the residual's rms and within its largest.  It counts from where the run begins, where the loop has long
+taken it away, so that a wrist rests as it does without.  The residual is that of a free run from the
 command, in which what is left of the pressure is contained.  What moves by itself while the wrist rests
 (wander, slips) is not drawn: no gains hold an angle closer than that.
 
@@ -32,7 +32,7 @@ LASTS = 60.0
 """Length, in correlation lengths, of what `shift` chooses from."""
 
 SHOWS = 0.5
-"""A remainder below this share of the sensor's noise is hidden in it, and left out."""
+"""A residual below this share of the sensor's noise is hidden in it, and left out."""
 
 
 class Phasors(NamedTuple):
@@ -76,7 +76,7 @@ def _sum(sines: Any) -> Number:
 
 @dataclass(frozen=True)
 class ColouredRemainder(Effect):
-    """A remainder that stays within `peak` [deg] and forgets within a way of `length` [deg] of the static
+    """A residual that stays within `peak` [deg] and forgets within a way of `length` [deg] of the static
     angle; shift [1], 0 to 1: which part of it a run meets.
 
     >>> ColouredRemainder(0.3, 5.0, 0.2).values["remainder.peak"]

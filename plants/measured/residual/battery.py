@@ -1,4 +1,4 @@
-"""The battery of tests on the remainders of a stage, and what passes as found."""
+"""The battery of tests on the residuals of a stage, and what passes as found."""
 
 from dataclasses import dataclass
 
@@ -28,7 +28,7 @@ SMALLEST = {
     "events": 0.01,
     "changing size": 0.01,
 }
-"""Smallest part that counts as structure: of the noise's variance, or the remainder's where that is larger.
+"""Smallest part that counts as structure: of the noise's variance, or the residual's where that is larger.
 
 0.02 is an effect whose spread is a seventh of the noise.  Events are rare, and large while they
 last.  For a changing size it is the mean square of the relative change: a tenth up and down.
@@ -84,7 +84,7 @@ class Battery:
 
     @property
     def total(self) -> float:
-        """Variance of the remainder."""
+        """Variance of the residual."""
         return float(np.mean(self.joined.value[self.joined.inside] ** 2))
 
     @property
@@ -178,7 +178,7 @@ def events_of(battery: Battery, series: Array) -> Events:
 
 
 def _offset(battery: Battery) -> Evidence:
-    """Whether the mean of the whole remainder differs from zero."""
+    """Whether the mean of the whole residual differs from zero."""
     joined = battery.joined
     variance = float(battery.noise_spectrum[0]) / joined.rows
     return Evidence(joined.mean**2 / variance, "f", (1.0, battery.freedom), 1.0, joined.mean**2 - variance)

@@ -51,7 +51,7 @@ def _conditional(battery: Battery, bins: Bins) -> BinnedCurve:
 
 
 def _autocorrelation(battery: Battery) -> BinnedCurve:
-    """Bounds are those of white noise: outside them the remainder is coloured, which noise may be."""
+    """Bounds are those of white noise: outside them the residual is coloured, which noise may be."""
     value = battery.autocorrelation
     lags = np.arange(1.0, len(value) + 1.0, dtype=np.float64) * battery.joined.dt
     bound = np.full(len(value), _normal(len(value)) / battery.joined.rows**0.5)

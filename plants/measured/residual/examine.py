@@ -1,7 +1,7 @@
 """Examination of what a fitted model leaves over: sensor noise, or something missing.
 
 Every test has a bound that holds for stationary noise of any colour, with a memory up to about half
-a second.  A remainder is structured when a test exceeds its bound, set for the whole family of
+a second.  A residual is structured when a test exceeds its bound, set for the whole family of
 tests, and what it finds carries more than a smallest share of the noise's variance:
 with 30,000 rows the bound alone would be passed by trifles, such as the error of
 parameters that are right within their standard errors.
@@ -21,12 +21,12 @@ from plants.measured.residual.series.remainder import Remainder, RemainderStage
 
 @dataclass(frozen=True)
 class Finding:
-    """One test of a remainder.
+    """One test of a residual.
 
     test: ``conditional mean``, ``offset``, ``cross-correlation``, ``periodic``, ``events``,
     ``changing size`` or ``whiteness``; variable: what it looks at; statistic, and bound: what noise
     alone stays below in all tests together but for a probability of `battery.FALSE_ALARM`;
-    p_value: of this test by itself; share: part of the remainder's variance that it accounts for,
+    p_value: of this test by itself; share: part of the residual's variance that it accounts for,
     beyond what noise would (for ``changing size``: mean square of the relative change).
     """
 
@@ -42,7 +42,7 @@ class Finding:
 class Examination:
     """What is left of one channel.
 
-    rmse, noise: of the remainder, and the floor, in the channel's unit; ratio of the two;
+    rmse, noise: of the residual, and the floor, in the channel's unit; ratio of the two;
     findings: every test, strongest first; structured: something beyond stationary
     sensor noise is left; depends_on: what on, by order of evidence: names of variables, ``time``
     (wander that no variable explains), ``periodic at 2.31 Hz``, ``events``, ``changing size``,
@@ -60,7 +60,7 @@ class Examination:
 
 
 def examine(remainders: Sequence[Remainder], seed: int = 0) -> Examination:
-    """Examine the remainders of one stage in all recordings together.
+    """Examine the residuals of one stage in all recordings together.
 
     `seed` is for the noise that blurs coarse rounding (`battery.sizes_over`).  Raises ValueError for none,
     for different stages, or where no recording has 200 rows.

@@ -1,4 +1,4 @@
-"""What a remainder depends on, in order of evidence: each name for what those before it leave."""
+"""What a residual depends on, in order of evidence: each name for what those before it leave."""
 
 from dataclasses import dataclass, field
 
@@ -49,7 +49,7 @@ class _Names:
         del self.power[name], self.variables[name]
 
     def rest(self) -> Array:
-        """The remainder without what is named."""
+        """The residual without what is named."""
         j = self.columns
         if not j:
             return self.battery.joined.value
@@ -59,9 +59,9 @@ class _Names:
 
 
 def named(battery: Battery, seed: int) -> tuple[str, ...]:
-    """Names of what the remainder depends on.
+    """Names of what the residual depends on.
 
-    First the variables and the hum, greedily: the one that accounts for most, then the one that accounts
+    First the variables and the sinusoid, greedily: the one that accounts for most, then the one that accounts
     for most of what is left.  Then what no variable explains: wander, events, changing size.
     """
     names = _Names(battery)

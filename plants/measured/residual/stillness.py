@@ -38,7 +38,7 @@ KEPT = 0.97
 """Part of the row before that differences take off."""
 
 LINES = 4
-"""Most lines of a hum that are taken off."""
+"""Most lines of a sinusoid that are taken off."""
 
 SURE = 1e-6
 """Probability of a line in noise that has none."""
@@ -49,7 +49,7 @@ def noise_of_campaign(recordings: Sequence[Recording], channel: str) -> float | 
 
     Noise with a memory escapes differences, which see only what is new from row to row.
     Where the command was still for long, its spectrum is looked at instead: slow
-    trends are taken off each stretch and a hum off all, and what lasts longer than the
+    trends are taken off each stretch and a sinusoid off all, and what lasts longer than the
     stretches is extrapolated as first-order noise of at most 0.6 s.  That is good to about 3 % for
     correlation times of 0.05 s, 6 % for 0.2 s and 8 % for 0.5 s, with 90 s of stillness.
 
@@ -170,7 +170,7 @@ def _edges(joined: Joined, at: Array) -> NDArray[np.int64]:
 
 
 def without_lines(joined: Joined) -> Joined:
-    """The series less the waves of a hum, fitted in each stretch by itself."""
+    """The series less the waves of a sinusoid, fitted in each stretch by itself."""
     for _ in range(LINES):
         line = line_in(joined, spectrum_of(joined, background(joined)))
         if line is None or line.evidence.p_value > SURE:
@@ -182,7 +182,7 @@ def without_lines(joined: Joined) -> Joined:
 def _without_hum(joined: Joined, near: float) -> Array:
     """The series less the waves of the frequency near one [Hz] that fit best.
 
-    Over all stretches a loud hum is known more closely than from the peak of its spectrum.
+    Over all stretches a loud sinusoid is known more closely than from the peak of its spectrum.
     """
     from scipy.optimize import minimize_scalar
 

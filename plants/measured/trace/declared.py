@@ -56,7 +56,7 @@ def driven(declared: Model, regulator: StageTrace) -> Model:
     """The declared wrist, fitted under the pressure that drives it.
 
     That is the simulated pressure, and where it does not quite reach the noise, the same with what it
-    leaves put back.  But a remainder without structure may be slow noise of the sensor, which the wrist
+    leaves put back.  But a residual without structure may be slow noise of the sensor, which the wrist
     never saw: its loop would turn at every wave of it.  A pressure that was there moves the angle,
     so the drive is taken that explains the angle better.
     """

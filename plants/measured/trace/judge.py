@@ -31,7 +31,7 @@ MOVES = 5.0
 
 SEEN = 0.02
 """An effect whose response, at any strength tried, adds less than this to the mean square of the
-remainder in units of the noise is not excited by the data."""
+residual in units of the noise is not excited by the data."""
 
 
 def explained(search: EffectSearch) -> bool:

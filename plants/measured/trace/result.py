@@ -38,9 +38,9 @@ class Named:
 
 @dataclass(frozen=True)
 class StageTrace:
-    """One stage: the search for effects, the remainder before and after it, and what to make of it.
+    """One stage: the search for effects, the residual before and after it, and what to make of it.
 
-    explained: whether the remainder reaches the noise, or is too small to matter.  cannot_judge: effects
+    explained: whether the residual reaches the noise, or is too small to matter.  cannot_judge: effects
     that the data never excites, with the reason.  learnt: a description of what
     is left, where no effect explains it.
     """
@@ -128,5 +128,5 @@ class Trace:
 
     @property
     def unexplained(self) -> list[StageTrace]:
-        """Stages in which a structured remainder is left."""
+        """Stages in which a structured residual is left."""
         return [s for s in self.stages if not s.explained]

@@ -12,7 +12,7 @@ from plants.parameters.remainder import BANDS, CHANNELS, RemainderSize
 
 Array = NDArray[np.float64]
 MATTERS = 0.005
-"""Share of the range above which a structured remainder matters.  Below it a model is as good as a sensor of
+"""Share of the range above which a structured residual matters.  Below it a model is as good as a sensor of
 half a per cent, though a quieter sensor still shows structure."""
 
 NAMED = 0.95
@@ -21,7 +21,7 @@ rig whose errors are small and have no named cause is not explained."""
 
 
 AVERAGED = 0.1
-"""Time [s] over which a remainder is averaged before its largest is taken, so that it is not the noise's."""
+"""Time [s] over which a residual is averaged before its largest is taken, so that it is not the noise's."""
 
 
 def remainder(runs: Sequence[FreeRun], channel: str, noise: float) -> RemainderSize | None:

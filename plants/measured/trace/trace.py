@@ -37,7 +37,7 @@ from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 SLOW_NOISE = 100.0
-"""Chi-square up to which a remainder without structure, of which no effect takes a good part away, is
+"""Chi-square up to which a residual without structure, of which no effect takes a good part away, is
 slow noise whose floor was taken too low."""
 
 REMAINS = 0.25
@@ -144,7 +144,7 @@ def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: i
 
 
 def _numeric(depends_on: Sequence[str]) -> list[str]:
-    """The variables to describe a remainder by: what it was found to depend on, time where it wanders."""
+    """The variables to describe a residual by: what it was found to depend on, time where it wanders."""
     return list(dict.fromkeys("time_s" if d == "time" else d for d in depends_on))
 
 

@@ -14,7 +14,7 @@ from reports.comparison.trade_off_figure import trade_off
 from reports.shared import signals
 from reports.shared.fit import draw_fit, shown_run
 from reports.shared.gain_map import gain_map
-from reports.shared.style import CONTROLLER_LINES, save, svg
+from reports.shared.style import CONTROLLER_LINES, FAINT, save, svg
 from reports.shared.tables import number
 from tests.reports.report_samples import small_study
 
@@ -58,7 +58,7 @@ def test_steps_show_every_controller_until_the_end_of_the_window(compared):
     for axes in figure.axes:
         curves = [line for line in axes.lines if len(line.get_xdata()) > 100]
         assert 4 <= len(curves) <= 8
-        in_colour = [line for line in curves if line.get_color() != figures.FAINT]
+        in_colour = [line for line in curves if line.get_color() != FAINT]
         assert len(in_colour) == 2  # the tuned PI and one more; all others are grey and named at the curve
         assert len({str(line._dash_pattern) for line in in_colour}) == 2  # told apart without colour
 

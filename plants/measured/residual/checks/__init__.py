@@ -1,1 +1,1 @@
-"""Statistical tests of a remainder, one a file, each with the law that it follows in noise alone."""
+"""Statistical tests of a residual, one a file, each with the law that it follows in noise alone."""

@@ -1,4 +1,4 @@
-"""Conditional means of a remainder over bins, and what stationary noise of a given spectrum makes of them."""
+"""Conditional means of a residual over bins, and what stationary noise of a given spectrum makes of them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,10 +19,10 @@ SINGULAR = 1e-6
 
 @dataclass(frozen=True)
 class Sums:
-    """Sums of a remainder over bins of many variables.
+    """Sums of a residual over bins of many variables.
 
     sums: (k,); overlap: (k, k), rows that two bins share; covariance: (k, k) of the sums for noise
-    alone; rows: of the remainder.
+    alone; rows: of the residual.
     """
 
     sums: Array
@@ -31,7 +31,7 @@ class Sums:
     rows: int
 
     def without(self, columns: Sequence[int]) -> "Sums":
-        """What is left of the sums when these columns have been regressed out of the remainder."""
+        """What is left of the sums when these columns have been regressed out of the residual."""
         if not len(columns):
             return self
         j = np.asarray(columns)
@@ -62,7 +62,7 @@ class Sums:
         return Evidence(statistic, "f", (rank, freedom), 1.0, power)
 
     def coefficients(self, columns: Sequence[int]) -> Array:
-        """Least-squares coefficients of the remainder over these columns."""
+        """Least-squares coefficients of the residual over these columns."""
         j = np.asarray(columns)
         found: Array = (
             np.linalg.pinv(self.overlap[np.ix_(j, j)], rcond=SINGULAR, hermitian=True) @ self.sums[j]

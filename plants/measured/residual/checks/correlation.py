@@ -1,4 +1,4 @@
-"""Cross-correlation of a remainder with the changes of its inputs."""
+"""Cross-correlation of a residual with the changes of its inputs."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from plants.measured.residual.series.joined import Joined
 from plants.measured.residual.series.remainder import Array
 
 BEFORE, AFTER = 0.5, 3.0
-"""Lags of the remainder behind the input [s]: some before it, where nothing may be found."""
+"""Lags of the residual behind the input [s]: some before it, where nothing may be found."""
 
 FEWEST = 12.0
 """Changes, counted by their squares, from which a correlation means anything: one or two jumps show
@@ -24,7 +24,7 @@ HIGH = 5.0
 
 @dataclass(frozen=True)
 class Correlation:
-    """Correlation of a remainder with the changes of a variable, (k,) at lags [s].
+    """Correlation of a residual with the changes of a variable, (k,) at lags [s].
 
     deviation: standard deviation of each value for noise alone; agreement: value over its standard
     deviation as the changes' own products scatter, which few large ones or loud moments do not
@@ -40,7 +40,7 @@ class Correlation:
 
     def evidence(self, power: float) -> Evidence:
         """Whether the largest value is more than noise makes of all lags; `power` is the mean
-        square of the remainder."""
+        square of the residual."""
         z = np.abs(self.value) / self.deviation
         high = (z > HIGH) & (np.abs(self.agreement) > AGREED)
         explained = float(np.sum(self.value[high] ** 2 - self.deviation**2)) * self.sharpness
@@ -51,7 +51,7 @@ def correlation(joined: Joined, series: Array, variable: str, spectrum: Array) -
     """Correlation of a series (n,) with the changes of a variable; None where it has fewer than FEWEST.
 
     Differences make steps and random walks white, as Box and Jenkins prescribe for the
-    input.  The remainder keeps its colour, and the deviation accounts for it: the
+    input.  The residual keeps its colour, and the deviation accounts for it: the
     variance is the sum over the product of the two spectra, the same at every lag.
     """
     from scipy.fft import irfft

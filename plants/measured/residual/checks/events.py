@@ -35,10 +35,10 @@ class Events:
 
 
 def events_in(joined: Joined, series: Array, spectrum: Array) -> Events:
-    """Events in a remainder (n,) behind noise of a spectrum.
+    """Events in a residual (n,) behind noise of a spectrum.
 
-    Sums over windows of the remainder weighted with the inverse of the noise, which is
-    optimal for stationary noise, in standard deviations.  Where the remainder is
+    Sums over windows of the residual weighted with the inverse of the noise, which is
+    optimal for stationary noise, in standard deviations.  Where the residual is
     louder than noise about its mean in the window, these grow with it: a burst of
     noise is no event, it changes the size.
     """

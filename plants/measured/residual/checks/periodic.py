@@ -1,4 +1,4 @@
-"""Search for lines in the spectrum of a remainder: a hum of one frequency, in all recordings."""
+"""Search for lines in the spectrum of a residual: a sinusoid of one frequency, in all recordings."""
 
 from dataclasses import dataclass
 
@@ -17,16 +17,16 @@ BESIDE = 0.6
 """Half-width [Hz] of the surroundings that a line must stand out of."""
 
 SEGMENT = 12.0
-"""Length [s], or PERIODS if longer, of the segments in most of which a steady hum is there."""
+"""Length [s], or PERIODS if longer, of the segments in most of which a steady sinusoid is there."""
 
 PERIODS = 8.0
 STEADY = 0.75
-"""Share of the segments in which a hum has at least half, and at most double, its typical size."""
+"""Share of the segments in which a sinusoid has at least half, and at most double, its typical size."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """A hum at a frequency [Hz]: test of the highest value of the spectrum; steady: whether it is
+    """A sinusoid at a frequency [Hz]: test of the highest value of the spectrum; steady: whether it is
     there all the time, and not made of something that recurs in one recording."""
 
     frequency: float
@@ -41,7 +41,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Power of the remainder over its surroundings: frequency [Hz], value, bound, (m,) each."""
+    """Power of the residual over its surroundings: frequency [Hz], value, bound, (m,) each."""
 
     frequency: Array
     value: Array
@@ -61,7 +61,7 @@ class Spectrum:
 
 
 def spectrum_of(joined: Joined, noise: Array) -> Spectrum:
-    """Power of the remainder, and its level around each frequency, from medians that pass over lines."""
+    """Power of the residual, and its level around each frequency, from medians that pass over lines."""
     from numpy.lib.stride_tricks import sliding_window_view
     from scipy.stats import gamma
 

@@ -1,4 +1,4 @@
-"""Whether the size of a remainder changes: over what it is plotted against, over time, in bursts."""
+"""Whether the size of a residual changes: over what it is plotted against, over time, in bursts."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ FREEDOM = 1000.0
 """Degrees of freedom of the variance of the sizes: there are as many as rows."""
 
 LOCAL, LOUD = 10, 2.5
-"""Rows over which the remainder is loud when its power is this many times the usual."""
+"""Rows over which the residual is loud when its power is this many times the usual."""
 
 ROUGH = 0.12
 """Correlation of neighbours up to which loud moments are noise: 0.07 at most for noise of changing
@@ -33,14 +33,14 @@ BASELINE = 1.0
 
 @dataclass(frozen=True)
 class Sizes:
-    """Sizes of the whitened remainder, (n,), less their mean, which is 1 before; variance of a size."""
+    """Sizes of the whitened residual, (n,), less their mean, which is 1 before; variance of a size."""
 
     value: Array
     variance: float
 
 
 def sizes_of(joined: Joined, series: Array, spectrum: Array) -> Sizes:
-    """Absolute values of a remainder (n,), whitened with the spectrum of its noise, over their mean.
+    """Absolute values of a residual (n,), whitened with the spectrum of its noise, over their mean.
 
     Absolute values, as Brown and Forsythe take them, since squares would be ruled
     by a few outliers.  Whitening makes them independent where noise is stationary.
@@ -87,7 +87,7 @@ def burst_test(joined: Joined, sizes: Sizes) -> Evidence:
 
 
 def evened(joined: Joined, series: Array, spectrum: Array) -> Array:
-    """A remainder (n,) over its local size where that is more than usual, from half a second around."""
+    """A residual (n,) over its local size where that is more than usual, from half a second around."""
     from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
     white = joined.filtered(series, 1.0 / np.sqrt(spectrum))
@@ -99,9 +99,9 @@ def evened(joined: Joined, series: Array, spectrum: Array) -> Array:
 
 
 def is_rough(joined: Joined, series: Array, spectrum: Array) -> bool:
-    """Whether a remainder (n,) is noise where it is loud: the whitened neighbours are unrelated there.
+    """Whether a residual (n,) is noise where it is loud: the whitened neighbours are unrelated there.
 
-    Transients that no test caught make the remainder large too, but smooth.
+    Transients that no test caught make the residual large too, but smooth.
     """
     from scipy.ndimage import uniform_filter1d
 

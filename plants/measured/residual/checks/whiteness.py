@@ -1,4 +1,4 @@
-"""Autocorrelation of a remainder, and the test of Ljung and Box.
+"""Autocorrelation of a residual, and the test of Ljung and Box.
 
 Reported, never decisive: sensor noise may be coloured.
 """

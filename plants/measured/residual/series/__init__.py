@@ -1,1 +1,1 @@
-"""A remainder as a series, its spectrum, and the columns that it is regressed on."""
+"""A residual as a series, its spectrum, and the columns that it is regressed on."""

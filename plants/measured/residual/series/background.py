@@ -1,4 +1,4 @@
-"""Spectrum of stationary sensor noise, of short memory, behind whatever structure a remainder has.
+"""Spectrum of stationary sensor noise, of short memory, behind whatever structure a residual has.
 
 A spectrum fitted to everything would call any structure noise.  This one is
 robust (medians over bands pass over lines) and bounded in memory: below

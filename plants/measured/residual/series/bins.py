@@ -1,4 +1,4 @@
-"""Bins over what a remainder is plotted against."""
+"""Bins over what a residual is plotted against."""
 
 from dataclasses import dataclass
 

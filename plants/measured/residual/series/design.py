@@ -1,4 +1,4 @@
-"""The columns that a remainder is regressed on: indicators of bins, and the waves of a hum."""
+"""The columns that a residual is regressed on: indicators of bins, and the waves of a hum."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ class Design:
         return found
 
     def with_waves(self, name: str, waves: Array) -> "Design":
-        """With the waves (w, n) of a hum added under a name."""
+        """With the waves (w, n) of a sinusoid added under a name."""
         more = waves.astype(np.float32)
         across = (self.columns @ more.T).astype(np.float64)
         overlap = np.block([[self.overlap, across], [across.T, waves @ waves.T]])

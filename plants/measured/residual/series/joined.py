@@ -18,10 +18,10 @@ SILENCE = 4.0
 
 @dataclass(frozen=True)
 class Joined:
-    """The remainders one after the other, shape (n,), zero in the silences.
+    """The residuals one after the other, shape (n,), zero in the silences.
 
     dt: sample time [s]; spans: rows of each recording; inside: where there are rows; value: the
-    remainder, whose mean was taken off; mean: what was taken off; variables: by name, NaN where not
+    residual, whose mean was taken off; mean: what was taken off; variables: by name, NaN where not
     logged and in the silences.
     """
 
@@ -94,7 +94,7 @@ class Joined:
 
 
 def join(remainders: Sequence[Remainder]) -> Joined:
-    """One series of all remainders of a stage.
+    """One series of all residuals of a stage.
 
     Of a log with more than MOST rows every second, third or so is taken.  Raises ValueError for none,
     for different stages, and where no recording has FEWEST rows.
@@ -127,6 +127,6 @@ def join(remainders: Sequence[Remainder]) -> Joined:
 
 
 def _thinned(remainder: Remainder, every: int) -> Remainder:
-    """Every so many-th row of a remainder."""
+    """Every so many-th row of a residual."""
     kept = {name: values[::every] for name, values in remainder.variables.items()}
     return replace(remainder, time=remainder.time[::every], value=remainder.value[::every], variables=kept)

@@ -56,10 +56,10 @@ def remainder_of(
 
 
 def variables(recording: Recording, pressure: Array, angle: Array | None) -> dict[str, Array]:
-    """What an engineer would plot a remainder against, by name with unit, shape (n,) each.
+    """What an engineer would plot a residual against, by name with unit, shape (n,) each.
 
     Taken from the simulated pressure [kPa] and angle [deg] (None where only the regulator was
-    simulated), not from the measured ones, whose noise is part of the remainder and would
+    simulated), not from the measured ones, whose noise is part of the residual and would
     correlate with it.  Channels that were not simulated are as logged.
     """
     from scipy.signal import savgol_filter

@@ -81,7 +81,7 @@ class Candidate:
 
     @cached_property
     def examined(self) -> Examination:
-        """What its remainder shows."""
+        """What its residual shows."""
         return examine(remainders(self.model))
 
     @cached_property
@@ -91,7 +91,7 @@ class Candidate:
 
     @property
     def lacks_something(self) -> bool:
-        """Whether its remainder is large enough to look further."""
+        """Whether its residual is large enough to look further."""
         return self.model.chi2 > 1.0 + WORTH
 
 
@@ -154,7 +154,7 @@ def search(
 
     The best few models of a round are all carried to the next: the first effect
     is chosen while another is still missing, which may pass for it.  Raises
-    nothing for a remainder that no effect explains: the search just ends.
+    nothing for a residual that no effect explains: the search just ends.
     """
     tell = tell or (lambda what: None)
     first = now = Candidate(declared)
@@ -244,7 +244,7 @@ def reformed(now: Candidate, asked: Excitation) -> Candidate:
 def worth_it(before: Candidate, after: Candidate, declared: Candidate) -> bool:
     """Whether an effect earns its place.
 
-    In a remainder that has structure, the error of a free run from the command has to fall on rows left out,
+    In a residual that has structure, the error of a free run from the command has to fall on rows left out,
     by more than its uncertainty and by enough.  One without may be slow noise whose floor was taken too low,
     or an effect in recordings too short for the tests to see it: then it has to take a good part away and
     to make the rest likelier as noise, of any colour, by more than following slow noise for a while would.

@@ -1,6 +1,6 @@
 """What was asked of the rig: so that an effect that sits in the command is not named as one of the rig.
 
-Under a single sine a hum at a harmonic of it, in one ramp a drift, at the first rows a load step fit anything
+Under a single sine a sinusoid at its harmonic, in one ramp a drift, at the first rows a load step, fit all
 that the model does not make of the command.
 """
 

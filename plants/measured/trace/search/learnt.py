@@ -1,6 +1,6 @@
-"""A term learnt from a remainder that no effect explains: a description, not a cause.
+"""A term learnt from a residual that no effect explains: a description, not a cause.
 
-Smooth curves of the variables that the remainder was found to depend on, fitted
+Smooth curves of the variables that the residual was found to depend on, fitted
 by cross-validated ridge regression (scikit-learn), variable by variable, and
 judged on held-out blocks of time.
 """
@@ -22,7 +22,7 @@ MOST = 3
 """Variables that a description may use; more would describe this data and no other."""
 
 EARNED = 0.02
-"""Least further share of the remainder, on blocks left out, that a variable must describe."""
+"""Least further share of the residual, on blocks left out, that a variable must describe."""
 
 
 @dataclass(frozen=True)
@@ -36,10 +36,10 @@ class LearntCurve:
 
 @dataclass(frozen=True)
 class Learnt:
-    """A description of a remainder.
+    """A description of a residual.
 
     variables: what it is made of, in order of gain.  described: share of the
-    remainder's mean square beyond noise that it takes away on blocks left out,
+    residual's mean square beyond noise that it takes away on blocks left out,
     0 to 1.  curves: the term of each variable.
     """
 
@@ -56,7 +56,7 @@ class Learnt:
 
 
 def learn(remainders: Sequence[Remainder], variables: Sequence[str]) -> Learnt | None:
-    """Describe remainders by curves of some of `variables`, chosen one after the other.
+    """Describe residuals by curves of some of `variables`, chosen one after the other.
 
     None where none of them earns its place.
     """

@@ -1,5 +1,5 @@
 """How likely what a model leaves is as noise of a colour of its own: the evidence for an effect in a
-remainder that may be nothing but slow noise.
+residual that may be nothing but slow noise.
 
 Where noise has a memory, chi-square per row counts rows that say the same thing over and over, and what is
 fitted to one half of them predicts the other badly whatever the model.  The likelihood holds each row

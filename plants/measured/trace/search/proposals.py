@@ -59,11 +59,11 @@ def trials(form: Form, model: Model) -> list[dict[str, float]]:
 
 
 def spectral_lines(stage: Stage, residual: Array, count: int = 3) -> list[tuple[float, float, float]]:
-    """Frequencies [Hz] with the sine and cosine part that a remainder has most of, phase 0 at time 0.
+    """Frequencies [Hz] with the sine and cosine part that a residual has most of, phase 0 at time 0.
 
-    The recordings are added with their phases, since a hum runs on through all
+    The recordings are added with their phases, since a sinusoid runs on through all
     of them.  Half of the frequencies stand highest, half stand out most from
-    their neighbours, so that a slow remainder of another kind does not hide a hum.
+    their neighbours, so that a slow residual of another kind does not hide a hum.
     """
     from scipy.ndimage import median_filter
 
@@ -90,7 +90,7 @@ def spectral_lines(stage: Stage, residual: Array, count: int = 3) -> list[tuple[
 
 
 def steps(stage: Stage, sensitivity: Array, residual: Array, count: int = 3) -> list[tuple[float, float]]:
-    """Moments [s] at which a shift, and its sign, explains most of a remainder."""
+    """Moments [s] at which a shift, and its sign, explains most of a residual."""
     last = max(float(p.recording.time[-1]) for p in stage.playbacks)
     moments = np.arange(MOMENTS, last - MOMENTS, MOMENTS)
     thin = slice(None, None, 5)

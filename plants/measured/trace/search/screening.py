@@ -1,11 +1,11 @@
-"""Ranking effects cheaply: how much of the remainder each one's finite response would take away.
+"""Ranking effects cheaply: how much of the residual each one's finite response would take away.
 
 The sensitivity to an effect is zero at its null for all that has a threshold,
 and time constants, moments and frequencies mean nothing there; so each form is
 simulated at a small grid of values instead.  From its response, what a refit of
 the present parameters could absorb is projected out, and what is left is
-compared with the remainder.  The largest of so many comparisons is judged
-against what it would be if the remainder were noise.
+compared with the residual.  The largest of so many comparisons is judged
+against what it would be if the residual were noise.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -23,7 +23,7 @@ from plants.rig import Rig, built_in_rig
 
 Array = NDArray[np.float64]
 DRAWS = 200
-"""Simulated remainders of noise alone, for the calibration of the maximum."""
+"""Simulated residuals of noise alone, for the calibration of the maximum."""
 
 ROUNDS = 2
 """How often the grid is refined around its best point."""
@@ -114,7 +114,7 @@ class Screen:
 
     def tried(self, form: Form) -> tuple[Ranked, Array]:
         """The best point of a form's grid, and the responses (rows, n) by which chance was judged."""
-        # How much it could show does not depend on what the remainder suggests.
+        # How much it could show does not depend on what the residual suggests.
         plain = list(form.trials(self.model.stage.rig))
         grid = trials(form, self.model)
         more = [g for g in grid if g not in plain]
