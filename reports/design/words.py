@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 
 from design.robustness.recommended import PLAIN
-from design.robustness.robust_tuning import FRESH, SEARCH
 from design.studies.design_study import BARE, FORWARD, DesignStudy, MotionDesign
 from reports.shared.card import gains_words
+from reports.shared.names import limit_name
 from reports.shared.tables import listed, number
 
 
@@ -129,17 +129,26 @@ def price_caption(study: DesignStudy) -> str:
 
 
 def feedforward_words(m: MotionDesign) -> str:
-    """What a feedforward around a PI's loop would change; nothing where none was found to hold."""
+    """What a feedforward around a PI's loop would change, and in which case it breaks a limit; nothing where
+    none was found that holds the cases of its tuning."""
     found = m.designs.get(FORWARD)
-    if found is None or not found["holds"]:
+    if found is None or not (found["holds"] or "worst_case" in found):
         return ""
     gains, best = found["gains"], m.designs[m.recommended]["cost"]
-    return (
+    words = (
         f"{m.motion}: an inverse feedforward (filter {number(gains['speed'])} 1/s, model delayed by "
         f"{number(1000 * gains['dead_time'])} ms) around the loop Kp = {number(gains['Kp'])}, Ki = "
-        f"{number(gains['Ki'])} meets every limit too, in {FRESH} fresh samples and {SEARCH} runs of a "
-        f"search. Its worst IAE is {number(100 * (1 - found['cost'] / best), 2)} % lower. It needs the model "
-        "on the target, and no certificate covers it."
+        f"{number(gains['Ki'])} lowers the worst IAE of the tuning by "
+        f"{number(100 * (1 - found['cost'] / best), 2)} %. It needs the model on the target, and no "
+        "certificate covers it."
+    )
+    if found["holds"]:
+        return f"{words} No broken limit was found."
+    excess = number(100 * found["worst_excess"], 2)
+    limit = limit_name(found["worst_excess_of"]).lower()
+    return (
+        f"{words} It is not recommended: the search found a case that breaks the limit of the {limit} "
+        f"by {excess} % ({found['worst_case']})."
     )
 
 

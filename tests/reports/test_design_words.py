@@ -70,7 +70,19 @@ def test_a_feedforward_that_holds_is_told_with_what_it_would_save():
     words = feedforward_words(replace(with_one, designs=held))
     assert "filter 3 1/s" in words
     assert "25 ms" in words
-    assert "25 % lower" in words
+    assert "by 25 %" in words
+    assert "not recommended" not in words
     assert feedforward_words(with_one) == ""
-    broken = {**held, FORWARD: {**held[FORWARD], "holds": False}}
-    assert feedforward_words(replace(with_one, designs=broken)) == ""
+
+
+def test_a_feedforward_whose_worst_case_breaks_a_limit_is_told_with_the_case():
+    with_one = motion("flexion", 0, "proved")
+    gains = {"Kp": 2.88, "Ki": 7.39, "speed": 3.0, "dead_time": 0.025}
+    worst = {"worst_excess": 6.7, "worst_excess_of": "overshoot_percent", "worst_case": "0, +15, +10, +5 deg"}
+    broken = {"gains": gains, "holds": False, "cost": 7.5, **worst}
+    words = feedforward_words(replace(with_one, designs={**with_one.designs, FORWARD: broken}))
+    assert "not recommended" in words
+    assert "670 %" in words
+    assert "0, +15, +10, +5 deg" in words
+    untold = {n: v for n, v in broken.items() if not n.startswith("worst")}  # broke a case of its tuning
+    assert feedforward_words(replace(with_one, designs={**with_one.designs, FORWARD: untold})) == ""
