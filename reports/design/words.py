@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 
 from design.robustness.recommended import PLAIN
-from design.studies.design_study import BARE, FORWARD, DesignStudy, MotionDesign
+from design.studies.design_study import DesignStudy, MotionDesign
+from design.studies.designs import BARE, FORWARD
 from reports.shared.card import gains_words
 from reports.shared.names import limit_name
 from reports.shared.tables import listed, number

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from design.studies.design_study import FORWARD, DesignEffort, DesignStudy, MotionDesign
+from design.studies.design_study import DesignStudy, MotionDesign
+from design.studies.designs import FORWARD, DesignEffort
 from reports.design import tables
 from reports.design.words import feedforward_words, last_line, summary, title
 

@@ -66,7 +66,8 @@ def command(
     json: JsonOption = None,
     jobs: JobsOption = None,
 ) -> None:
-    from design.studies.design_study import DesignEffort, Taken, design_study
+    from design.studies.design_study import Taken, design_study
+    from design.studies.designs import DesignEffort
     from reports.design.page import write_design
     from reports.design.record import design_record
     from reports.design.words import last_line, motion_lines

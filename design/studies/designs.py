@@ -1,0 +1,124 @@
+"""The tuning stage of a design: every controller that is offered, each under the same requirement.
+
+A PI, one with two degrees of freedom, and a feedforward around the loop of one of these; where the plant
+leaves a residual also the PI of a plant that leaves none; where neither PI holds, the part of the requirement
+that would have to go.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from design.robustness.box import Box
+from design.robustness.checks import worst_found
+from design.robustness.recommended import PLAIN, TWO_DOF, tune_candidates
+from design.robustness.requirement import Requirement
+from design.robustness.robust_tuning import RobustTuning, tune_robustly
+from design.synthesis.structure import FORWARD_PI, forward_pi
+from design.synthesis.tuning import Region, Tuning
+from plants.effects.effect import dead_time_of
+from plants.errors import InputError
+
+Tell = Callable[[str, float], None]
+
+FORWARD = FORWARD_PI.name
+BARE = "PI, residual left out"
+"""What a PI would be whose plant left nothing: told beside, to show what the residual costs."""
+
+
+@dataclass(frozen=True)
+class DesignEffort:
+    """How much is spent: fresh samples, runs of the search for the worst case, points of maps, rounds."""
+
+    samples: int = 20_000
+    runs: int = 50_000
+    points: int = 40
+    rounds: int = 15
+
+
+def tuned_designs(
+    required: Requirement, effort: DesignEffort, seed: int, jobs: int | None, tell: Tell
+) -> dict[str, Any]:
+    """Records of the controllers by name; `relaxed` says in words what would have to be taken away where
+    neither PI holds the requirement, else None."""
+    region = Region(points=effort.points)
+    both = tune_candidates(required, region, seed, effort.rounds, jobs, lambda s, h: tell(s, 0.6 * h))
+    plain = both.plain
+    found = {PLAIN: _tuning_record(plain), TWO_DOF: _tuning_record(both.two_dof or plain)}
+    if both.two_dof is not None:
+        loops = [both.best.final] + ([both.plain.final] if both.best is both.two_dof else [])
+        found |= _forward(
+            required, loops, seed, effort, jobs, lambda s, h: tell(f"{FORWARD}: {s}", 0.6 + 0.4 * h)
+        )
+    if required.box.remainder is not None:
+        bare = replace(required, box=required.box.leaving(None))
+        tell("without what the plant leaves", 0.99)
+        found[BARE] = _tuning_record(tune_robustly(bare, region, 0, seed, effort.rounds, jobs))
+    holds = any(found[n]["holds"] for n in (PLAIN, TWO_DOF))
+    return {**found, "relaxed": None if holds else _would_have_to_go(required, seed, jobs, tell)}
+
+
+def _forward(
+    required: Requirement,
+    loops: list[Tuning],
+    seed: int,
+    effort: DesignEffort,
+    jobs: int | None,
+    tell: Tell,
+) -> dict[str, dict[str, Any]]:
+    """A feedforward around the first of some PI loops with which it holds the requirement, else around the
+    first; none for a plant that has no inverse.
+
+    Its worst cases are rare: a model on another branch than the wrist, after a step that was taken back.  So
+    what holds is searched once more, in half as many runs as the recommended gains.
+    """
+    known = dead_time_of(required.wrist.effects)
+    structure = forward_pi(known + 0.5 * required.space.dead_time)  # the middle of the interval
+    try:
+        structure.of(required.wrist, 0.0, 0.0, **structure.settings)
+    except (InputError, ValueError):
+        return {}
+    found: list[dict[str, Any]] = []
+    for base in loops:
+        tuned = tune_robustly(required, None, 0, seed, effort.rounds, jobs, tell, structure, base)
+        found.append(_tuning_record(tuned))
+        if tuned.holds:
+            tell("search for the worst case", 0.9)
+            worst = worst_found(required, tuned.final.controller, effort.runs // 2, seed + 78, jobs)
+            found[-1] |= {
+                "holds": worst.broken == 0, "worst_excess": worst.excess, "worst_excess_of": worst.excess_of,
+                "worst_case": worst.sequence.name,
+            }  # fmt: skip
+        if found[-1]["holds"]:
+            return {FORWARD: found[-1]}
+    return {FORWARD: found[0]}
+
+
+def _would_have_to_go(required: Requirement, seed: int, jobs: int | None, tell: Tell) -> str | None:
+    """The first part of the requirement without which a plain PI holds the rest, in words; None where taking
+    away one is not enough."""
+    own = required.conditions
+    without = {
+        "the dead time": replace(required, conditions=replace(own, dead_time=0.0)),
+        "the load": replace(required, conditions=replace(own, load=0.0)),
+        "steps before the last has settled": replace(required, kinds=("step",)),
+        "the box of parameters": replace(
+            required, box=Box(required.box.plant, ()).leaving(required.box.remainder)
+        ),
+        "what the plant leaves": replace(required, box=required.box.leaving(None)),
+    }
+    for words, less in without.items():
+        tell(f"without {words}", 0.99)
+        if tune_robustly(less, Region(points=12), 0, seed, 8, jobs).holds:
+            return words
+    return None
+
+
+def _tuning_record(found: RobustTuning) -> dict[str, Any]:
+    t = found.final
+    nearest = None if found.refusal is None else {"limit": t.active, "words": type(found.refusal).__name__}
+    return {
+        "gains": t.gains, "cost": float(t.at.cost[0]),
+        "holds": found.holds, "ended": found.ended, "active": t.active, "nearest": nearest,
+        "cases": len(t.problem.adverse), "rounds": len(found.rounds),
+    }  # fmt: skip
