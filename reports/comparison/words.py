@@ -55,7 +55,7 @@ WORST_CAPTION = (
     "Worst settling time and overshoot over the tasks of a motion; dashed: limit on overshoot; grey bar: the "
     "paper's PI over the range of its gains; arrow: not settled within the run."
 )
-LATE = (
+DEAD_TIME_CAPTION = (
     "Worst overshoot of every controller against added dead time, plant as fitted: steps of both signs from "
     f"every initial state; of an MPC from rest alone, for {DURATION:g} s. In colour: the tuned PI, and the "
     f"feedback that settles first within the limits without dead time. {SETTLED}"

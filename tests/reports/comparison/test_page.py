@@ -59,6 +59,12 @@ def page(folder):
     return Page((folder / "comparison.html").read_text(encoding="utf-8"))
 
 
+def test_the_figure_behind_dead_time_says_what_was_played(folder):
+    text = (folder / "comparison.html").read_text(encoding="utf-8")
+    assert text.count("Worst overshoot of every controller against added dead time") >= 1
+    assert "of an MPC from rest alone" in text
+
+
 def test_the_page_loads_nothing_from_elsewhere(page):
     tags = [t for t, _ in page.tags]
     assert not {"link", "iframe", "img", "object", "embed"} & set(tags)
