@@ -65,7 +65,6 @@ IGNORED = [
     ("tune", "--no-dead-time", "--dead-time", "0.05"),
     ("tune", "--no-load", "--load", "1"),
     ("tune", "--scheduler", "tcp://127.0.0.1:8786"),
-    ("tune", "--nominal", "--plain"),
     ("tune", "--nominal", "--corners", "0.2,0.1,0.2"),
     ("tune", "--nominal", "--delay-margin", "0.1"),
     ("simulate", "--volts", "2", "--volts", "3"),

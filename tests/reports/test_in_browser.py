@@ -189,7 +189,8 @@ def painted(pdf: bytes) -> list[int]:
     found = []
     for body in pages:
         content = objects[int(re.search(rb"/Contents (\d+) 0 R", body).group(1))]
-        stream = re.search(rb"stream\r?\n(.*?)\r?\nendstream", content, re.DOTALL).group(1)
+        begin = re.search(rb"stream\r?\n", content).end()  # its last byte may look like the end of a line
+        stream = content[begin : begin + int(re.search(rb"/Length (\d+)", content).group(1))]
         text = zlib.decompress(stream) if b"/FlateDecode" in content else stream
         found.append(len(re.findall(rb"(?:^|\s)(?:Tj|TJ|f\*?|S|s|B\*?|Do)(?=\s|$)", text)))
     return found

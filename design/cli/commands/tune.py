@@ -136,7 +136,7 @@ def command(
         refuse(("--scheduler",), "belongs to --plain and --nominal")
     if nominal:
         refuse(("--delay-margin",), "--nominal asks for no delay margin")
-        refuse(("--plain", "--corners"), "--nominal asks for the nominal plant alone")
+        refuse(("--corners",), "--nominal asks for the nominal plant alone")
     if no_dead_time:
         refuse(("--dead-time",), "--no-dead-time asks for none")
     if no_load:

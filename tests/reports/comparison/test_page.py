@@ -68,7 +68,7 @@ def test_the_figure_behind_dead_time_says_what_was_played(folder):
 def test_the_page_loads_nothing_from_elsewhere(page):
     tags = [t for t, _ in page.tags]
     assert not {"link", "iframe", "img", "object", "embed"} & set(tags)
-    assert tags.count("script") == 1
+    assert tags.count("script") == 2  # of curves, and of cells of gain maps
     for _, attributes in page.tags:
         for key in ("src", "href", "xlink:href", "data"):
             assert (attributes.get(key) or "#").startswith("#")
@@ -171,8 +171,8 @@ def test_figures_of_the_comparison_are_inside_and_the_papers_on_a_page_of_their_
     def figures(p):
         return [a for t, a in p.tags if t == "svg" and a.get("class") == "figure"]
 
-    # card, steps, trade-off, worst and loops, map, fit, differences, break-even
-    assert len(figures(page)) == 1 + 2 + 3 + 1 + 1 + 1 + 1
+    # card, steps, trade-off, worst and loops, dead time, map, fit, differences, break-even
+    assert len(figures(page)) == 1 + 2 + 3 + 1 + 1 + 1 + 1 + 1
     assert all(a.get("aria-label") and "viewbox" in a for a in figures(page))
     paper = Page((folder / "paper.html").read_text(encoding="utf-8"))
     assert len(figures(paper)) == 9
@@ -279,8 +279,8 @@ def test_json_agrees_with_the_comparison(folder, compared, made):
 def test_pictures_lie_beside_the_page_and_nothing_half_written(folder):
     names = {p.name for p in folder.iterdir()}
     pictures = {
-        "steps-flexion.png", "steps-deviation.png", "gains-flexion.png", "fit-flexion.png", "loops.png",
-        "worst-values.png", "trade-off.png", "differences.png", "decision.png", "paper.html",
+        "steps-flexion.png", "steps-deviation.png", "dead-time.png", "gains-flexion.png", "fit-flexion.png",
+        "loops.png", "worst-values.png", "trade-off.png", "differences.png", "decision.png", "paper.html",
         "break-even-flexion.png",
     }  # fmt: skip
     assert names == pictures | {"comparison.html", "comparison.json", "comparison.csv", "contest.csv"}
@@ -319,7 +319,8 @@ def test_a_rig_with_one_motion_has_a_page_of_its_own_and_none_of_the_papers_figu
         steps={k: t for k, t in compared.comparison.steps.items() if k[0] == "flexion"},
     )
     question = Question({"flexion": compared.plants["flexion"]})
-    alone = replace(compared, question=question, comparison=comparison, redrawn={})
+    late = {"flexion": compared.late["flexion"]}
+    alone = replace(compared, question=question, comparison=comparison, redrawn={}, late=late)
     page = Page(comparison_page(alone, Made.now("wrist compare", 7, question.plants)))
     assert "eviation" not in page.text.replace("standard deviation", "")
     assert "in both motions" not in page.text
