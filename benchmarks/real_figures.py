@@ -12,7 +12,7 @@ from plants.measured.fit import Fit
 from plants.measured.residual.series.remainder import Remainder, remainder_of
 from plants.measured.trace.result import StageTrace, Trace
 from plants.measured.trace.stages.remainders import remainders
-from reports.shared.style import BLACK, BLUE, DASHED, GREY, PALE, VERMILLION, new_figure, styled
+from reports.shared.figures.style import BLACK, BLUE, DASHED, GREY, PALE, VERMILLION, new_figure, styled
 from reports.shared.tables import number
 
 if TYPE_CHECKING:

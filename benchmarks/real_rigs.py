@@ -35,7 +35,7 @@ from plants.measured.recording import Recording
 from plants.measured.trace.result import Trace
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.quantities import Fitted
-from reports.shared.style import save
+from reports.shared.figures.style import save
 
 ROOT = Path(__file__).parent.parent
 MADE = ROOT / "build" / "real"

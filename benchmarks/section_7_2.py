@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from plants.measured.campaign import load_campaign
 from plants.measured.trace.result import Trace
 from plants.measured.trace.trace import trace_campaign
-from reports.shared.style import BLACK, BLUE, DASHED, DOTTED, GREY, VERMILLION, WIDTH, styled
+from reports.shared.figures.style import BLACK, BLUE, DASHED, DOTTED, GREY, VERMILLION, WIDTH, styled
 from tests.rig.campaign import TASK_CONTROLLER, record
 from tests.rig.effects import Hidden
 from tests.rig.parameters import NOMINAL

@@ -14,8 +14,8 @@ import design
 import plants
 from reports.notebooks.tables import shown
 from reports.shared.card import CardRow, draw_steps, matrix_table
-from reports.shared.fit import draw_fit
-from reports.shared.gain_map import gain_map
+from reports.shared.figures.fit import draw_fit
+from reports.shared.figures.gain_map import gain_map
 
 # %% [markdown]
 # ## Fit

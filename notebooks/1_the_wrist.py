@@ -23,8 +23,8 @@ from design import PAPER_GAINS, STEP, Scenario, paper_series, stack
 from plants import RATES, STARTS, Memory, branch_slopes, built_in, wrist_x0
 from reports.notebooks.tables import rows, shown
 from reports.paper import figures as paper
+from reports.shared.figures.style import LINES, new_figure, styled
 from reports.shared.plant_tables import parameter_table
-from reports.shared.style import LINES, new_figure, styled
 
 flexion, deviation = plants.Wrist.flexion(), plants.Wrist.deviation()
 

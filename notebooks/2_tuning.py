@@ -36,9 +36,9 @@ from plants import STARTS, built_in
 from reports.comparison.tables import limits_table, tuning_table
 from reports.notebooks.tables import limits_held, rows, shown
 from reports.robustness.branch_figures import nyquist
-from reports.shared.gain_map import gain_map
+from reports.shared.figures.gain_map import gain_map
+from reports.shared.figures.style import LINES, new_figure, styled
 from reports.shared.names import limit_name
-from reports.shared.style import LINES, new_figure, styled
 from reports.shared.tables import Cell, number
 
 wrist = plants.Wrist.flexion()

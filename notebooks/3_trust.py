@@ -41,7 +41,7 @@ from reports.robustness.branch_figures import describing, sensitivities
 from reports.robustness.disagreements import disagreement_sentences
 from reports.robustness.figures import draw_envelopes, draw_gain_plane, draw_worst
 from reports.robustness.tables import box_table, cycle_table, margin_table
-from reports.shared.style import LINES, new_figure, styled
+from reports.shared.figures.style import LINES, new_figure, styled
 from reports.shared.tables import number
 
 wrist = plants.Wrist.flexion()

@@ -31,7 +31,16 @@ from design import (
 from plants import DeadTime, built_in
 from reports.comparison.break_even_figure import break_even_figure
 from reports.notebooks.tables import rows
-from reports.shared.style import BLACK, DASHED, DOTTED, GREY, LINES, controller_line, new_figure, styled
+from reports.shared.figures.style import (
+    BLACK,
+    DASHED,
+    DOTTED,
+    GREY,
+    LINES,
+    controller_line,
+    new_figure,
+    styled,
+)
 
 wrist = plants.Wrist.flexion()
 

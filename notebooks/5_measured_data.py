@@ -22,7 +22,7 @@ from benchmarks.section_7_2 import draw_departure, reconstruct
 from design import Region, retune
 from plants import built_in, fit_campaign, load_campaign, trace_campaign
 from reports.notebooks.tables import Markdown, rows, shown
-from reports.shared.fit import draw_fit
+from reports.shared.figures.fit import draw_fit
 from reports.shared.plant_tables import error_table, parameter_table
 from reports.trace.fit_figures import draw_control, draw_errors, draw_series
 from reports.trace.residual_figures import draw_remainder

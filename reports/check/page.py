@@ -8,8 +8,8 @@ import numpy as np
 from design.studies.check.check import LogCheck
 from reports.check import words
 from reports.check.record import check_record
+from reports.shared.figures.style import BLACK, GREY, ORANGE, new_figure, save, seen, styled, svg
 from reports.shared.html import Made, Shown, markup, render
-from reports.shared.style import BLACK, GREY, ORANGE, new_figure, save, seen, styled, svg
 from reports.shared.tables import Cell, Column, Group, Table, number, row
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from design.comparison.break_even import METRICS, BreakEven, BreakEvenCurve
+from reports.shared.figures.style import BLACK, GREY, controller_line, new_figure, styled
 from reports.shared.names import name_of
-from reports.shared.style import BLACK, GREY, controller_line, new_figure, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

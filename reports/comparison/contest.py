@@ -8,8 +8,8 @@ from design.comparison.compare import TUNED
 from design.contest.scores import BESIDE, BOTH, Contest, Score
 from design.contest.statistics import FEWEST, LEVEL, ConfidenceInterval
 from design.evaluation.tasks import lasts
+from reports.shared.figures.style import BLACK, GREY, controller_line, new_figure, styled
 from reports.shared.names import name_of, title_of
-from reports.shared.style import BLACK, GREY, controller_line, new_figure, styled
 from reports.shared.tables import Cell, Column, Group, Table, fixed, row
 
 if TYPE_CHECKING:

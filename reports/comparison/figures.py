@@ -9,9 +9,8 @@ from design.comparison.compare import PAPER, TUNED, Comparison
 from design.comparison.rows import WITHOUT_DEAD_TIME
 from plants.hysteresis import HysteresisLaw
 from plants.wrist import Wrist
-from reports.shared.direct_labels import label_curves
-from reports.shared.names import WINDOW, name_of, title_of
-from reports.shared.style import (
+from reports.shared.figures.direct_labels import label_curves
+from reports.shared.figures.style import (
     BLACK,
     BLUE,
     DASHED,
@@ -23,6 +22,7 @@ from reports.shared.style import (
     new_figure,
     styled,
 )  # fmt: skip
+from reports.shared.names import WINDOW, name_of, title_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -25,13 +25,13 @@ from reports.comparison.trade_off_figure import trade_off
 from reports.paper import figures as paper
 from reports.shared.card import CardRow, card, draw_steps, step_caption
 from reports.shared.cells import cells
-from reports.shared.dead_time_figure import dead_time_figure
-from reports.shared.fit import draw_fit
-from reports.shared.gain_map import gain_map
+from reports.shared.figures.dead_time_figure import dead_time_figure
+from reports.shared.figures.fit import draw_fit
+from reports.shared.figures.gain_map import gain_map
+from reports.shared.figures.style import save, svg
 from reports.shared.html import Made, Shown, markup, render
 from reports.shared.names import COST_WORDS, WINDOW, name_of, title_of
 from reports.shared.plant_tables import assumption_table, error_table, parameter_table
-from reports.shared.style import save, svg
 from reports.shared.tables import number, spaced
 
 if TYPE_CHECKING:

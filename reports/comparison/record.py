@@ -13,7 +13,7 @@ from design.studies.study import Study
 from reports.comparison.contest_words import sentences
 from reports.comparison.costs import break_even_record, ledger_record
 from reports.comparison.verdict_words import verdict_sentences
-from reports.shared.fit import fit_record
+from reports.shared.figures.fit import fit_record
 from reports.shared.html import Made
 from reports.shared.tuning import tuning_record
 

@@ -21,8 +21,8 @@ from plants.measured.fit import Fit
 from plants.parameters.quantities import Assumed
 from reports.comparison.contest import MAIN as PERTURBED
 from reports.comparison.figures import PIS
-from reports.shared.dead_time_figure import SETTLED
-from reports.shared.fit import shown_run
+from reports.shared.figures.dead_time_figure import SETTLED
+from reports.shared.figures.fit import shown_run
 from reports.shared.names import COST_WORDS, WINDOW, limit_name, name_of, title_of
 from reports.shared.tables import fixed, listed, number, spaced
 from reports.shared.tuning import refused

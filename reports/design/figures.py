@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from design.studies.design_study import DesignStudy
+from reports.shared.figures.style import BLUE, PALE, new_figure, styled
 from reports.shared.glossary import BROKEN
-from reports.shared.style import BLUE, PALE, new_figure, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

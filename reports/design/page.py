@@ -7,8 +7,8 @@ from design.studies.design_study import DesignStudy
 from reports.design import figures, tables, words
 from reports.design.record import design_record
 from reports.shared.card import card, draw_steps, step_caption
+from reports.shared.figures.style import save, svg
 from reports.shared.html import Made, Shown, markup, render
-from reports.shared.style import save, svg
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from design.robustness.certificates.sampled.growth import Growth
-from reports.shared.style import GREY, LINES, new_figure, styled
+from reports.shared.figures.style import GREY, LINES, new_figure, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -17,7 +17,7 @@ from plants.parameters.files import built_in
 from plants.parameters.quantities import REGULATOR_NAMES, Fitted, ParameterSet
 from reports.paper import plots
 from reports.paper.plots import Plot
-from reports.shared.style import styled
+from reports.shared.figures.style import styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,7 +10,18 @@ from design.evaluation.scenarios import STEP
 from design.studies.panels import Panel, Series
 from design.studies.paper import HOLD, STAIRCASE
 from plants.wrist import COMMAND_RANGE
-from reports.shared.style import BLACK, BLUE, DASHED, DOTTED, GREY, LINES, PALE, VERMILLION, new_figure, seen
+from reports.shared.figures.style import (
+    BLACK,
+    BLUE,
+    DASHED,
+    DOTTED,
+    GREY,
+    LINES,
+    PALE,
+    VERMILLION,
+    new_figure,
+    seen,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

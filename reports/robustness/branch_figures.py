@@ -16,7 +16,7 @@ from design.robustness.predictions.harmonic_balance import parts, regulator_resp
 from design.robustness.predictions.limit_cycles import LimitCycle
 from design.synthesis.requirements import Limits
 from plants.wrist import Wrist
-from reports.shared.style import (
+from reports.shared.figures.style import (
     BLACK,
     BLUE,
     DASHED,

@@ -11,7 +11,7 @@ from design.robustness.samples.statements import LEVEL
 from reports.robustness.statements import because, claim_words, class_words
 from reports.robustness.tables import limit_words
 from reports.robustness.words import beyond
-from reports.shared.dead_time_figure import SETTLED
+from reports.shared.figures.dead_time_figure import SETTLED
 from reports.shared.tables import number, spaced
 
 

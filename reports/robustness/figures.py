@@ -11,7 +11,7 @@ from design.robustness.gain_plane import GainPlane
 from design.robustness.samples.monte_carlo import Envelopes
 from design.robustness.samples.worst import Worst
 from design.synthesis.requirements import Limits
-from reports.shared.style import (
+from reports.shared.figures.style import (
     BLACK,
     BLUE,
     DASH_DOT,

@@ -13,10 +13,10 @@ from reports.robustness.record import assessment_record
 from reports.robustness.signature import COMPARED, signature
 from reports.shared.card import card
 from reports.shared.cells import cells
-from reports.shared.dead_time_figure import dead_time_figure
+from reports.shared.figures.dead_time_figure import dead_time_figure
+from reports.shared.figures.style import save, svg
 from reports.shared.html import Made, Shown, markup, render
 from reports.shared.plant_tables import assumption_table
-from reports.shared.style import save, svg
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

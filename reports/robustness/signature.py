@@ -8,7 +8,7 @@ from design.studies.branch_steps import BranchSteps
 from design.synthesis.requirements import Limits
 from plants.wrist import STARTS, Wrist
 from reports.robustness.branch_figures import frequencies, overlaid
-from reports.shared.style import (
+from reports.shared.figures.style import (
     BLACK,
     DOTTED,
     GREY,

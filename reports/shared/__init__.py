@@ -1,1 +1,1 @@
-"""What all pages share: style, tables, names, HTML, and figures of more than one page."""
+"""What all pages share: tables, names, HTML; `figures` for their style and those of more than one page."""

@@ -10,9 +10,19 @@ from typing import TYPE_CHECKING, Any
 
 from design.studies.limits_matrix import CONDITIONS
 from design.synthesis.requirements import LIMIT_UNITS
+from reports.shared.figures.style import (
+    BLACK,
+    BLUE,
+    DASHED,
+    DOTTED,
+    GREY,
+    ORANGE,
+    VERMILLION,
+    new_figure,
+    styled,
+)
 from reports.shared.glossary import NOT_JUDGED
 from reports.shared.html import Shown
-from reports.shared.style import BLACK, BLUE, DASHED, DOTTED, GREY, ORANGE, VERMILLION, new_figure, styled
 from reports.shared.tables import Cell, Column, Group, Table, number, row
 
 if TYPE_CHECKING:

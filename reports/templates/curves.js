@@ -1,6 +1,6 @@
 // Figures that answer. The pointer over a curve names and reads it; a label switches its curve off and on;
 // from a label that has the focus, the arrow keys read along its curve. Without this script nothing is lost
-// but that. `reports/shared/curves.py` writes the attributes that are read here.
+// but that. `reports/shared/figures/curves.py` writes the attributes that are read here.
 (() => {
   const NEAR = 14; // how far from a curve the pointer may be [px]
   const STEPS = 50; // readings along a curve by keys

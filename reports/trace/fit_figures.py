@@ -8,9 +8,8 @@ from design.synthesis.retune import Control
 from plants.measured.begin import measured
 from plants.measured.free_run import FreeRun
 from plants.measured.trace.trace import Trace
-from reports.shared.fit import LOOP_SECONDS
-from reports.shared.names import CHANNELS
-from reports.shared.style import (
+from reports.shared.figures.fit import LOOP_SECONDS
+from reports.shared.figures.style import (
     BLACK,
     BLUE,
     DASHED,
@@ -23,6 +22,7 @@ from reports.shared.style import (
     seen,
     styled,
 )
+from reports.shared.names import CHANNELS
 from reports.shared.tables import number
 
 if TYPE_CHECKING:

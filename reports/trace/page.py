@@ -8,9 +8,9 @@ from design.synthesis.retune import Control
 from plants.effects import EFFECTS
 from plants.measured.trace.trace import StageTrace, Trace
 from reports.shared.card import Card
+from reports.shared.figures.style import save, svg
 from reports.shared.html import Made, Shown, markup, render
 from reports.shared.plant_tables import assumption_table
-from reports.shared.style import save, svg
 from reports.trace import captions, tables, words
 from reports.trace.fit_figures import draw_control, draw_errors, draw_loop, draw_series
 from reports.trace.parameter_figure import CAPTION as PARAMETERS

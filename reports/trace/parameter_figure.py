@@ -6,7 +6,7 @@ import numpy as np
 
 from plants.measured.trace.trace import Trace
 from plants.parameters.quantities import Fitted
-from reports.shared.style import BLACK, BLUE, new_figure, styled
+from reports.shared.figures.style import BLACK, BLUE, new_figure, styled
 from reports.shared.tables import number
 from reports.trace.fit_figures import SPREAD
 

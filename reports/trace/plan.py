@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from plants.measured.trace.plan import PlannedRecording, chance
-from reports.shared.style import BLACK, GREY, new_figure, seen, styled
+from reports.shared.figures.style import BLACK, GREY, new_figure, seen, styled
 from reports.shared.tables import number
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from plants.measured.residual.curves import BinnedCurve
 from plants.measured.residual.series.remainder import Remainder
 from plants.measured.trace.trace import StageTrace, remainders
+from reports.shared.figures.style import BLACK, BLUE, DASHED, GREY, PALE, VERMILLION, new_figure, styled
 from reports.shared.names import CHANNELS
-from reports.shared.style import BLACK, BLUE, DASHED, GREY, PALE, VERMILLION, new_figure, styled
 from reports.trace.tables import strength
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from plants.effects import EFFECTS
 from plants.measured.residual.examine import Examination
 from plants.measured.trace.search.learnt import Learnt
 from plants.measured.trace.trace import Named, StageTrace, Trace
-from reports.shared.fit import law_sentence
+from reports.shared.figures.fit import law_sentence
 from reports.shared.names import limit_name
 from reports.shared.tables import fixed, listed, number
 from reports.shared.tuning import refused

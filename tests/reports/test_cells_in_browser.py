@@ -14,8 +14,8 @@ from design.synthesis.requirements import Problem, evaluate
 from plants import Wrist
 from plants.simulation.disturbance import burdened
 from reports.shared.cells import cells
+from reports.shared.figures.style import new_figure, styled, svg
 from reports.shared.html import Made, Shown, markup, render
-from reports.shared.style import new_figure, styled, svg
 from reports.shared.tables import number
 from tests.reports.test_in_browser import CHROMIUM, Opened, browser  # noqa: F401
 

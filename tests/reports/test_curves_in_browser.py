@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from reports.shared.figures.style import new_figure, styled, svg
 from reports.shared.html import Made, Shown, markup, render
-from reports.shared.style import new_figure, styled, svg
 from tests.reports.test_in_browser import CHROMIUM, Opened, browser  # noqa: F401
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium")

@@ -16,8 +16,8 @@ from reports.paper import figures as paper
 from reports.robustness import page as robust
 from reports.robustness.signature import COMPARED, signature
 from reports.shared.card import CardRow, draw_steps
-from reports.shared.dead_time_figure import dead_time_figure
-from reports.shared.gain_map import gain_map
+from reports.shared.figures.dead_time_figure import dead_time_figure
+from reports.shared.figures.gain_map import gain_map
 from reports.trace import page as trace
 from tests.reports.legible import faults
 from tests.reports.report_samples import small_decision, small_robustness, small_trace, whole_study

@@ -9,7 +9,7 @@ import pytest
 
 from reports.comparison.page import write_comparison
 from reports.robustness.page import write_robust
-from reports.shared.direct_labels import SIZE
+from reports.shared.figures.direct_labels import SIZE
 from reports.shared.html import Made
 from reports.trace.page import write_trace
 from tests.reports.report_samples import (

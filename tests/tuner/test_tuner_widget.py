@@ -17,7 +17,7 @@ from plants import Wrist
 from plants.effects import Creep, DeadTime
 from plants.errors import InputError
 from plants.parameters.files import built_in, dump
-from reports.shared import style
+from reports.shared.figures import style
 
 HERE = Path(design.tuner.__file__).parent
 

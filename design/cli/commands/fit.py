@@ -45,7 +45,7 @@ def command(
     from plants.measured.campaign import load_campaign
     from plants.measured.trace.law import fit_rig
     from plants.parameters.files import dump
-    from reports.shared.fit import fit_record, start_record
+    from reports.shared.figures.fit import fit_record, start_record
 
     check_places({"--save": save, "--json": json}, out)
     data = load_campaign(campaign, rig_of(plant))
@@ -60,8 +60,8 @@ def command(
         said.print(f"fitted set in {save}", soft_wrap=True)
     if out is not None:
         from plants.files import file_name
-        from reports.shared.fit import draw_fit
-        from reports.shared.style import save as save_figure
+        from reports.shared.figures.fit import draw_fit
+        from reports.shared.figures.style import save as save_figure
 
         path = out / f"fit-{file_name(data.name)}.png"
         save_figure(draw_fit(fitted), path)
@@ -72,7 +72,7 @@ def command(
 
 def chosen(found: "RigFit") -> list[str]:
     """How the hysteresis law was chosen, and what the logger does; empty where there is nothing to say."""
-    from reports.shared.fit import law_sentence
+    from reports.shared.figures.fit import law_sentence
 
     law = [law_sentence(found.law)] if found.law is not None else []
     return law + [f"Instrument: {r}" for r in found.start.instrument]

@@ -48,7 +48,7 @@ def command(
     from plants.measured.campaign import load_campaign
     from plants.measured.trace.plan import plan, rival, rivals_of
     from plants.measured.trace.trace import trace_campaign
-    from reports.shared.style import save
+    from reports.shared.figures.style import save
     from reports.trace.plan import draw_plan, plan_lines, plan_record, plan_table
 
     check_places({"--out": out, "--json": json})

@@ -66,8 +66,8 @@ def played(saved: "Saved") -> dict[str, Any]:
 
 def _picture(folder: Path, saved: "Saved", result: dict[str, Any]) -> Path:
     from plants.files import file_name
-    from reports.shared.signals import draw
-    from reports.shared.style import BLACK, save, styled
+    from reports.shared.figures.signals import draw
+    from reports.shared.figures.style import BLACK, save, styled
 
     s = saved.sequence
     # The whole name is too long for a line of the page: the references are drawn anyway.

@@ -204,7 +204,7 @@ def _figure(number: int, axis: Axis, plant: Path | None, json: Path | None, out:
     from plants.errors import InputError
     from plants.wrist import Wrist
     from reports.paper import figures as paper
-    from reports.shared.style import save
+    from reports.shared.figures.style import save
 
     if number not in paper.FIGURES:
         known = ", ".join(map(str, paper.FIGURES))
@@ -231,8 +231,8 @@ def _figure(number: int, axis: Axis, plant: Path | None, json: Path | None, out:
 
 def _picture(folder: Path, chosen: "ParameterSet", result: dict[str, Any]) -> Path:
     from plants.files import file_name
-    from reports.shared.signals import draw
-    from reports.shared.style import save
+    from reports.shared.figures.signals import draw
+    from reports.shared.figures.style import save
 
     path = folder / f"simulate-{file_name(chosen.axis)}.png"
     save(draw(result, chosen.title, chosen.rig.command_range), path)

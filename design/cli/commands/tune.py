@@ -188,8 +188,8 @@ def command(
         said.print(line)
     if out is not None:
         from plants.files import file_name
-        from reports.shared.gain_map import gain_map
-        from reports.shared.style import save
+        from reports.shared.figures.gain_map import gain_map
+        from reports.shared.figures.style import save
 
         path = out / f"tune-{file_name(chosen.axis)}.png"
         save(gain_map(found), path)

@@ -11,10 +11,10 @@ from matplotlib.colors import to_rgb
 from design.studies.study import Study
 from reports.comparison import figures
 from reports.comparison.trade_off_figure import trade_off
-from reports.shared import signals
-from reports.shared.fit import draw_fit, shown_run
-from reports.shared.gain_map import gain_map
-from reports.shared.style import CONTROLLER_LINES, FAINT, save, svg
+from reports.shared.figures import signals
+from reports.shared.figures.fit import draw_fit, shown_run
+from reports.shared.figures.gain_map import gain_map
+from reports.shared.figures.style import CONTROLLER_LINES, FAINT, save, svg
 from reports.shared.tables import number
 from tests.reports.report_samples import small_study
 

@@ -9,7 +9,7 @@ import pytest
 from design.studies.paper import SERIES, series
 from plants import Wrist, built_in
 from reports.paper import figures as paper
-from reports.shared.style import svg
+from reports.shared.figures.style import svg
 
 NUMBERS = (5, 6, 8, 10, 11, 12, 13, 14, 15)
 

@@ -9,7 +9,7 @@ from design.synthesis.requirements import Limits
 from plants import Wrist
 from plants.effects import DeadTime
 from reports.robustness.branch_figures import describing, nyquist, overlaid, sensitivities
-from reports.shared.style import save
+from reports.shared.figures.style import save
 
 FLEXION, DEVIATION = Wrist.flexion(), Wrist.deviation()
 TUNED = PI(3.13, 10.4)

@@ -7,9 +7,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from design.comparison.behind_dead_time import DeadTimeSweep
-from reports.shared.direct_labels import label_ends
+from reports.shared.figures.direct_labels import label_ends
+from reports.shared.figures.style import (
+    DASHED,
+    DOTTED,
+    FAINT,
+    VERMILLION,
+    controller_line,
+    new_figure,
+    styled,
+)
 from reports.shared.names import name_of
-from reports.shared.style import DASHED, DOTTED, FAINT, VERMILLION, controller_line, new_figure, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from plants.wrist import COMMAND_RANGE
-from reports.shared.style import BLACK, BLUE, DASHED, GREY, VERMILLION, new_figure, styled
+from reports.shared.figures.style import BLACK, BLUE, DASHED, GREY, VERMILLION, new_figure, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,8 +6,8 @@ import numpy as np
 
 from design.synthesis.tuning import Tuning
 from design.synthesis.tuning_rules import PAPER_GAINS, baselines, paper_range
+from reports.shared.figures.style import BLACK, GREY, ORANGE, new_figure, styled
 from reports.shared.names import COST_WORDS
-from reports.shared.style import BLACK, GREY, ORANGE, new_figure, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,7 +14,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reports.shared.curves import attributes, panels, with_attributes
+from reports.shared.figures.curves import attributes, panels, with_attributes
 from reports.shared.units import relabel
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.shared.style import GREY
+from reports.shared.figures.style import GREY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,7 +11,18 @@ from plants.measured.free_run import FreeRun
 from plants.measured.logger import habits
 from plants.measured.trace.law import LawChoice, RigFit
 from plants.parameters.quantities import Fitted
-from reports.shared.style import BLACK, BLUE, DASHED, DOTTED, GREY, POINTS, VERMILLION, WIDTH, seen, styled
+from reports.shared.figures.style import (
+    BLACK,
+    BLUE,
+    DASHED,
+    DOTTED,
+    GREY,
+    POINTS,
+    VERMILLION,
+    WIDTH,
+    seen,
+    styled,
+)
 from reports.shared.tables import listed, number
 
 if TYPE_CHECKING:
