@@ -12,13 +12,14 @@ from typing import Any
 from design.alternatives.convex_concave import ConvexConcave, convex_concave
 from design.alternatives.feedforward_design import FeedforwardDesign, design_feedforward
 from design.alternatives.lqi_design import RobustLQI, design_lqi
+from design.synthesis import structure
 from design.synthesis.convex import Unsolved
 from design.synthesis.requirements import Problem
 from plants.wrist import Wrist
 
 CONVEX = "convex-concave PI"
 LQI_NAME = "robust LQI"
-FORWARD_PI = "PI + feedforward"
+FORWARD_PI = structure.FORWARD_PI.name
 
 Design = ConvexConcave | RobustLQI | FeedforwardDesign
 MAKERS: dict[str, Callable[[Problem], Design]] = {

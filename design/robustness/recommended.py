@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 from design.robustness.requirement import Requirement
 from design.robustness.robust_tuning import RobustTuning, tune_robustly
-from design.synthesis.structure import TWO_DOF_PI
+from design.synthesis.structure import PLAIN_PI, TWO_DOF_PI
 from design.synthesis.tuning import Region
 
 Tell = Callable[[str, float], None]
 
-PLAIN, TWO_DOF = "PI", "2-DOF PI"
+PLAIN, TWO_DOF = PLAIN_PI.name, TWO_DOF_PI.name
 PAYS = 0.05
 """A second degree of freedom is recommended where it lowers the worst cost by this share."""
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from design.synthesis.answer import UNITS, Answer, OutOfReach, Refusal
 from design.synthesis.requirements import COSTS, LIMIT_UNITS
+from design.synthesis.tuning import Tuning
 
 
 def refused(no: Refusal) -> str:
@@ -27,6 +28,13 @@ def refused(no: Refusal) -> str:
         f"no: no gains in Kp {low_p:g} to {high_p:g}, Ki {low_i:g} to {high_i:g} meet every limit; nearest "
         f"are Kp {no.Kp:.4g}, Ki {no.Ki:.4g}, where {broken}"
     )
+
+
+def gains_line(found: Tuning) -> str:
+    """Gains of a tuning as the commands print them, with weight and filter where it has them."""
+    own = found.settings
+    more = f", b = {own['b']:.3g}, Tf = {own['Tf']:.3g} s" if own else ""
+    return f"Kp = {found.Kp:.4g} kPa/deg, Ki = {found.Ki:.4g} kPa/(deg s){more}"
 
 
 def tuning_record(found: Answer, axis: str) -> dict[str, Any]:

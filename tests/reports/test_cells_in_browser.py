@@ -15,9 +15,9 @@ from plants import Wrist
 from plants.simulation.disturbance import burdened
 from reports.shared.cells import cells
 from reports.shared.figures.style import new_figure, styled, svg
-from reports.shared.html import Made, Shown, markup, render
+from reports.shared.html import Shown, markup
 from reports.shared.tables import number
-from tests.reports.test_in_browser import CHROMIUM, Opened, browser  # noqa: F401
+from tests.reports.test_in_browser import CHROMIUM, Opened, browser, page_of  # noqa: F401
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
 
@@ -42,13 +42,7 @@ def page(evaluated, tmp_path_factory) -> Path:
         axes.set(xscale="log", yscale="log", xlim=KP[[0, -1]], ylim=KI[[0, -1]])
         axes.plot(2.0, 5.0, "*", label="star")
     shown = Shown(markup(svg(figure, "map")), "A map.", cells(KP, KI, *evaluated, LIMITS, (2.1, 5.5), "iae"))
-    text = render(
-        "paper.html", title="A map", kind="test", summary=["One."], remarks=[], sections={"paper": "Figure"},
-        paper=[shown], made=Made.now("test"),
-    )  # fmt: skip
-    path = tmp_path_factory.mktemp("cells") / "page.html"
-    path.write_text(text, encoding="utf-8")
-    return path
+    return page_of(shown, tmp_path_factory.mktemp("cells"))
 
 
 @pytest.fixture

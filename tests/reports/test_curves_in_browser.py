@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from reports.shared.figures.style import new_figure, styled, svg
-from reports.shared.html import Made, Shown, markup, render
-from tests.reports.test_in_browser import CHROMIUM, Opened, browser  # noqa: F401
+from reports.shared.html import Shown, markup
+from tests.reports.test_in_browser import CHROMIUM, Opened, browser, page_of  # noqa: F401
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
 
@@ -37,13 +37,7 @@ def drawn():
 @pytest.fixture(scope="module")
 def page(drawn, tmp_path_factory) -> Path:
     shown = Shown(markup(svg(drawn, "curves")), "Two curves.")
-    text = render(
-        "paper.html", title="A figure", kind="test", summary=["One."], remarks=[],
-        sections={"paper": "Figure"}, paper=[shown], made=Made.now("test"),
-    )  # fmt: skip
-    path = tmp_path_factory.mktemp("curves") / "page.html"
-    path.write_text(text, encoding="utf-8")
-    return path
+    return page_of(shown, tmp_path_factory.mktemp("curves"))
 
 
 @pytest.fixture

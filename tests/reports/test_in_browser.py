@@ -10,7 +10,7 @@ import pytest
 from reports.comparison.page import write_comparison
 from reports.robustness.page import write_robust
 from reports.shared.figures.direct_labels import SIZE
-from reports.shared.html import Made
+from reports.shared.html import Made, Shown, render
 from reports.trace.page import write_trace
 from tests.reports.report_samples import (
     small_robustness,
@@ -66,6 +66,17 @@ def page(request, made_here) -> Path:
     name, _, where = request.param.partition(", ")
     path = made_here[name] if where == "small" else EXAMPLES / f"{name}.html"
     assert path.is_file(), path
+    return path
+
+
+def page_of(shown: Shown, folder: Path) -> Path:
+    """A page that shows one figure and nothing else."""
+    text = render(
+        "paper.html", title="A figure", kind="test", summary=["One."], remarks=[],
+        sections={"paper": "Figure"}, paper=[shown], made=Made.now("test"),
+    )  # fmt: skip
+    path = folder / "page.html"
+    path.write_text(text, encoding="utf-8")
     return path
 
 

@@ -167,6 +167,17 @@ def test_rounds_that_are_used_up_are_told():
     assert not found.holds
 
 
+def test_a_limit_that_the_noise_alone_breaks_ends_the_search():
+    noisy = replace(small(), conditions=Conditions(0.05, 0.0, 0.3, 0.0))  # its jitter alone passes 16 V
+    found = tune_robustly(noisy, COARSE, 0)
+    assert found.ended == "noise breaks a limit"
+    assert not found.holds
+    assert len(found.rounds) < 15
+    last = found.rounds[-1].tuning
+    assert last.feasible  # without noise
+    assert check(noisy, last.controller, 200, 3).broken > 0
+
+
 def test_a_second_degree_of_freedom_is_never_dearer(tuned):
     two = tune_robustly(small(), COARSE, 0, structure=TWO_DOF_PI, base=tuned.final)
     assert two.holds

@@ -99,7 +99,7 @@ def command(
     from reports.comparison.record import comparison_record
     from reports.comparison.verdict_words import verdict_sentences
     from reports.shared.html import Made
-    from reports.shared.tuning import refused
+    from reports.shared.tuning import gains_line, refused
 
     if 0 < samples < FEWEST:
         raise InputError(
@@ -124,9 +124,7 @@ def command(
     if found.without_mpc:
         said.print(f"MPCs are left out: {found.without_mpc}")
     for name, answer in found.answers.items():
-        t = answer.tuning
-        weight = "" if not t.settings else f", b = {t.settings['b']:.3g}, Tf = {t.settings['Tf']:.3g} s"
-        said.print(f"{name}: Kp = {t.Kp:.4g} kPa/deg, Ki = {t.Ki:.4g} kPa/(deg s){weight}")
+        said.print(f"{name}: {gains_line(answer.tuning)}")
     for name, no in found.refusals.items():
         said.print(f"{name}: {refused(no)}")
     for line in table(found.comparison):

@@ -230,7 +230,7 @@ def _requirement(
 def lines(answered: "Answer") -> list[str]:
     """What people read of a tuning."""
     from design.evaluation.scenarios import HEADROOM
-    from reports.shared.tuning import refused
+    from reports.shared.tuning import gains_line, refused
 
     if answered.refusal is not None:
         return [refused(answered.refusal)]
@@ -239,9 +239,8 @@ def lines(answered: "Answer") -> list[str]:
     near = sum(s.feasible and s.cost <= 1.01 * float(at.cost[0]) for s in found.searches)
     apart = " and ".join(f"{100 * (r - 1):.0f} %" for r in region.resolution)
     cases = f" and {len(problem.adverse)} cases of the requirement" if problem.adverse else ""
-    more = "" if not found.settings else f", b = {found.settings['b']:.3g}, Tf = {found.settings['Tf']:.3g} s"
     said = [
-        f"Kp = {found.Kp:.4g} kPa/deg, Ki = {found.Ki:.4g} kPa/(deg s){more}",
+        gains_line(found),
         f"worst {COST_TEXT[problem.cost].format(at.cost[0])} over {len(problem.scenarios)} scenarios"
         f"{cases}, on {problem.place('cost', int(at.cost_at[0]))}",
         f"nominal step of {problem.wrist.rig.task.step:+g} deg: settles in "
