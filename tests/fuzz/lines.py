@@ -75,7 +75,8 @@ def not_meant(draw: st.DrawFn) -> Line:
     elif kind == "ignored":
         words = draw(st.sampled_from((
             ("simulate", "--step", "5"), ("simulate", "--gains", "1,1", "--volts", "2"),
-            ("tune", "--rounds", "3"), ("tune", "--dead-time", "0.01"), ("tune", "--load", "1"),
+            ("tune", "--plain", "--rounds", "3"), ("tune", "--nominal", "--dead-time", "0.01"),
+            ("tune", "--plain", "--load", "1"),
             ("simulate", "--figure", "5", "--duration", "3"),
             ("tune", "--nominal", "--delay-margin", "0.1"), ("simulate", "--scenario", "x", "--volts", "1"),
             ("simulate", "--recording", "x", "--volts", "1"),
