@@ -93,8 +93,10 @@ def test_the_integrator_stands_still_while_the_command_is_clipped_and_the_error_
     c, state = controller.sampled(), controller.holding(100.0)
 
     def trim_after(angle, trim):
-        """From rest at full throttle towards 15 deg, where the model expects 0 deg."""
-        after, command = c.act(state._replace(trim=trim), Measured(15.0 - angle, angle, 100.0))
+        """From rest on the way to 15 deg at full throttle, where the model expects 0 deg."""
+        after, command = c.act(
+            state._replace(trim=trim, reference=15.0), Measured(15.0 - angle, angle, 100.0)
+        )
         return float(after.trim), float(command)
 
     assert trim_after(-5.0, 20.0) == (20.0, 4.0)  # pushes out
