@@ -25,6 +25,7 @@ def main() -> None:
     asked = parser.parse_args()
     warnings.simplefilter("ignore")
     sizes = [float(s) for s in asked.sizes.split(",")]
+    certain = count = 0
     seen = dict.fromkeys(sizes, 0)
     for number, (case, rig) in enumerate(drawn(asked.seed, asked.count), start=1):
         with tempfile.TemporaryDirectory() as root:
@@ -33,14 +34,17 @@ def main() -> None:
                 new = write(worn(rig, asked.what, size), Path(root) / f"new-{size:g}", later=True)
                 found = campaign_change(old, load_campaign(new))
                 seen[size] += found.changed
+                certain += sum(p.certain for p in found.parameters)
+                count += len(found.parameters)
                 worst = max(c.rms / c.allowed for r in found.residuals for c in r.channels)
                 print(
                     f"{number:2d} {case.axis} {', '.join(case.effects) or 'nothing'}, {old.verdict}; "
                     f"{asked.what} {size:g}: {worst:.2f} of what is allowed; {title(found)}",
                     flush=True,
                 )  # fmt: skip
-    for size, count in seen.items():
-        print(f"{asked.what} {size:g}: changed in {count} of {asked.count}")
+    for size, times in seen.items():
+        print(f"{asked.what} {size:g}: changed in {times} of {asked.count}")
+    print(f"{certain} of {count} joint intervals exclude zero")
 
 
 if __name__ == "__main__":

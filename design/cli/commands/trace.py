@@ -1,6 +1,7 @@
 """``wrist trace``: from a measured campaign to what the declared wrist lacks, and the revised plant; of two
 campaigns of one rig, what changed between them."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from design.studies.check.campaigns import CampaignChange
     from design.synthesis.retune import Control
     from plants.measured.campaign import Campaign
-    from plants.measured.trace.trace import Trace
+    from plants.measured.trace.trace import Named, Trace
     from reports.shared.html import Made
 
 NAME = "trace"
@@ -73,7 +74,7 @@ def command(
 
     check_places({"--save": save, "--json": json}, out)
     data = load_campaign(campaign, rig_of(plant))
-    later = None if new is None else _later(new, plant, save, retune)
+    later = None if new is None else _later(data, new, plant, save, retune)
     start = given_set(plant)
     with progress(f"trace {data.name}") as tell:
         trace = trace_campaign(data, start, seed, tell)
@@ -106,15 +107,18 @@ def _retuned(trace: "Trace", seed: int, jobs: int | None) -> "Control | None":
         return retune(trace.fit.fitted, trace.revised, seed=seed, jobs=jobs, progress=tell)
 
 
-def _later(new: Path, plant: Path | None, save: Path | None, retune: bool) -> "Campaign":
-    """The later of two campaigns; InputError where options are given that are of one alone."""
+def _later(old: "Campaign", new: Path, plant: Path | None, save: Path | None, retune: bool) -> "Campaign":
+    """The later of two campaigns; InputError where they cannot be compared, or options are of one alone."""
     from plants.errors import InputError
     from plants.measured.campaign import load_campaign
+    from plants.measured.trace.refit import check_comparable
 
     for option, asked in (("--save", save is not None), ("--retune", retune)):
         if asked:
             raise InputError(f"{option}: is of one campaign; run `wrist trace {new} {option}` beside")
-    return load_campaign(new, rig_of(plant))
+    later = load_campaign(new, rig_of(plant))
+    check_comparable(old, later)
+    return later
 
 
 def _tell_change(
@@ -129,10 +133,10 @@ def _tell_change(
     with progress(f"compare with {later.name}") as tell:
         change = campaign_change(trace, later, seed, tell)
     said = console(json)
-    for part in (title(change), "", interval_words(change.parameters), _differences(change), ""):
+    came = ("", "came:", _effects(change.came)) if change.came else ()
+    differences = (interval_words(change.parameters), _differences(change))
+    for part in (title(change), "", *differences, *came, "", *remarks(change)):
         said.print(part)
-    for words in remarks(change):
-        said.print(words)
     if out is not None:
         with progress("page"):
             page = write_change(out, change, _made(trace, seed, {f"{later.name}, new": later.checksum}))
@@ -143,15 +147,14 @@ def _tell_change(
 
 
 def _differences(change: "CampaignChange") -> Sheet:
+    from reports.trace.change.words import difference
+
     rows = [
-        (
-            p.name, f"{p.old:.4g}", f"{p.new:.4g}", f"{p.difference:.2g}", f"{p.low:.2g}", f"{p.high:.2g}",
-            p.unit, "yes" if p.differs else "-",
-        )
+        (p.name, f"{p.old:.4g}", f"{p.new:.4g}", difference(p), p.unit, "yes" if p.differs else "-")
         for p in change.parameters
-    ]  # fmt: skip
-    headings = ("parameter", "old", "new", "difference", "from", "to", "unit", "differs")
-    return Sheet(headings, tuple(rows), words=(0, 6, 7))
+    ]
+    headings = ("parameter", "old", "new", "difference", "unit", "differs")
+    return Sheet(headings, tuple(rows), words=(0, 4, 5))
 
 
 def _made(trace: "Trace", seed: int, more: dict[str, str] | None = None) -> "Made":
@@ -176,7 +179,7 @@ def lines(trace: "Trace") -> list[Any]:
     said: list[Any] = [verdict_sentence(trace), ""]
     said += ["rms error of free runs from the command, on the held-out recordings", _errors(trace)]
     if trace.effects:
-        said += ["", _effects(trace)]
+        said += ["", _effects(trace.effects)]
     words = [w for e in trace.effects for w in e.separations]
     words += [description(s.learnt) for s in trace.unexplained if s.learnt is not None]
     if trace.cannot_judge:
@@ -198,9 +201,9 @@ def _errors(trace: "Trace") -> Sheet:
     return Sheet(headings, tuple(rows), words=(0, 1))
 
 
-def _effects(trace: "Trace") -> Sheet:
+def _effects(effects: "Sequence[Named]") -> Sheet:
     rows = []
-    for effect in trace.effects:
+    for effect in effects:
         first = (f"{effect.name}, {effect.form}", ", ".join(effect.alternatives) or "-")
         for name, (value, unit, error) in effect.parameters.items():
             shown_error = "-" if error is None else f"{error:.2g}"

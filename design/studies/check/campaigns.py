@@ -5,7 +5,7 @@ design.  Its structure is then fitted to the new campaign: differences of parame
 for all of them together, and, where the rig changed, effects that came or went.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,7 +20,9 @@ from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.trace.refit import StageRefit, refit, seen_alike
 from plants.measured.trace.result import Named, Trace
+from plants.measured.trace.search.choose import WORTH
 from plants.measured.trace.stages.model import Model
+from plants.measured.trace.two_steps import white_errors
 from plants.parameters.remainder import RemainderSize
 
 Array = NDArray[np.float64]
@@ -31,7 +33,8 @@ CONFIDENCE = 0.95
 @dataclass(frozen=True)
 class ParameterChange:
     """A parameter that both campaigns determine: its values, their difference, and the interval of that, in
-    its unit; all intervals of a study hold together."""
+    its unit; all intervals of a study hold together.  rise: by how much the chi-square per row of the new
+    campaign would rise with the old value, the other parameters fitted."""
 
     name: str
     unit: str
@@ -40,6 +43,7 @@ class ParameterChange:
     new: float
     low: float
     high: float
+    rise: float
 
     @property
     def difference(self) -> float:
@@ -47,8 +51,19 @@ class ParameterChange:
         return self.new - self.old
 
     @property
+    def half_width(self) -> float:
+        """Half the width of the interval."""
+        return 0.5 * (self.high - self.low)
+
+    @property
     def differs(self) -> bool:
-        """Whether no difference at all is outside the interval."""
+        """Whether the difference is beyond its interval, and seen in what the plant simulates: a smaller one
+        is an imperfection of the model's form as often as a change, however certain."""
+        return self.certain and self.rise > WORTH
+
+    @property
+    def certain(self) -> bool:
+        """Whether the interval excludes that there is no difference."""
         return self.low > 0.0 or self.high < 0.0
 
 
@@ -130,7 +145,7 @@ def campaign_change(
     parameters = tuple(p for s, f in zip(stages, found, strict=True) for p in _joint(old, s, f, count))
     return CampaignChange(
         old, campaign, residuals, stages, parameters,
-        tuple(n for s, f in zip(stages, found, strict=True) for n in s.new.names if n not in f), instrument,
+        tuple(_undetermined(stages, parameters)), instrument,
     )  # fmt: skip
 
 
@@ -157,12 +172,19 @@ def _differences(stage: StageRefit) -> dict[str, float]:
     return found
 
 
+def _undetermined(stages: Sequence[StageRefit], known: Sequence[ParameterChange]) -> list[str]:
+    """Parameters that both campaigns have, but do not both determine."""
+    both = [n for s in stages for n in s.new.names if n in s.old.values]
+    return [n for n in both if n not in {p.name for p in known}]
+
+
 def _joint(old: Trace, stage: StageRefit, errors: dict[str, float], count: int) -> list[ParameterChange]:
     """Differences with intervals that hold for `count` parameters together."""
     from scipy.stats import t
 
     free = min(_free(stage.old), _free(stage.new))
     reach = float(t.ppf(1.0 - 0.5 * (1.0 - CONFIDENCE) / max(count, 1), max(free, 1)))
+    alone = dict(zip(stage.new.names, white_errors(stage.new), strict=True))
     found = []
     for name, error in errors.items():
         before, after = stage.old.values[name], stage.new.values[name]
@@ -170,7 +192,14 @@ def _joint(old: Trace, stage: StageRefit, errors: dict[str, float], count: int) 
         unit = old.revised.parameters[name].unit
         found.append(
             ParameterChange(
-                name, unit, stage.new.stage.name, before, after, after - before - half, after - before + half
+                name,
+                unit,
+                stage.new.stage.name,
+                before,
+                after,
+                after - before - half,
+                after - before + half,
+                (after - before) ** 2 / (alone[name] ** 2 * len(stage.new.residual)),
             )
         )
     return found

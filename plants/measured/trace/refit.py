@@ -61,24 +61,28 @@ class StageRefit:
         return len(self.new.forms) >= MOST and Candidate(self.new).lacks_something
 
 
+def check_comparable(old: Campaign, new: Campaign) -> None:
+    """Raise InputError, in a line, for campaigns of different motions, with different channels, whose
+    parameters would be others, and for one that is given twice."""
+    if old.axis != new.axis:
+        raise InputError(
+            f"{new.name}: is of {new.axis!r}, {old.name} of {old.axis!r}; give two campaigns of one motion"
+        )
+    if old.checksum == new.checksum:
+        raise InputError(f"{new.name}: holds the same recordings as {old.name}; give a later campaign")
+    if _logged(old) != _logged(new):
+        raise InputError(
+            f"{new.name}: its recordings to fit on log {_logged(new)}, those of {old.name} {_logged(old)}; "
+            "give campaigns with the same channels"
+        )
+
+
 def seen_alike(old: Trace, campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     """Another campaign without its logger's habits, its pressure counted from where that of a trace is.
 
-    Raises InputError for one of another motion, or with other channels, whose parameters would be others, and
-    for the same campaign again.
+    Raises InputError as `check_comparable` does.
     """
-    mine, its = old.campaign, campaign
-    if mine.axis != its.axis:
-        raise InputError(
-            f"{its.name}: is of {its.axis!r}, {mine.name} of {mine.axis!r}; give two campaigns of one motion"
-        )
-    if mine.checksum == its.checksum:
-        raise InputError(f"{its.name}: holds the same recordings as {mine.name}; give a later campaign")
-    if _logged(mine) != _logged(its):
-        raise InputError(
-            f"{its.name}: its recordings to fit on log {_logged(its)}, those of {mine.name} {_logged(mine)}; "
-            "give campaigns with the same channels"
-        )
+    check_comparable(old.campaign, campaign)
     campaign, remarks = corrected(campaign)
     zero = next((r.value for r in old.instrument if r.habit == "counted from" and not r.stated), 0.0)
     return (shifted(campaign, -zero) if zero else campaign), remarks

@@ -19,16 +19,29 @@ Array = NDArray[np.float64]
 def std_errors(model: Model, regulator: Model | None = None) -> dict[str, float | None]:
     """Standard error of each parameter of a model, None for one that is not determined; regulator: what
     drives it."""
-    own = errors_of(model).std_errors
-    through = np.zeros(len(own)) if regulator is None else _through(model, regulator)
+    own, white = errors_of(model).std_errors, white_errors(model)
+    # What was measured and put back leaves nothing of the regulator's errors.
+    through = np.zeros(len(own))
+    if regulator is not None and model.stage.free_drives is None:
+        through = _through(model, regulator)
     return {
-        n: None if e is None else float(np.hypot(e, t))
-        for n, e, t in zip(model.names, own, through, strict=True)
+        n: None if e is None else float(np.hypot(max(e, w), t))
+        for n, e, w, t in zip(model.names, own, white, through, strict=True)
     }
 
 
-def _through(model: Model, regulator: Model) -> Array:
-    """Standard deviation of each parameter of a driven stage by the uncertainty of what drives it, (n,)."""
+def white_errors(model: Model) -> Array:
+    """Standard error of each parameter (n,) where nothing but white noise of the channel's floor is left: a
+    sandwich over few blocks scatters, and should not fall below it."""
+    slopes = model.linear[1]
+    size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-12)
+    inverse = np.linalg.pinv((slopes / size).T @ (slopes / size), hermitian=True)
+    found: Array = np.sqrt(np.maximum(np.diag(inverse), 1e-12)) / size
+    return found
+
+
+def sensitivity(model: Model, regulator: Model) -> Array:
+    """How each parameter of a driven stage, fitted, moves with each of what drives it, (n, k)."""
     stage = replace(model.stage, name="whole", drives=None, free_drives=None)
     known = {n: regulator.values[n] for n in regulator.names}
     whole = Model(
@@ -36,10 +49,15 @@ def _through(model: Model, regulator: Model) -> Array:
         (*regulator.fixed, *model.fixed),
     )  # fmt: skip
     slopes = whole.linear[1]
-    of = whole.names.index
-    mine, its = ([of(n) for n in m.names] for m in (model, regulator))
-    moved = np.linalg.lstsq(slopes[:, mine], -slopes[:, its], rcond=1e-9)[0]
-    found = errors_of(regulator)
+    mine, its = ([whole.names.index(n) for n in m.names] for m in (model, regulator))
+    size = np.maximum(np.linalg.norm(slopes[:, mine], axis=0), 1e-12)
+    found: Array = np.linalg.lstsq(slopes[:, mine] / size, -slopes[:, its], rcond=1e-9)[0] / size[:, None]
+    return found
+
+
+def _through(model: Model, regulator: Model) -> Array:
+    """Standard deviation of each parameter of a driven stage by the uncertainty of what drives it, (n,)."""
+    moved, found = sensitivity(model, regulator), errors_of(regulator)
     errors = np.array([e or 0.0 for e in found.std_errors])
     covariance = found.correlation * np.outer(errors, errors)
     variance: Array = np.einsum("ij,jk,ik->i", moved, covariance, moved)

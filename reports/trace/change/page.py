@@ -7,7 +7,7 @@ from design.studies.check.campaigns import CampaignChange
 from reports.shared.figures.style import BLACK, GREY, ORANGE, new_figure, save, styled, svg
 from reports.shared.html import Made, Shown, markup, render
 from reports.shared.left import CAPTION, COLUMNS, channel_rows, draw_left
-from reports.shared.tables import Cell, Column, Group, Table, number, row
+from reports.shared.tables import Column, Group, Table, number, row, with_error
 from reports.trace.change import words
 from reports.trace.change.record import change_record
 
@@ -67,19 +67,13 @@ def parameter_table(change: CampaignChange) -> Table:
     """Each parameter in both campaigns, and the interval of the difference."""
     columns = (
         Column("parameter", number=False), Column("unit", number=False), Column("old"), Column("new"),
-        Column("difference"), Column("from"), Column("to"),
+        Column("difference, joint interval"),
     )  # fmt: skip
     groups = []
     for stage in dict.fromkeys(p.stage for p in change.parameters):
-        rows = tuple(
-            row(
-                p.name, p.unit, number(p.old, 4), number(p.new, 4),
-                Cell(number(p.difference, 2), broken=p.differs), number(p.low, 2), number(p.high, 2),
-            )
-            for p in change.parameters
-            if p.stage == stage
-        )  # fmt: skip
-        groups.append(Group(stage, rows))
+        of = [p for p in change.parameters if p.stage == stage]
+        rows = tuple(row(p.name, p.unit, number(p.old, 4), number(p.new, 4), words.difference(p)) for p in of)
+        groups.append(Group(stage, rows, tuple(i for i, p in enumerate(of) if p.differs)))
     return Table(columns, tuple(groups))
 
 
@@ -87,7 +81,7 @@ def effect_table(change: CampaignChange) -> Table:
     """Effects of either campaign, and of those that came their parameters."""
     rows = [row(n, "in both", "–") for n in change.kept] + [row(n, "went", "–") for n in change.went]
     for e in change.came:
-        values = ", ".join(f"{n} {number(v)} {unit}" for n, (v, unit, _) in e.parameters.items())
+        values = ", ".join(f"{n} {with_error(v, s)} {unit}" for n, (v, unit, s) in e.parameters.items())
         rows.append(row(e.name, "came", values))
     columns = tuple(Column(h, number=False) for h in ("effect", "campaigns", "parameters of one that came"))
     return Table(columns, (Group("", tuple(rows) or (row("none", "–", "–"),)),))

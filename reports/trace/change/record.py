@@ -12,8 +12,9 @@ def change_record(change: CampaignChange) -> dict[str, Any]:
     """What changed as dictionaries, lists, numbers and text, for JSON.
 
     ``parameters``: those that both campaigns determine, ``interval`` that of the difference, all of them
-    together at ``confidence``; ``effects``: names that came, went and stayed; ``recordings``: rms of what the
-    old plant leaves of the new campaign, and up to what it counts as before.
+    together at ``confidence``, ``chi_square_rise`` what the old value would cost a row; ``effects``: names
+    that came, with their parameters, went and stayed; ``recordings``: rms of what the old plant leaves of the
+    new campaign, and up to what it counts as before.
     """
     return {
         "axis": change.campaign.axis,
@@ -25,7 +26,8 @@ def change_record(change: CampaignChange) -> dict[str, Any]:
         "parameters": [
             {
                 "name": p.name, "stage": p.stage, "unit": p.unit, "old": p.old, "new": p.new,
-                "difference": p.difference, "interval": [p.low, p.high], "differs": p.differs,
+                "difference": p.difference, "interval": [p.low, p.high], "chi_square_rise": p.rise,
+                "differs": p.differs,
             }
             for p in change.parameters
         ],

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from design.studies.check.campaigns import CONFIDENCE, CampaignChange, ParameterChange, RecordingResidual
 from plants.effects import EFFECTS
 from plants.measured.trace.result import Named
-from reports.shared.tables import listed, number
+from plants.measured.trace.search.choose import WORTH
+from reports.shared.tables import listed, number, with_error
 
 NAMED = 4
 """Parameters that the title names, those that differ most against their intervals."""
@@ -52,18 +53,29 @@ def came(effect: Named) -> str:
 
 
 def differing(change: CampaignChange) -> list[ParameterChange]:
-    """Parameters whose interval excludes no difference, the clearest first."""
+    """Parameters that differ, the clearest first."""
     found = [p for p in change.parameters if p.differs]
-    return sorted(found, key=lambda p: -abs(p.difference) / (p.high - p.low))
+    return sorted(found, key=lambda p: -abs(p.difference) / p.half_width)
 
 
 def parameter(p: ParameterChange) -> str:
-    """A parameter before and after, with the interval of the difference."""
-    unit = "" if p.unit == "1" else f" {p.unit}"
-    return (
-        f"{p.name} {number(p.old)} → {number(p.new)}{unit} (difference {number(p.difference)}, "
-        f"{number(p.low)} to {number(p.high)})"
-    )
+    """By how much a parameter differs: in per cent of its old value, or in its unit where that is zero."""
+    if p.old == 0.0:
+        return f"{p.name} {_signed(p.difference)} {p.unit}"
+    return f"{p.name} {_signed(100.0 * p.difference / abs(p.old))} %"
+
+
+def _signed(value: float) -> str:
+    return ("+" if value > 0.0 else "") + number(value, 2)
+
+
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else f" {unit}"
+
+
+def difference(p: ParameterChange) -> str:
+    """The difference of a parameter with half the width of its interval."""
+    return with_error(p.difference, p.half_width)
 
 
 def summary(change: CampaignChange) -> list[str]:
@@ -83,8 +95,9 @@ def summary(change: CampaignChange) -> list[str]:
         for c in worst.channels if c.new
     ])  # fmt: skip
     happens = [EFFECTS[e.name][0].HAPPENS for e in change.came]
+    differ = listed([f"{p.name} {difference(p)}{_unit(p.unit)}" for p in differing(change)])
     return [
-        f"{title(change)}.",
+        f"Differences beyond their intervals: {differ}." if differ else f"{title(change)}.",
         f"In {worst.recording.name} the old plant leaves {sizes}."
         + "".join(f" {words}." for words in happens),
         f"Trace {new} by itself, and design again, before gains are trusted that rest on the old plant.",
@@ -120,7 +133,7 @@ def parameter_caption() -> str:
     """Beneath the differences."""
     return (
         "Differences of the parameters, new less old, in per cent of the old value, with intervals that hold "
-        f"for all together with a confidence of {100 * CONFIDENCE:.0f} %. Orange: those that exclude zero."
+        f"for all together with a confidence of {100 * CONFIDENCE:.0f} %. Orange: those that differ."
     )
 
 
@@ -129,5 +142,7 @@ def interval_words(p: Sequence[ParameterChange]) -> str:
     return (
         f"Intervals of the differences hold for all {len(p)} parameters together with a confidence of "
         f"{100 * CONFIDENCE:.0f} % (Bonferroni). Standard errors: sandwich over blocks of time; those of the "
-        "wrist include what the regulator's parameters are uncertain by."
+        "wrist include what the regulator's parameters are uncertain by. A parameter differs where its "
+        "interval excludes zero and its old value would raise the new campaign's chi-square by more than "
+        f"{number(WORTH)} per row: less is an imperfection of the model's form as often as a change."
     )
