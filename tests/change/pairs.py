@@ -32,10 +32,10 @@ def worn(rig: Rig, what: str, size: float | None = None) -> Rig:
     return rig
 
 
-def drawn(seed: int, count: int) -> list[tuple[Case, Rig]]:
+def drawn(seed: int, count: int, plain: bool = False) -> list[tuple[Case, Rig]]:
     """So many different cases of the judging suite, effects outside the vocabulary among them, and a rig of
-    each."""
-    listed = list(cases(seed))
+    each; plain: only those without an effect."""
+    listed = [c for c in cases(seed) if not (plain and c.effects)]
     order = np.random.default_rng([seed, 2000]).permutation(len(listed))[:count]
     return [
         (c, make_rig(c.axis, c.effects, 1000 * seed + k, c.variants))

@@ -133,11 +133,7 @@ def campaign_change(
     Raises InputError for a campaign of another motion or with other channels.
     """
     campaign, instrument = seen_alike(old, campaign)
-    box = box_of(replace(old.revised, remainder=_left_anywhere(old)))
-    residuals = tuple(
-        RecordingResidual(r, channel_residuals(Playback(r, old.revised.rig.sample_time), box, seed))
-        for r in (*campaign.fit, *campaign.validate)
-    )
+    residuals = left_of(old, campaign, seed)
     changed = any(c.new for r in residuals for c in r.channels)
     stages = refit(old, campaign, changed, seed, progress)
     found = [_differences(s) for s in stages]
@@ -147,6 +143,15 @@ def campaign_change(
         old, campaign, residuals, stages, parameters,
         tuple(_undetermined(stages, parameters)), instrument,
     )  # fmt: skip
+
+
+def left_of(old: Trace, campaign: Campaign, seed: int = 0) -> tuple[RecordingResidual, ...]:
+    """What the plant of a trace leaves of each recording of another campaign, and up to what it may."""
+    box = box_of(replace(old.revised, remainder=_left_anywhere(old)))
+    return tuple(
+        RecordingResidual(r, channel_residuals(Playback(r, old.revised.rig.sample_time), box, seed))
+        for r in (*campaign.fit, *campaign.validate)
+    )
 
 
 def _left_anywhere(old: Trace) -> dict[str, RemainderSize]:

@@ -138,7 +138,7 @@ def _chosen(same: Candidate, seed: int) -> tuple[Candidate, dict[str, tuple[str,
     now, beside = same, dict[str, tuple[str, ...]]()
     if same.lacks_something:
         logged = [n for n in same.model.stage.effects if not not_logged(same.model, n)]
-        found = search(_bare(same.model), logged, seed=seed, begin=same)
+        found = search(_bare(same.model), logged, seed=seed, present=same)
         now, others = found.chosen, alternatives(found)
         beside = {
             n: tuple(dict.fromkeys(e for c in of for e in c.model.effects if e not in now.model.effects))

@@ -149,9 +149,9 @@ def search(
     names: Sequence[str] | None = None,
     tell: Callable[[str], None] | None = None,
     seed: int = 0,
-    begin: Candidate | None = None,
+    present: Candidate | None = None,
 ) -> EffectSearch:
-    """Add effects, of those named, to a fitted declared model, or to `begin`, which has some already, while
+    """Add effects, of those named, to a fitted declared model, or to `present`, which has some already, while
     each is worth it.
 
     The best few models of a round are all carried to the next: the first effect
@@ -160,7 +160,7 @@ def search(
     """
     tell = tell or (lambda what: None)
     first = Candidate(declared)
-    now = first if begin is None else begin
+    now = first if present is None else present
     beam, rounds = [now], list[SearchRound]()
     asked = excitation(declared.stage.playbacks)
     while len(now.model.forms) < MOST and (not rounds or now.lacks_something):
@@ -181,7 +181,7 @@ def search(
             break
         now = pruned(taken, first)
         beam = [now, *(c for c in candidates[1:] if c.model.chi2 < BEAM_REACH * now.model.chi2)][:BEAM]
-    whole = simplest(now) if now.model.forms and now is not begin else now
+    whole = simplest(now) if now.model.forms and now is not present else now
     return EffectSearch(tuple(rounds), whole, first)
 
 
