@@ -4,6 +4,11 @@
 reference filter allow.  `Feedforward` plays the command of the model; `FeedforwardPI` adds a PI on the angle
 of the model less the one that is measured (two degrees of freedom: Astrom & Hagglund, Advanced PID Control,
 2006).  Both start from the memory that angle and pressure tell (`controllers.memory_estimator`).
+
+Behind a dead time that the model does not have, a step that is taken back leaves the wrist on another branch
+than the model, and the next reference would be met by the inverse of the wrong branch.  So `FeedforwardPI`
+observes the memory all the while, and its model starts from what is observed whenever the reference leaves
+a value that it has held.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -11,8 +16,15 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from design.controllers import memory_estimator
 from design.controllers.controller import Measured, remembers
-from design.controllers.memory_estimator import memory_at_rest, pressure_at_rest
+from design.controllers.memory_estimator import (
+    MemoryObserver,
+    ObserverState,
+    SampledObserver,
+    memory_at_rest,
+    pressure_at_rest,
+)
 from design.controllers.pi import PI
 from design.controllers.reference_model import ReferenceModel, SampledReferenceModel, no_inverse, proceed
 from plants.actuator import delay
@@ -20,10 +32,14 @@ from plants.actuator.delay import DelayLine, SampledDelay
 from plants.dynamics import Number
 from plants.effects.effect import dead_time_of
 from plants.errors import InputError
+from plants.kernel import pytrees
 from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, State, Wrist
 
 SPEED = 25.0
 """Rate [1/s] of the reference filter close to the reference, where none is given."""
+
+SAME = 1e-6
+"""Difference [deg] below which two references are one: the reference is seen as error plus angle, rounded."""
 
 
 @dataclass(frozen=True)
@@ -147,7 +163,8 @@ class SampledFeedforward(NamedTuple):
 class FeedforwardPI(Feedforward):
     """A feedforward and a PI on what the wrist lacks of its model: Kp [kPa/deg], Ki [kPa/(deg s)].
 
-    dead_time [s]: by which the wrist is known to answer late; the PI sees the model late by as much.
+    dead_time [s]: by which the wrist is known to answer late; the PI sees the model late by as much.  Angle
+    and pressure are measured: they tell the memory from which the model goes to each new reference.
     Raises ValueError as `Feedforward`, and for gains or a dead time that are negative.
     """
 
@@ -178,25 +195,35 @@ class FeedforwardPI(Feedforward):
     def sampled(self, dt: float = SAMPLE_TIME) -> "SampledFeedforwardPI":
         """Coefficients for a sample time `dt` [s]."""
         return SampledFeedforwardPI(
-            self._sampled_course(dt), self.Kp, self.Ki * dt, delay.sampled(self.dead_time, dt)
+            self._sampled_course(dt), self.Kp, self.Ki * dt, delay.sampled(self.dead_time, dt),
+            MemoryObserver.of(self.model).sampled(dt),
         )  # fmt: skip
 
     def holding(self, pressure: Number, seen: Measured | None = None) -> "FeedforwardPIState":
         """The state in which the controller holds a pressure [kPa] at the angle that is seen."""
         course, trim = self._begin(pressure, seen)
-        return FeedforwardPIState(course, trim, delay.at_rest(course.model.angle))
+        m = course.model
+        seen = Measured(m.angle, m.angle, pressure) if seen is None else seen
+        observed = ObserverState(m.memory, m.angle, seen.pressure)
+        return FeedforwardPIState(course, trim, delay.at_rest(m.angle), observed, seen.reference, 1.0)
 
 
 @remembers(
     trim=("kPa", "integral part of the command, gain included"),
+    reference=("deg", "reference of the sample before"),
+    held=("", "1 where that was the reference of the sample before it too, else 0"),
 )
 class FeedforwardPIState(NamedTuple):
     """What the controller remembers: its model, the integral part of its PI [kPa], called `trim` as in a
-    feedforward, and the angles of the model that a known dead time holds back."""
+    feedforward, the angles of the model that a known dead time holds back, what it observes of the wrist, and
+    the last reference [deg] with whether it was held."""
 
     course: ReferenceModel
     trim: Number
     late: DelayLine
+    observed: ObserverState
+    reference: Number
+    held: Number
 
 
 class SampledFeedforwardPI(NamedTuple):
@@ -206,15 +233,28 @@ class SampledFeedforwardPI(NamedTuple):
     Kp: Number
     Ki_dt: Number
     delay: SampledDelay
+    observer: SampledObserver
 
     def act(self, state: FeedforwardPIState, seen: Measured) -> tuple[FeedforwardPIState, Number]:
         """State after, and command [V] of, one sample; the integrator stands still while the command is
         clipped, unless the error drives it back, as that of `design.controllers.pi`."""
-        late, expected = delay.step(state.late, state.course.model.angle, self.delay)
-        course, forward = proceed(state.course, seen.reference, self.course)
+        observed = memory_estimator.step(state.observed, seen.angle, seen.pressure, self.observer)
+        same = np.where(np.abs(seen.reference - state.reference) < SAME, 1.0, 0.0)
+        leaves = state.held * (1.0 - same) > 0.5  # along a ramp the model goes on from itself
+        before, m = state.course.model, _where(leaves, observed, state.course.model)
+        trim = state.trim + (before.pressure - m.pressure)  # what holds the wrist still stays the same
+        late, expected = delay.step(state.late, m.angle, self.delay)
+        course, forward = proceed(state.course._replace(model=m), seen.reference, self.course)
         error = expected - seen.angle
-        wanted = forward + (self.Kp * error + state.trim) / self.course.wrist.regulator.gain
+        wanted = forward + (self.Kp * error + trim) / self.course.wrist.regulator.gain
         command = np.minimum(np.maximum(wanted, self.course.low), self.course.high)
         pushes_out = (wanted - command) * error > 0.0
-        trim = state.trim + np.where(pushes_out, 0.0, self.Ki_dt * error)
-        return FeedforwardPIState(course, trim, late), command
+        trim = trim + np.where(pushes_out, 0.0, self.Ki_dt * error)
+        return FeedforwardPIState(course, trim, late, observed, seen.reference, same), command
+
+
+def _where(condition: Any, observed: ObserverState, model: State) -> State:
+    """The wrist as it is observed where a condition is true, else the model's."""
+    there = State(observed.pressure, observed.memory, observed.angle)
+    pairs = zip(pytrees.leaves(there), pytrees.leaves(model), strict=True)
+    return State(*pytrees.like(model, [np.where(condition, a, b) for a, b in pairs]))

@@ -12,16 +12,17 @@ from plants.actuator.regulator import SampledRegulator, share
 
 Number = Any
 
-NEWTON_STEPS = 10
+HALLEY_STEPS, NEWTON_STEPS = 3, 4
 """Of `error_for`: to rounding for every regulator within the bounds of its parameters at 1 ms."""
 
 
 def error_for(change: Number, c: SampledRegulator) -> Number:
     """Error gain v - P [kPa] that the regulator needs for a change of pressure [kPa] in one sample.
 
-    Solves ``share(e, c) e = change`` by Newton's method.  The rate grows with the size of the error, so
-    there is one solution; since k(e) e >= k_fast e - (k_fast - k_slow) e0 / 2, it lies at most e0 / 2
-    beyond that of the fast rate, which is where the iteration starts.
+    Solves ``share(e, c) e = change``.  The rate grows with the size of the error, so there is one solution;
+    since k(e) e >= k_fast e - (k_fast - k_slow) e0 / 2, it lies at most e0 / 2 beyond that of the fast rate,
+    which is where the iteration starts.  But for the rate's change within the sample the equation is a cubic:
+    Halley's method brings it close to the root of that, Newton's to that of the whole.
 
     >>> from plants.actuator.regulator import Regulator, sampled
     >>> c = sampled(Regulator(49.4, 9.0, 0.55, 9.0), 0.001)
@@ -31,6 +32,12 @@ def error_for(change: Number, c: SampledRegulator) -> Number:
     size = np.abs(change)
     half = 0.5 * np.sqrt(c.e0_squared)
     error = np.minimum(size / (c.alpha_slow + c.alpha_rise) + half, size / c.alpha_slow)
+    fast, slow = c.alpha_slow + c.alpha_rise, c.alpha_slow * c.e0_squared
+    for _ in range(HALLEY_STEPS):  # of (fast e - size) e^2 + slow e - size e0^2
+        value = ((fast * error - size) * error + slow) * error - size * c.e0_squared
+        slope = (3.0 * fast * error - 2.0 * size) * error + slow
+        bend = 6.0 * fast * error - 2.0 * size
+        error = error - 2.0 * value * slope / (2.0 * slope * slope - value * bend)
     for _ in range(NEWTON_STEPS):
         squared = error * error
         w = squared / (squared + c.e0_squared)

@@ -140,8 +140,8 @@ def feedforward_words(m: MotionDesign) -> str:
         f"{m.motion}: an inverse feedforward (filter {number(gains['speed'])} 1/s, model delayed by "
         f"{number(1000 * gains['dead_time'])} ms) around the loop Kp = {number(gains['Kp'])}, Ki = "
         f"{number(gains['Ki'])} lowers the worst IAE of the tuning by "
-        f"{number(100 * (1 - found['cost'] / best), 2)} %. It needs the model on the target, and no "
-        "certificate covers it."
+        f"{number(100 * (1 - found['cost'] / best), 2)} %. It needs the model and the measured pressure "
+        "on the target, and no certificate covers it."
     )
     if found["holds"]:
         return f"{words} No broken limit was found."

@@ -8,6 +8,7 @@ from design.controllers.feedforward import Feedforward, FeedforwardPI
 from design.controllers.pi import PI
 from design.controllers.reference_model import no_inverse, reachable, within_reach
 from design.evaluation.runner import step_from
+from design.evaluation.sequence import Sequence, play
 from design.evaluation.steps import run
 from plants import one_page
 from plants.effects.regulator.dead_time import DeadTime
@@ -93,8 +94,10 @@ def test_the_integrator_stands_still_while_the_command_is_clipped_and_the_error_
     c, state = controller.sampled(), controller.holding(100.0)
 
     def trim_after(angle, trim):
-        """From rest at full throttle towards 15 deg, where the model expects 0 deg."""
-        after, command = c.act(state._replace(trim=trim), Measured(15.0 - angle, angle, 100.0))
+        """From rest on the way to 15 deg at full throttle, where the model expects 0 deg."""
+        after, command = c.act(
+            state._replace(trim=trim, reference=15.0), Measured(15.0 - angle, angle, 100.0)
+        )
         return float(after.trim), float(command)
 
     assert trim_after(-5.0, 20.0) == (20.0, 4.0)  # pushes out
@@ -210,3 +213,34 @@ def test_controllers_stack_into_lanes():
     for i, controller in enumerate(apart):
         one, _, _ = run(wrist, controller, 15.0, duration=1.0)
         assert one.iae_deg_s[0] == both.iae_deg_s[i]
+
+
+@pytest.mark.parametrize("load", [0.0, 1.0])
+def test_after_a_step_that_was_taken_back_behind_dead_time_it_starts_from_the_wrists_branch(load):
+    # A model that kept its own memory overshot by 15 and 31 % of the last step here.
+    wrist = WRISTS["flexion"]
+    taken_back = Sequence("virgin", 0.0, (15.0, 10.0, 5.0), (0.3, 3.4, 10.0), wrist, 0.05, load)
+    controller = FeedforwardPI.of(wrist, Kp=3.0, Ki=8.0, speed=3.0, dead_time=0.025)
+    found = play([taken_back], controller).metrics
+    assert found.overshoot_percent[0] < 1.0
+    assert found.settling_time_s[0] < 1.5
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_the_model_starts_from_the_wrist_where_a_held_reference_is_left_and_goes_on_along_a_ramp(held):
+    controller = FeedforwardPI.of(WRISTS["flexion"], Kp=3.0, Ki=8.0)
+    c, begun = controller.sampled(), controller.holding(100.0)
+
+    def pressures(measured):
+        state, found = begun, []
+        for k in range(6):
+            reference = 1.0 + 0.1 * (3 * (k // 3) if held else k)
+            state, _ = c.act(state, Measured(reference, 0.0, 100.0 if k == 0 else measured))
+            found.append(float(state.course.model.pressure))
+        return found
+
+    one, other = pressures(100.0), pressures(104.0)
+    assert one[:3] == other[:3]
+    assert (one[3:] == other[3:]) is not held
+    if held:
+        assert other[3] - one[3] > 2.0
