@@ -3,13 +3,12 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from design.studies.check.check import LogCheck
 from reports.check import words
 from reports.check.record import check_record
 from reports.shared.figures.style import BLACK, GREY, ORANGE, new_figure, save, seen, styled, svg
 from reports.shared.html import Made, Shown, markup, render
+from reports.shared.left import CAPTION, COLUMNS, channel_rows, draw_left
 from reports.shared.tables import Cell, Column, Group, Table, number, row
 
 if TYPE_CHECKING:
@@ -18,9 +17,6 @@ if TYPE_CHECKING:
 SECTIONS = {"envelope": "The log and what was predicted", "residual": "Residual of the plant model"}
 """Titles of the page's sections by their ids."""
 
-SMOOTHED = 0.5
-"""Time [s] over which a residual is averaged where it is drawn."""
-
 
 def write_check(folder: str | Path, check: LogCheck, made: Made) -> Path:
     """Write check.html, check.json and the figures as PNG into a folder, each complete or not at all.
@@ -28,12 +24,13 @@ def write_check(folder: str | Path, check: LogCheck, made: Made) -> Path:
     from plants.files import json_text, write_atomically
 
     folder = Path(folder)
-    drawn = {"envelope": draw_envelope(check), "residual": draw_residual(check)}
-    captions = {"envelope": words.envelope_caption(check), "residual": words.residual_caption(check)}
+    drawn = {"envelope": draw_envelope(check), "residual": draw_left(check.log, check.residual.channels)}
+    captions = {"envelope": words.envelope_caption(check), "residual": CAPTION}
     page = render(
         "check.html", made=made, title=words.title(check), kind=f"check of {check.plant.axis}",
         sections=SECTIONS, summary=words.summary(check), remarks=words.remarks(check),
-        figures=figure_table(check), channels=channel_table(check),
+        figures=figure_table(check),
+        channels=Table(COLUMNS, (Group("", channel_rows(check.residual.channels)),)),
         **{n: Shown(markup(svg(f, n, captions[n])), captions[n]) for n, f in drawn.items()},
     )  # fmt: skip
     for name, figure in drawn.items():
@@ -59,26 +56,6 @@ def draw_envelope(check: LogCheck) -> "Figure":
     return figure
 
 
-def draw_residual(check: LogCheck) -> "Figure":
-    """Residual of the plant in each channel, and its bound."""
-    from scipy.ndimage import uniform_filter1d
-
-    log, channels = check.log, check.residual.channels
-    rows = max(1, round(SMOOTHED / float(np.median(np.diff(log.time)))))
-    with styled():
-        figure, axes = new_figure(len(channels), 1, 1.9 * len(channels), sharex=True)
-        few = seen(len(log.time))
-        for at, c in zip(axes, channels, strict=True):
-            name, unit = c.channel.split("_")
-            smooth = uniform_filter1d(c.left, rows, mode="nearest")
-            at.plot(log.time[few], smooth[few], color=ORANGE if c.new else BLACK)
-            for side in (-c.allowed, c.allowed):
-                at.axhline(side, color=GREY, lw=0.8, ls=":")
-            at.set(ylabel=f"{name} [{unit}]", xlim=(log.time[0], log.time[-1]))
-        axes[-1].set_xlabel("time [s]")
-    return figure
-
-
 def figure_table(check: LogCheck) -> Table:
     """Each stair's figures beside those of the samples."""
     columns = (
@@ -97,16 +74,3 @@ def figure_table(check: LogCheck) -> Table:
         )  # fmt: skip
         groups.append(Group(f"to {number(s.reference)} deg at {number(s.begins)} s", rows))
     return Table(columns, tuple(groups))
-
-
-def channel_table(check: LogCheck) -> Table:
-    """What is left of each channel, and what was left before."""
-    columns = (Column("channel", number=False), Column("left now"), Column("left before"), Column("may be"))
-    rows = tuple(
-        row(
-            c.channel.replace("_", " [") + "]", Cell(number(c.rms), broken=c.new), number(c.before),
-            number(c.allowed),
-        )
-        for c in check.residual.channels
-    )  # fmt: skip
-    return Table(columns, (Group("", rows),))

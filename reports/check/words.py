@@ -87,11 +87,3 @@ def envelope_caption(check: LogCheck) -> str:
         f"The logged angle beside {check.envelope.samples} samples, from the lowest to the highest reading "
         "at each moment; dashed: the reference."
     )
-
-
-def residual_caption(check: LogCheck) -> str:
-    """Beneath the residual."""
-    return (
-        "Measured less simulated, the traced plant running freely from the logged command, averaged over "
-        "half a second. Dotted: what the rms may be, either way."
-    )

@@ -25,7 +25,7 @@ def trace_record(trace: Trace, control: Mapping[str, Any] | None = None) -> dict
         "before": _errors(trace.before),
         "after": _errors(trace.after),
         "noise_floor": {c: trace.noise.get(c) for c in UNITS},
-        "effects": [_effect(e) for e in trace.effects],
+        "effects": [effect_record(e) for e in trace.effects],
         "unexplained": _unexplained(trace.unexplained),
         "cannot_judge": list(trace.cannot_judge),
         "law": _law(trace),
@@ -70,7 +70,8 @@ def _errors(errors: Mapping[str, float | None]) -> dict[str, float | None]:
     }
 
 
-def _effect(effect: Named) -> dict[str, Any]:
+def effect_record(effect: Named) -> dict[str, Any]:
+    """An effect with its parameters, for JSON."""
     return {
         "name": effect.name,
         "stage": effect.stage,

@@ -12,6 +12,7 @@ from design.tuner.gains_file import write
 from plants.parameters.files import built_in, dump
 from plants.parameters.quantities import Fitted
 from plants.parameters.remainder import BANDS, RemainderSize
+from tests.change.pairs import worn
 from tests.rig.campaign import logged_table, make_rig
 from tests.rig.core import Controller
 
@@ -31,18 +32,6 @@ def plant_of(rig):
         "pressure_kPa": RemainderSize(0.0, 0.0, 0.01, 0.1, loud.pressure_kPa, 0.0, none),
     }
     return replace(plant, parameters=fitted, remainder=left)
-
-
-def changed(rig, what):
-    d, h = rig.declared, rig.hidden
-    if what == "slope":
-        soft = d._replace(a1=0.88 * d.a1, a2=0.88 * d.a2, s=0.88 * d.s)
-        return replace(rig, declared=soft)
-    if what == "leak":
-        return replace(rig, hidden=h._replace(leak=h.leak._replace(form=2, porous=0.05)))
-    if what == "tube":
-        return replace(rig, hidden=h._replace(dead_time=h.dead_time._replace(transport_s=0.05)))
-    return rig
 
 
 def log_of(rig, plant, path, salt=7):
@@ -75,7 +64,7 @@ def test_a_rig_that_did_not_change_and_one_whose_slope_softens(wrist, designed):
     same = wrist("check", log_of(rig, plant, folder / "log.csv"), "--design", folder, "--json", "-")
     assert same.code == 0, same.err
     assert same.json["verdict"] == "as promised"
-    soft = log_of(changed(rig, "slope"), plant, folder / "soft.csv")
+    soft = log_of(worn(rig, "slope"), plant, folder / "soft.csv")
     found = wrist("check", soft, "--design", folder, "--out", folder / "page")
     assert found.code == 1
     assert "outside the envelope" in found.out
@@ -110,7 +99,7 @@ def test_what_changed_is_seen_and_what_did_not_is_left_alone(wrist, designed, ax
         assert wrist("check", log, "--design", folder, "--json", "-").json["verdict"] == "as promised"
     words = {"slope": "slopes", "leak": "less pressure", "tube": "later"}
     for what, cause in words.items():
-        log = log_of(changed(rig, what), plant, folder / f"{what}.csv")
+        log = log_of(worn(rig, what), plant, folder / f"{what}.csv")
         record = wrist("check", log, "--design", folder, "--json", "-").json
         assert record["residual"]["new"], what
         assert cause in record["residual"]["change"]["name"], what

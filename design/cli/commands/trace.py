@@ -1,5 +1,7 @@
-"""``wrist trace``: from a measured campaign to what the declared wrist lacks, and the revised plant."""
+"""``wrist trace``: from a measured campaign to what the declared wrist lacks, and the revised plant; of two
+campaigns of one rig, what changed between them."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -22,17 +24,27 @@ from design.cli.places import check_places
 from design.cli.terminal.screen import Sheet, console, progress
 
 if TYPE_CHECKING:
+    from design.studies.check.campaigns import CampaignChange
     from design.synthesis.retune import Control
-    from plants.measured.trace.trace import Trace
+    from plants.measured.campaign import Campaign
+    from plants.measured.trace.trace import Named, Trace
+    from reports.shared.html import Made
 
 NAME = "trace"
-HELP = "Find what the declared wrist lacks of a measured rig: the effect, its size, and the revised plant."
+HELP = (
+    "Find what the declared wrist lacks of a measured rig: the effect, its size, and the revised plant. "
+    "Of two campaigns of one rig: what changed, parameters and effects."
+)
 EXAMPLE = "Example: wrist trace plants/measured/examples/flexion --out build/trace --save build/revised.toml"
 NEXT = "wrist design CAMPAIGN, or wrist tune --plant FILE"
 
 
 def command(
     campaign: CampaignArgument,
+    new: Annotated[
+        Path | None,
+        typer.Argument(help="Folder of a later campaign of the same rig.", autocompletion=files),
+    ] = None,
     plant: StartOption = None,
     save: Annotated[
         Path | None,
@@ -62,9 +74,13 @@ def command(
 
     check_places({"--save": save, "--json": json}, out)
     data = load_campaign(campaign, rig_of(plant))
+    later = None if new is None else _later(data, new, plant, save, retune)
     start = given_set(plant)
     with progress(f"trace {data.name}") as tell:
         trace = trace_campaign(data, start, seed, tell)
+    if new is not None and later is not None:
+        _tell_change(trace, later, new, seed, json, out)
+        return
     control = _retuned(trace, seed, jobs) if retune else None
     said = console(json)
     for part in lines(trace):
@@ -91,18 +107,69 @@ def _retuned(trace: "Trace", seed: int, jobs: int | None) -> "Control | None":
         return retune(trace.fit.fitted, trace.revised, seed=seed, jobs=jobs, progress=tell)
 
 
-def _write_page(out: Path, trace: "Trace", control: "Control | None", seed: int) -> Path:
+def _later(old: "Campaign", new: Path, plant: Path | None, save: Path | None, retune: bool) -> "Campaign":
+    """The later of two campaigns; InputError where they cannot be compared, or options are of one alone."""
+    from plants.errors import InputError
+    from plants.measured.campaign import load_campaign
+    from plants.measured.trace.refit import check_comparable
+
+    for option, asked in (("--save", save is not None), ("--retune", retune)):
+        if asked:
+            raise InputError(f"{option}: is of one campaign; run `wrist trace {new} {option}` beside")
+    later = load_campaign(new, rig_of(plant))
+    check_comparable(old, later)
+    return later
+
+
+def _tell_change(
+    trace: "Trace", later: "Campaign", new: Path, seed: int, json: Path | None, out: Path | None
+) -> None:
+    """What changed between the campaign of a trace and a later one: in words, as JSON, on a page."""
+    from design.studies.check.campaigns import campaign_change
+    from reports.trace.change.page import write_change
+    from reports.trace.change.record import change_record
+    from reports.trace.change.words import interval_words, remarks, title
+
+    with progress(f"compare with {later.name}") as tell:
+        change = campaign_change(trace, later, seed, tell)
+    said = console(json)
+    came = ("", "came:", _effects(change.came)) if change.came else ()
+    differences = (interval_words(change.parameters), _differences(change))
+    for part in (title(change), "", *differences, *came, "", *remarks(change)):
+        said.print(part)
+    if out is not None:
+        with progress("page"):
+            page = write_change(out, change, _made(trace, seed, {f"{later.name}, new": later.checksum}))
+        said.print(f"page in {page}", soft_wrap=True)
+    if change.changed:
+        following(said, "wrist", "design", new)
+    write_json(json, change_record(change))
+
+
+def _differences(change: "CampaignChange") -> Sheet:
+    from reports.trace.change.words import difference
+
+    rows = [
+        (p.name, f"{p.old:.4g}", f"{p.new:.4g}", difference(p), p.unit, "yes" if p.differs else "-")
+        for p in change.parameters
+    ]
+    headings = ("parameter", "old", "new", "difference", "unit", "differs")
+    return Sheet(headings, tuple(rows), words=(0, 4, 5))
+
+
+def _made(trace: "Trace", seed: int, more: dict[str, str] | None = None) -> "Made":
+    """What made a page of a trace; more: checksums of further campaigns by name."""
     from reports.shared.html import Made
+
+    data = {trace.campaign.name: trace.campaign.checksum} | (more or {})
+    return Made.now(command=command_line(), seed=seed, sets={trace.campaign.axis: trace.revised}, data=data)
+
+
+def _write_page(out: Path, trace: "Trace", control: "Control | None", seed: int) -> Path:
     from reports.trace.page import write_trace
 
     with progress("page"):
-        made = Made.now(
-            command=command_line(),
-            seed=seed,
-            sets={trace.campaign.axis: trace.revised},
-            data={trace.campaign.name: trace.campaign.checksum},
-        )
-        return write_trace(out, trace, made, control)
+        return write_trace(out, trace, _made(trace, seed), control)
 
 
 def lines(trace: "Trace") -> list[Any]:
@@ -112,7 +179,7 @@ def lines(trace: "Trace") -> list[Any]:
     said: list[Any] = [verdict_sentence(trace), ""]
     said += ["rms error of free runs from the command, on the held-out recordings", _errors(trace)]
     if trace.effects:
-        said += ["", _effects(trace)]
+        said += ["", _effects(trace.effects)]
     words = [w for e in trace.effects for w in e.separations]
     words += [description(s.learnt) for s in trace.unexplained if s.learnt is not None]
     if trace.cannot_judge:
@@ -134,9 +201,9 @@ def _errors(trace: "Trace") -> Sheet:
     return Sheet(headings, tuple(rows), words=(0, 1))
 
 
-def _effects(trace: "Trace") -> Sheet:
+def _effects(effects: "Sequence[Named]") -> Sheet:
     rows = []
-    for effect in trace.effects:
+    for effect in effects:
         first = (f"{effect.name}, {effect.form}", ", ".join(effect.alternatives) or "-")
         for name, (value, unit, error) in effect.parameters.items():
             shown_error = "-" if error is None else f"{error:.2g}"

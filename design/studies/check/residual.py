@@ -82,7 +82,16 @@ class ResidualCheck:
 
 
 def residual(playback: Playback, box: Box, seed: int) -> ResidualCheck:
-    """Hold a log against free runs of a plant, from the logged command."""
+    """Hold a log against free runs of a plant, from the logged command; what is new is tried against the
+    changes of rigs."""
+    channels, wrist = channel_residuals(playback, box, seed), box.wrist
+    begin = first_begin(playback.recording, float(wrist.hysteresis.rest_pressure))
+    new = any(c.new for c in channels)
+    return ResidualCheck(channels, _change(playback, wrist, begin, channels) if new else None)
+
+
+def channel_residuals(playback: Playback, box: Box, seed: int) -> tuple[ChannelResidual, ...]:
+    """The channels of a log beside free runs of a plant, from the logged command."""
     wrist, log = box.wrist, playback.recording
     shares = generator(seed, 0, CASES).random((len(box.intervals), PLANTS))
     begin = first_begin(log, float(wrist.hysteresis.rest_pressure))
@@ -101,9 +110,7 @@ def residual(playback: Playback, box: Box, seed: int) -> ResidualCheck:
         allowed = MARGIN * float(np.sqrt(noise**2 + stretched**2 + spread.max()))
         rms = float(np.sqrt(np.mean(left**2)))
         found.append(ChannelResidual(channel, left, rms, None if kept is None else before, allowed))
-    channels = tuple(found)
-    new = any(c.new for c in channels)
-    return ResidualCheck(channels, _change(playback, wrist, begin, channels) if new else None)
+    return tuple(found)
 
 
 def _free(playback: Playback, wrist: Wrist, begin: Begin) -> tuple[Array, Array]:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.stage import begun
-from plants.measured.trace.result import StageTrace
+from plants.measured.trace.search.choose import Candidate
 from plants.measured.trace.stages.model import Model
 from plants.simulation.open_loop import open_loop
 from plants.wrist import Wrist
@@ -52,7 +52,7 @@ def _parts(model: Model) -> Iterator[Model]:
         yield model.fitted(20, 1e-5, rows)
 
 
-def driven(declared: Model, regulator: StageTrace) -> Model:
+def driven(declared: Model, regulator: Candidate) -> Model:
     """The declared wrist, fitted under the pressure that drives it.
 
     That is the simulated pressure, and where it does not quite reach the noise, the same with what it
@@ -63,13 +63,13 @@ def driven(declared: Model, regulator: StageTrace) -> Model:
     if regulator.model.chi2 <= NEARLY:
         return refitted(_under(declared, regulator, False))
     put_back = refitted(_under(declared, regulator, True))
-    if regulator.after.structured:
+    if regulator.examined.structured:
         return put_back
     simulated = refitted(_under(declared, regulator, False))
     return simulated if simulated.chi2 < put_back.chi2 else put_back
 
 
-def _under(declared: Model, regulator: StageTrace, put_back: bool) -> Model:
+def _under(declared: Model, regulator: Candidate, put_back: bool) -> Model:
     """The declared wrist driven by the regulator's pressure [kPa] of every ms, as it is simulated, or
     with what that leaves of the measured pressure put back, smoothed."""
     stage = declared.stage

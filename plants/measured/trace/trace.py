@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from plants.measured.begin import first_begin, measured
 from plants.measured.campaign import Campaign
-from plants.measured.estimate import HUBER, ParameterCorrelation, uncertainty
+from plants.measured.estimate import HUBER, EstimateErrors, ParameterCorrelation, uncertainty
 from plants.measured.fit import CHANNELS, Fit, fit_campaign
 from plants.measured.free_run import FreeRun, rmse
 from plants.measured.logger import Remark
@@ -78,10 +78,10 @@ def _trace(
     base = replace(fit, fitted=start, undetermined=()) if changed else fit
     values: dict[str, float] = dict(base.fitted.values)
     traced: list[StageTrace] = []
-    for stage in _stages(campaign, base):
+    for stage in stages_of(campaign, base):
         share = 0.15 + 0.4 * len(traced)
         declared = Model(stage, start, values, fixed=_fixed(stage, base))
-        declared = driven(declared, traced[0]) if stage.name == "wrist" else refitted(declared)
+        declared = driven(declared, traced[0].search.chosen) if stage.name == "wrist" else refitted(declared)
         if not changed:
             base = fit = _once_more(campaign, start, fit, declared, seed)
         found = _trace_stage(declared, base, _part(tell, share), seed)
@@ -95,8 +95,8 @@ def _part(tell: Callable[[str, float], None], share: float) -> Callable[[str], N
     return lambda what: tell(what, share)
 
 
-def _stages(campaign: Campaign, fit: Fit) -> list[Stage]:
-    """What can be traced one after the other."""
+def stages_of(campaign: Campaign, fit: Fit) -> list[Stage]:
+    """What can be traced of a campaign one after the other; of the fit, noise and where recordings begin."""
 
     def made(name: str, channel: str) -> Stage:
         used = [i for i, r in enumerate(campaign.fit) if measured(r, channel) is not None]
@@ -170,9 +170,11 @@ def _result(
     for s in stages:
         if forms or changed:
             values |= {n: s.model.values[n] for n in s.model.names}
-            of, correlation = _errors(s.model)
+            found = errors_of(s.model)
+            of = dict(zip(s.model.names, found.std_errors, strict=True))
             errors |= of
-            correlations += [correlation]
+            together = ParameterCorrelation(s.model.names, found.correlation)
+            correlations += [together.of(n for n, e in of.items() if e is not None)]
     origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
     revised = base.fitted.revised(forms, values, errors, origin) if values else fit.fitted
     runs = tuple(_played(fit, Wrist.of(revised), changed))
@@ -181,10 +183,10 @@ def _result(
     after = {c: rmse(runs, c) for c in CHANNELS} if values else before
     stages = tuple(s if s.explained else replace(s, explained=not _matters(s, fit, runs)) for s in stages)
     whole = all(s.explained for s in stages)
-    found = "explained" if effects or changed else "nothing-missing"
+    said = "explained" if effects or changed else "nothing-missing"
     revised = replace(revised, remainder=remainders_of(runs, fit.noise))
     return Trace(
-        campaign, fit, found if whole else "unexplained", stages, effects, revised, runs, before, after,
+        campaign, fit, said if whole else "unexplained", stages, effects, revised, runs, before, after,
         intervals(runs, before=True), intervals(runs),
         (*remarks, *rigs_differ(stages)), law, instrument,
         tuple(correlations) if values else fit.correlations,
@@ -207,16 +209,15 @@ def _matters(stage: StageTrace, fit: Fit, runs: Sequence[FreeRun]) -> bool:
     )
 
 
-def _errors(model: Model) -> tuple[dict[str, float | None], ParameterCorrelation]:
-    """Standard errors of the parameters, None for one that lies at a bound or is not determined, and the
-    correlation of the others."""
+def errors_of(model: Model) -> EstimateErrors:
+    """Standard errors of the parameters of a model, in the order of its names, None for one that lies at a
+    bound or is not determined; and their correlation."""
     corner = HUBER * max(1.0, 1.4826 * float(np.median(np.abs(model.residual))))
     found = uncertainty(model.problem, model.vector, model.bounds, corner)
     x, low, high = model.bounds
     at_edge = np.minimum(x - low, high - x) < 1e-6 * (high - low)
-    errors = {n: None if e else s for n, s, e in zip(model.names, found.std_errors, at_edge, strict=True)}
-    together = ParameterCorrelation(model.names, found.correlation)
-    return errors, together.of(n for n in errors if errors[n] is not None)
+    kept = [None if e else s for s, e in zip(found.std_errors, at_edge, strict=True)]
+    return replace(found, std_errors=kept)
 
 
 def _played(fit: Fit, wrist: Wrist, changed: bool) -> list[FreeRun]:

@@ -149,16 +149,19 @@ def search(
     names: Sequence[str] | None = None,
     tell: Callable[[str], None] | None = None,
     seed: int = 0,
+    present: Candidate | None = None,
 ) -> EffectSearch:
-    """Add effects, of those named, to a fitted declared model while each is worth it.
+    """Add effects, of those named, to a fitted declared model, or to `present`, which has some already, while
+    each is worth it.
 
     The best few models of a round are all carried to the next: the first effect
     is chosen while another is still missing, which may pass for it.  Raises
     nothing for a residual that no effect explains: the search just ends.
     """
     tell = tell or (lambda what: None)
-    first = now = Candidate(declared)
-    beam, rounds = [first], list[SearchRound]()
+    first = Candidate(declared)
+    now = first if present is None else present
+    beam, rounds = [now], list[SearchRound]()
     asked = excitation(declared.stage.playbacks)
     while len(now.model.forms) < MOST and (not rounds or now.lacks_something):
         candidates, ranking, borrowed = _further(beam, now, names, asked, seed, tell)
@@ -178,7 +181,8 @@ def search(
             break
         now = pruned(taken, first)
         beam = [now, *(c for c in candidates[1:] if c.model.chi2 < BEAM_REACH * now.model.chi2)][:BEAM]
-    return EffectSearch(tuple(rounds), simplest(now) if now.model.forms else now, first)
+    whole = simplest(now) if now.model.forms and now is not present else now
+    return EffectSearch(tuple(rounds), whole, first)
 
 
 def _further(

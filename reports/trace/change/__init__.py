@@ -1,0 +1,1 @@
+"""The page of two campaigns of one rig: what changed between them."""

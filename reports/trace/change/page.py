@@ -1,0 +1,93 @@
+"""Two campaigns of one rig as a page for a colleague, and beside it the same as JSON and pictures."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from design.studies.check.campaigns import CampaignChange
+from reports.shared.figures.style import BLACK, GREY, ORANGE, new_figure, save, styled, svg
+from reports.shared.html import Made, Shown, markup, render
+from reports.shared.left import CAPTION, COLUMNS, channel_rows, draw_left
+from reports.shared.tables import Column, Group, Table, number, row, with_error
+from reports.trace.change import words
+from reports.trace.change.record import change_record
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SECTIONS = {
+    "parameters": "Parameters before and after", "effects": "Effects",
+    "residual": "Residual of the old plant",
+}  # fmt: skip
+"""Titles of the page's sections by their ids."""
+
+
+def write_change(folder: str | Path, change: CampaignChange, made: Made) -> Path:
+    """Write change.html, change.json and the figures as PNG into a folder, each complete or not at all.
+    Returns the path of the page; raises InputError where it cannot be written."""
+    from plants.files import json_text, write_atomically
+
+    folder, worst = Path(folder), words.most_off(change)
+    drawn = {"differences": draw_differences(change), "residual": draw_left(worst.recording, worst.channels)}
+    captions = {
+        "differences": words.parameter_caption(),
+        "residual": f"{worst.recording.name}, of which the old plant leaves most. {CAPTION}",
+    }
+    page = render(
+        "change.html", made=made, title=words.title(change),
+        kind=f"two campaigns of {change.campaign.axis}", sections=SECTIONS, summary=words.summary(change),
+        remarks=words.remarks(change), intervals=words.interval_words(change.parameters),
+        parameters=parameter_table(change), effects=effect_table(change), channels=channel_table(change),
+        **{n: Shown(markup(svg(f, n, captions[n])), captions[n]) for n, f in drawn.items()},
+    )  # fmt: skip
+    for name, figure in drawn.items():
+        save(figure, folder / f"{name}.png")
+    write_atomically(folder / "change.json", json_text(change_record(change)))
+    write_atomically(folder / "change.html", page)
+    return folder / "change.html"
+
+
+def draw_differences(change: CampaignChange) -> "Figure":
+    """A row a parameter: its difference in per cent of the old value, with its interval."""
+    shown = [p for p in change.parameters if p.old != 0.0]
+    with styled():
+        figure, (at,) = new_figure(1, 1, 0.8 + 0.26 * len(shown))
+        for place, p in enumerate(shown):
+            low, middle, high = sorted(100.0 * v / p.old for v in (p.low, p.difference, p.high))
+            color = ORANGE if p.differs else BLACK
+            at.plot((low, high), (place, place), color=color, lw=1.6, solid_capstyle="butt")
+            at.plot(middle, place, "o", color=color, ms=4)
+        at.axvline(0.0, color=GREY, lw=0.8)
+        at.set_yticks(range(len(shown)), [p.name for p in shown])
+        at.set(xlabel="difference [% of the old value]", ylim=(len(shown) - 0.5, -0.5))
+        at.grid(axis="y", visible=False)
+    return figure
+
+
+def parameter_table(change: CampaignChange) -> Table:
+    """Each parameter in both campaigns, and the interval of the difference."""
+    columns = (
+        Column("parameter", number=False), Column("unit", number=False), Column("old"), Column("new"),
+        Column("difference, joint interval"),
+    )  # fmt: skip
+    groups = []
+    for stage in dict.fromkeys(p.stage for p in change.parameters):
+        of = [p for p in change.parameters if p.stage == stage]
+        rows = tuple(row(p.name, p.unit, number(p.old, 4), number(p.new, 4), words.difference(p)) for p in of)
+        groups.append(Group(stage, rows, tuple(i for i, p in enumerate(of) if p.differs)))
+    return Table(columns, tuple(groups))
+
+
+def effect_table(change: CampaignChange) -> Table:
+    """Effects of either campaign, and of those that came their parameters."""
+    rows = [row(n, "in both", "–") for n in change.kept] + [row(n, "went", "–") for n in change.went]
+    for e in change.came:
+        values = ", ".join(f"{n} {with_error(v, s)} {unit}" for n, (v, unit, s) in e.parameters.items())
+        rows.append(row(e.name, "came", values))
+    columns = tuple(Column(h, number=False) for h in ("effect", "campaigns", "parameters of one that came"))
+    return Table(columns, (Group("", tuple(rows) or (row("none", "–", "–"),)),))
+
+
+def channel_table(change: CampaignChange) -> Table:
+    """What the old plant leaves of each recording."""
+    groups = tuple(Group(r.recording.name, channel_rows(r.channels)) for r in change.residuals)
+    return Table(COLUMNS, groups)

@@ -1,0 +1,148 @@
+"""What two campaigns of one rig say in sentences."""
+
+from collections.abc import Sequence
+
+from design.studies.check.campaigns import CONFIDENCE, CampaignChange, ParameterChange, RecordingResidual
+from plants.effects import EFFECTS
+from plants.measured.trace.result import Named
+from plants.measured.trace.search.choose import WORTH
+from reports.shared.tables import listed, number, with_error
+
+NAMED = 4
+"""Parameters that the title names, those that differ most against their intervals."""
+
+
+def title(change: CampaignChange) -> str:
+    """The answer in a line: the heading, and what the command says first."""
+    old, new = names(change)
+    if not change.changed:
+        return (
+            f"Nothing changed between {old} and {new}: the plant of {old} simulates all "
+            f"{len(change.residuals)} recordings of {new} to within what it left before"
+        )
+    return f"Changed between {old} and {new}: {causes(change)}"
+
+
+def names(change: CampaignChange) -> tuple[str, str]:
+    """What both campaigns are called."""
+    old, new = change.old.campaign.name, change.campaign.name
+    return (old, new) if old != new else ("the old campaign", "the new campaign")
+
+
+def causes(change: CampaignChange) -> str:
+    """Effects that came or went and parameters that differ, in words."""
+    said = [came(e) for e in change.came] + [f"{n} went" for n in change.went]
+    differ = differing(change)
+    said += [parameter(p) for p in differ[:NAMED]]
+    if len(differ) > NAMED:
+        more = len(differ) - NAMED
+        said.append(f"{more} more parameter{'s differ' if more > 1 else ' differs'}")
+    if not said:
+        return "no parameter differs and no effect came or went that would explain it"
+    if change.unexplained:
+        left = listed([c.split("_")[0] for c in change.unexplained])
+        said.append(f"but more is left of the {left} than before")
+    return "; ".join(said)
+
+
+def came(effect: Named) -> str:
+    """An effect that came, and what it is not told from."""
+    return f"{effect.name} came" + (
+        f" (or {' or '.join(effect.alternatives)})" if effect.alternatives else ""
+    )
+
+
+def differing(change: CampaignChange) -> list[ParameterChange]:
+    """Parameters that differ, the clearest first."""
+    found = [p for p in change.parameters if p.differs]
+    return sorted(found, key=lambda p: -abs(p.difference) / p.half_width)
+
+
+def parameter(p: ParameterChange) -> str:
+    """By how much a parameter differs: in per cent of its old value, or in its unit where that is zero."""
+    if p.old == 0.0:
+        return f"{p.name} {_signed(p.difference)} {p.unit}"
+    return f"{p.name} {_signed(100.0 * p.difference / abs(p.old))} %"
+
+
+def _signed(value: float) -> str:
+    return ("+" if value > 0.0 else "") + number(value, 2)
+
+
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else f" {unit}"
+
+
+def difference(p: ParameterChange) -> str:
+    """The difference of a parameter with half the width of its interval."""
+    return with_error(p.difference, p.half_width)
+
+
+def summary(change: CampaignChange) -> list[str]:
+    """Three sentences: the answer, what it rests on, what to do."""
+    new = names(change)[1]
+    if not change.changed:
+        return [
+            f"{title(change)}.",
+            f"The differences of {len(change.parameters)} parameters lie within the intervals below; "
+            "a change that is smaller than these cannot be seen.",
+            "The plant and its gains stand.",
+        ]
+    worst = most_off(change)
+    sizes = listed([
+        f"{number(c.rms)} {c.channel.split('_')[1]} of the {c.channel.split('_')[0]} where at most "
+        f"{number(c.allowed)} was to be expected"
+        for c in worst.channels if c.new
+    ])  # fmt: skip
+    happens = [EFFECTS[e.name][0].HAPPENS for e in change.came]
+    differ = listed([f"{p.name} {difference(p)}{_unit(p.unit)}" for p in differing(change)])
+    return [
+        f"Differences beyond their intervals: {differ}." if differ else f"{title(change)}.",
+        f"In {worst.recording.name} the old plant leaves {sizes}."
+        + "".join(f" {words}." for words in happens),
+        f"Trace {new} by itself, and design again, before gains are trusted that rest on the old plant.",
+    ]
+
+
+def most_off(change: CampaignChange) -> RecordingResidual:
+    """The recording in which the old plant is furthest off, by what is allowed."""
+    return max(change.residuals, key=lambda r: max(c.rms / c.allowed for c in r.channels))
+
+
+def remarks(change: CampaignChange) -> list[str]:
+    """What a reader has to know beside."""
+    found = [
+        "A rig counts as changed where the old plant leaves more of a new recording than its residual, its "
+        "noise and the uncertainty of its parameters explain, by a margin of 30 %.",
+    ]
+    if change.undetermined:
+        found.append(
+            "Without an interval, since not both campaigns determine them: "
+            f"{listed(list(change.undetermined))}."
+        )
+    ended = [s.new.stage.channel.split("_")[0] for s in change.stages if s.full]
+    if ended:
+        found.append(
+            f"No further effect was looked for in the {listed(ended)}: its plant has as many as a search "
+            "adds."
+        )
+    return [*found, *(f"Instrument: {r}" for r in change.instrument)]
+
+
+def parameter_caption() -> str:
+    """Beneath the differences."""
+    return (
+        "Differences of the parameters, new less old, in per cent of the old value, with intervals that hold "
+        f"for all together with a confidence of {100 * CONFIDENCE:.0f} %. Orange: those that differ."
+    )
+
+
+def interval_words(p: Sequence[ParameterChange]) -> str:
+    """What the intervals mean, above the table."""
+    return (
+        f"Intervals of the differences hold for all {len(p)} parameters together with a confidence of "
+        f"{100 * CONFIDENCE:.0f} % (Bonferroni). Standard errors: sandwich over blocks of time; those of the "
+        "wrist include what the regulator's parameters are uncertain by. A parameter differs where its "
+        "interval excludes zero and its old value would raise the new campaign's chi-square by more than "
+        f"{number(WORTH)} per row: less is an imperfection of the model's form as often as a change."
+    )
