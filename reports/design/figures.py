@@ -11,6 +11,9 @@ from reports.shared.glossary import BROKEN
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+WHOLE = ("worst case found", "proved")
+"""Guarantees of the whole requirement; the others are of less."""
+
 
 def draw_prices(study: DesignStudy) -> "Figure":
     """Worst IAE of each row of the price list, a panel a motion; a row without gains is open."""
@@ -20,7 +23,7 @@ def draw_prices(study: DesignStudy) -> "Figure":
             names = [f"{r['guarantee']}\n{r['controller']}" for r in m.prices]
             heights = [r["worst_iae_deg_s"] or 0.0 for r in m.prices]
             place = np.arange(len(names))[::-1]
-            held = [r["guarantee"] == "worst case found" and r["feasible"] for r in m.prices]
+            held = [r["guarantee"] in WHOLE and r["feasible"] for r in m.prices]
             at.barh(place, heights, color=[BLUE if h else PALE for h in held])
             for y, r in zip(place, m.prices, strict=True):
                 mark = "" if r["feasible"] else f" {BROKEN}"
