@@ -8,7 +8,7 @@ from reports.check import words
 from reports.check.record import check_record
 from reports.shared.figures.style import BLACK, GREY, ORANGE, new_figure, save, seen, styled, svg
 from reports.shared.html import Made, Shown, markup, render
-from reports.shared.left import CAPTION, COLUMNS, channel_rows, draw_left
+from reports.shared.residuals import CAPTION, COLUMNS, channel_rows, draw_residuals
 from reports.shared.tables import Cell, Column, Group, Table, number, row
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def write_check(folder: str | Path, check: LogCheck, made: Made) -> Path:
     from plants.files import json_text, write_atomically
 
     folder = Path(folder)
-    drawn = {"envelope": draw_envelope(check), "residual": draw_left(check.log, check.residual.channels)}
+    drawn = {"envelope": draw_envelope(check), "residual": draw_residuals(check.log, check.residual.channels)}
     captions = {"envelope": words.envelope_caption(check), "residual": CAPTION}
     page = render(
         "check.html", made=made, title=words.title(check), kind=f"check of {check.plant.axis}",

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from design.studies.check.campaigns import CampaignChange
 from reports.shared.figures.style import BLACK, GREY, ORANGE, new_figure, save, styled, svg
 from reports.shared.html import Made, Shown, markup, render
-from reports.shared.left import CAPTION, COLUMNS, channel_rows, draw_left
+from reports.shared.residuals import CAPTION, COLUMNS, channel_rows, draw_residuals
 from reports.shared.tables import Column, Group, Table, number, row, with_error
 from reports.trace.change import words
 from reports.trace.change.record import change_record
@@ -27,7 +27,10 @@ def write_change(folder: str | Path, change: CampaignChange, made: Made) -> Path
     from plants.files import json_text, write_atomically
 
     folder, worst = Path(folder), words.most_off(change)
-    drawn = {"differences": draw_differences(change), "residual": draw_left(worst.recording, worst.channels)}
+    drawn = {
+        "differences": draw_differences(change),
+        "residual": draw_residuals(worst.recording, worst.channels),
+    }
     captions = {
         "differences": words.parameter_caption(),
         "residual": f"{worst.recording.name}, of which the old plant leaves most. {CAPTION}",

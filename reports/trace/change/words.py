@@ -18,7 +18,7 @@ def title(change: CampaignChange) -> str:
     if not change.changed:
         return (
             f"Nothing changed between {old} and {new}: the plant of {old} simulates all "
-            f"{len(change.residuals)} recordings of {new} to within what it left before"
+            f"{len(change.residuals)} recordings of {new} to within its residual"
         )
     return f"Changed between {old} and {new}: {causes(change)}"
 

@@ -1,4 +1,4 @@
-"""What a traced plant leaves of a log: rows of a table, and the figure."""
+"""Residuals of a traced plant in a log: rows of a table, and the figure."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -16,17 +16,17 @@ if TYPE_CHECKING:
 SMOOTHED = 0.5
 """Time [s] over which a residual is averaged where it is drawn."""
 
-COLUMNS = (Column("channel", number=False), Column("left now"), Column("left before"), Column("may be"))
+COLUMNS = (Column("channel", number=False), Column("residual now"), Column("before"), Column("limit"))
 """Columns of the rows of `channel_rows`."""
 
 CAPTION = (
     "Measured less simulated, the traced plant running freely from the logged command, averaged over "
-    "half a second. Dotted: what the rms may be, either way."
+    "half a second. Dotted: the limit of the rms, either way."
 )
 
 
 def channel_rows(channels: Sequence[ChannelResidual]) -> tuple[tuple[Cell, ...], ...]:
-    """What is left of each channel, what was left before, and what may be."""
+    """Rms of the residual of each channel, in this log and in the campaign of the trace, and its limit."""
     return tuple(
         row(
             c.channel.replace("_", " [") + "]", Cell(number(c.rms), broken=c.new), number(c.before),
@@ -36,7 +36,7 @@ def channel_rows(channels: Sequence[ChannelResidual]) -> tuple[tuple[Cell, ...],
     )  # fmt: skip
 
 
-def draw_left(log: Recording, channels: Sequence[ChannelResidual]) -> "Figure":
+def draw_residuals(log: Recording, channels: Sequence[ChannelResidual]) -> "Figure":
     """Residual of the plant in each channel of a log, and its bound."""
     from scipy.ndimage import uniform_filter1d
 
