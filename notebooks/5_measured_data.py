@@ -15,9 +15,9 @@ import tempfile
 from pathlib import Path
 
 import plants
-from benchmarks.real_data import rigs
-from benchmarks.real_figures import draw_rig
-from benchmarks.real_rigs import outcome
+from benchmarks.real_rigs.data import rigs
+from benchmarks.real_rigs.figures import draw_rig
+from benchmarks.real_rigs.outcome import outcome
 from benchmarks.section_7_2 import draw_departure, reconstruct
 from design import Region, retune
 from plants import built_in, fit_campaign, load_campaign, trace_campaign
@@ -237,7 +237,7 @@ if outcomes:
 
 # %% [markdown]
 # *What to see: fitted to set-points that the pump cannot reach, the declared model takes its gain for tiny
-# and hardly moves on the recording held out. With the one effect that earned its place, a supply that gives
+# and hardly moves on the recording held out. With the one effect that is adopted, a supply that gives
 # way, the free run follows the staircase, though not the sawtooth of the pump; beneath, the residual goes
 # with the duty of the pump.* So the verdict is not "explained": the effect is of the right kind, its law is
 # not this pump's.

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from benchmarks.real_rigs import kept_table
+from benchmarks.real_rigs.table import kept_table
 
 ROOT = Path(__file__).parents[2]
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from benchmarks import friction
-from benchmarks.black_box import Logged, Task, arx, error, hammerstein_wiener, sindy
-from benchmarks.friction import ForceTask, bouc_wen, coulomb
+from benchmarks.real_rigs import friction
+from benchmarks.real_rigs.black_box import Logged, Task, arx, error, hammerstein_wiener, sindy
+from benchmarks.real_rigs.friction import ForceTask, bouc_wen, coulomb
 from plants.measured.friction import ForceRun, FrictionParts, fit_friction
 
 DT = 0.01

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.real_data import Rig, checksums, convert, desired, rigs
-from benchmarks.real_rigs import Outcome, outcome, record, shortened
+from benchmarks.real_rigs.data import Rig, checksums, convert, desired, rigs
+from benchmarks.real_rigs.outcome import Outcome, outcome, record, shortened
 from plants.files import json_text
 from plants.measured.campaign import load_campaign
 

@@ -1,32 +1,19 @@
-"""``python -m benchmarks.real_rigs``: traces of other people's rigs, whatever comes of them.
+"""What came of tracing another rig, and its record: errors before and after, effects, what is left.
 
-Reads the folder that WRIST_DATA names, makes campaigns of it in ``build/real``
-(`benchmarks.real_data` says how), and writes figures and numbers, never the data,
-to ``reports/examples/real``, and the table of all rigs into the guide.  With
-words it does only those rigs in whose names one of them is, as in
-``python -m benchmarks.real_rigs seal damper``, and keeps the others' numbers.
-Exit codes: 0 done, or WRIST_DATA is unset; 1 a campaign could not be traced,
-which the numbers then say.
+Errors are of free runs from the command, on whole held-out recordings.
 """
 
-import json
-import os
-import re
-import sys
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from benchmarks import friction
-from benchmarks.black_box import METHODS, Logged, Task, error
-from benchmarks.real_data import Rig, checksums, convert, rigs
-from benchmarks.real_figures import draw_rig
+from benchmarks.real_rigs.black_box import METHODS, Logged, Task, error
+from benchmarks.real_rigs.data import Rig, checksums, convert
 from plants.errors import InputError
-from plants.files import json_text, write_atomically
 from plants.measured.begin import measured
 from plants.measured.campaign import Campaign, load_campaign
 from plants.measured.fit import CHANNELS, Fit
@@ -35,28 +22,10 @@ from plants.measured.recording import Recording
 from plants.measured.trace.result import Trace
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.quantities import Fitted
-from reports.shared.figures.style import save
 
-ROOT = Path(__file__).parent.parent
-MADE = ROOT / "build" / "real"
-KEPT = ROOT / "reports" / "examples" / "real"
-GUIDE = ROOT / "docs" / "how-trace-decides.md"
-TABLE = re.compile(r"^\| rig \|.*\n(\|.*\n)*", re.MULTILINE)
-"""The table of all rigs, which stands in the guide."""
-
+MADE = Path(__file__).parents[2] / "build" / "real"
 DIGITS = 5
 """Significant digits that are kept: the rest differs from machine to machine."""
-
-
-ABOUT = {
-    "real-rigs.json": "traces of other people's measured rigs, started from the log alone; errors are of "
-    "free runs from the command, on whole held-out recordings; made by python -m benchmarks.real_rigs",
-    "friction.json": "friction of other people's measured rigs, from displacement to force; errors are of "
-    "free runs on rows held out; made by python -m benchmarks.real_rigs",
-}
-"""What the kept files say of themselves, by name."""
-
-INTERVAL = "95 %, bootstrap over blocks of 2 s, or over recordings where these are shorter"
 
 
 @dataclass(frozen=True)
@@ -213,99 +182,6 @@ def shortened(value: Any) -> Any:
     return float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
 
 
-def main(names: Sequence[str] = ()) -> int:
-    """Trace all rigs and find the friction of all tasks, one after the other; or only those in whose names
-    one of `names` is, and keep what there is of the others."""
-    folder = os.environ.get("WRIST_DATA")
-    if not folder:
-        print("WRIST_DATA is not set: no measured data at hand, nothing done")
-        return 0
-    data, stopped = Path(folder), False
-
-    def asked(name: str) -> bool:
-        return not names or any(n in name for n in names)
-
-    for rig in filter(lambda r: asked(r.name), rigs(data)):
-        found = outcome(rig, data)
-        said = record(found, data) | {"others": others(found)}
-        stopped = stopped or found.stopped is not None
-        if found.fit is not None:
-            save(draw_rig(found.rig, found.fit, found.trace), KEPT / f"{rig.name}.png", dpi=150)
-        print(line(said), flush=True)
-        _keep("real-rigs.json", "campaigns", "campaign", said, [r.name for r in rigs(data)])
-    for task in filter(lambda t: asked(t.name), friction.tasks(data)):
-        law = friction.record(task)
-        print(f"{task.name}: {law['errors']['ours']}", flush=True)
-        _keep("friction.json", "tasks", "task", law, [t.name for t in friction.tasks(data)])
-    text = GUIDE.read_text(encoding="utf-8")
-    write_atomically(GUIDE, TABLE.sub(lambda _: kept_table(), text))
-    return int(stopped)
-
-
-def _keep(name: str, key: str, by: str, said: Mapping[str, Any], order: Sequence[str]) -> None:
-    """Put a record among those that a file keeps under `key`, in the place of the one of its name."""
-    place = KEPT / name
-    old = json.loads(place.read_text(encoding="utf-8"))[key] if place.is_file() else []
-    records = {r[by]: r for r in old} | {said[by]: shortened(said)}
-    content = {"what": ABOUT[name], "interval": INTERVAL, key: [records[n] for n in order if n in records]}
-    write_atomically(place, json_text(content))
-
-
-def kept_table() -> str:
-    """The table of all rigs whose numbers are kept."""
-    kept = [json.loads(p.read_text(encoding="utf-8")) for n in ABOUT if (p := KEPT / n).is_file()]
-    found = {k: content[k] for content in kept for k in ("campaigns", "tasks") if k in content}
-    return table(found.get("campaigns", ()), found.get("tasks", ()))
-
-
-def table(campaigns: Sequence[Mapping[str, Any]], tasks: Sequence[Mapping[str, Any]]) -> str:
-    """All rigs in Markdown: error of the standard model and of ours, what explains it, and the others'."""
-    rows = [_campaign_row(c) for c in campaigns] + [_task_row(t) for t in tasks]
-    head = ["rig", "rows, fit + held out", "declared or Coulomb", "ours", "explained", *METHODS, "Bouc-Wen"]
-    lines = [head, ["---"] * len(head), *rows]
-    return "".join(f"| {' | '.join(row)} |\n" for row in lines)
-
-
-def _campaign_row(c: Mapping[str, Any]) -> list[str]:
-    channel, unit = (CHANNELS[1], "deg") if c["stage"] == "wrist" else (CHANNELS[0], "kPa")
-    found = c["channels"][channel]
-    names = ", ".join(f"`{e['name']}`" for e in c["effects"])
-    share = (c["explained_share"] or {}).get(channel)
-    why = f"{names}: {100 * share:.0f} %" if names and share is not None else "no effect earned its place"
-    before, after = (
-        {"error": found[s], "interval_95": found[f"{s}_interval_95"]} for s in ("before", "after")
-    )
-    least = [before, after, *c["others"].values()]
-    cells = [_said(before, least), _said(after, least), why]
-    return [
-        f"{c['title']} [{unit}]", f"{c['rows']['fit']} + {c['rows']['held_out']}", *cells,
-        *(_said(c["others"][m], least) for m in METHODS), "–",
-    ]  # fmt: skip
-
-
-def _task_row(t: Mapping[str, Any]) -> list[str]:
-    e = t["errors"]
-    left, before = e["ours"]["error"], e["Coulomb"]["error"]
-    share = f": {100 * (1.0 - (left / before) ** 2):.0f} %" if left and before and left < before else ""
-    why = (", ".join(t["parts"]) or "Coulomb friction") + share
-    least = list(e.values())
-    return [
-        f"{t['task']} [{t['unit']}]", f"{t['rows']['fit']} + {t['rows']['held_out']}",
-        _said(e["Coulomb"], least), _said(e["ours"], least), why,
-        *(_said(e[m], least) for m in METHODS), _said(e["Bouc-Wen"], least),
-    ]  # fmt: skip
-
-
-def _said(found: Mapping[str, Any], beside: Sequence[Mapping[str, Any]]) -> str:
-    """An error to three digits with its interval, in bold where none beside it is less."""
-    if found.get("error") is None:
-        return str(found.get("why", "–"))
-    shown = f"{found['error']:.3g}"
-    least = min(float(f["error"]) for f in beside if f.get("error") is not None)
-    low, high = (f"{v:.3g}" for v in found["interval_95"])
-    return f"{f'**{shown}**' if found['error'] <= least else shown} ({low}–{high})"
-
-
 def line(said: Mapping[str, Any]) -> str:
     """A campaign in one line."""
     parts = [
@@ -315,7 +191,3 @@ def line(said: Mapping[str, Any]) -> str:
     ]
     names = ", ".join(e["name"] for e in said["effects"]) or "no effect"
     return f"{said['campaign']}: {said['stopped'] or '; '.join([said['verdict'], names, *parts])}"
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.real_data import Rig
+from benchmarks.real_rigs.data import Rig
 from plants.measured.begin import measured
 from plants.measured.fit import Fit
 from plants.measured.residual.series.remainder import Remainder, remainder_of

@@ -1,8 +1,8 @@
 """Friction of rigs without a command: from displacement (and load) to force, in a free run.
 
 Ours is the law of `plants.measured.friction`, whose parts are chosen on blocks of the rows fitted.  Beside
-it stand what the field takes (Coulomb friction, Bouc-Wen) and what libraries offer (`benchmarks.black_box`),
-on the same rows with the same inputs.
+it stand what the field takes (Coulomb friction, Bouc-Wen) and what libraries offer
+(`benchmarks.real_rigs.black_box`), on the same rows with the same inputs.
 """
 
 import re
@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from benchmarks.black_box import METHODS, Logged, Method, Task, error
+from benchmarks.real_rigs.black_box import METHODS, Logged, Method, Task, error
 from plants.measured.friction import ForceRun, FrictionChoice, fit_friction
 from plants.measured.friction.choice import LAGS
 from plants.measured.guess import lagged

@@ -1,0 +1,1 @@
+"""Other people's rigs: traces and friction laws beside what users would take instead."""
