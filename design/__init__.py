@@ -43,7 +43,7 @@ _HOMES = {  # the module of each name, and what it is called there where that is
     "default_problem": "design.synthesis.requirements",
     "design_feedforward": "design.alternatives.feedforward_design",
     "envelopes": "design.robustness.samples.monte_carlo",
-    "evaluate": "design.synthesis.requirements",
+    "evaluate": "design.synthesis.evaluate",
     "gain_plane": "design.robustness.gain_plane",
     "growth_of": "design.robustness.certificates.sampled.growth",
     "limit_cycles": "design.robustness.predictions.limit_cycles",

@@ -29,7 +29,8 @@ from numpy.typing import NDArray
 from design.controllers.pi import PI
 from design.margins import BranchResponse, branch_responses
 from design.synthesis.convex import solve
-from design.synthesis.requirements import Evaluation, Limits, Problem, controller, evaluate
+from design.synthesis.evaluate import Evaluation, controller, evaluate
+from design.synthesis.requirements import Limits, Problem
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -20,7 +20,8 @@ from design.controllers.controller import stacked
 from design.controllers.lqi import LQI
 from design.input_loop import InputLoop, worst_pole
 from design.synthesis.convex import Unsolved
-from design.synthesis.requirements import Problem, excesses, judged
+from design.synthesis.evaluate import judged
+from design.synthesis.requirements import Problem, excesses
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]

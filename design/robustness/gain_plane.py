@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from design.controllers.pi import PI
 from design.robustness.certificates.continuous.ladder import certifies
 from design.robustness.loop_model import LoopModel
-from design.synthesis.requirements import Evaluation, Problem, controller, evaluate_with
+from design.synthesis.evaluate import Evaluation, controller, evaluate_with
+from design.synthesis.requirements import Problem
 from design.synthesis.tuning import join
 
 Array = NDArray[np.float64]

@@ -10,15 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.controller import Controller
-from design.synthesis.requirements import (
-    COSTS,
-    Evaluation,
-    Problem,
-    adverse_values,
-    evaluate,
-    evaluate_with,
-    excesses,
-)
+from design.synthesis.evaluate import Evaluation, adverse_values, evaluate, evaluate_with
+from design.synthesis.requirements import COSTS, Problem, excesses
 from design.synthesis.structure import FORWARD_PI, PLAIN_PI, TWO_DOF_PI, Structure
 from design.synthesis.tuning import LocalSearch, Region, Tuning, _begins, _best, join, merit
 

@@ -24,11 +24,8 @@ from design.robustness.gain_search import solved, with_evidence
 from design.robustness.requirement import Requirement
 from design.robustness.samples.hunt import Hunted
 from design.synthesis.answer import Refusal, out_of_reach, refusal
-from design.synthesis.requirements import (
-    COSTS,
-    Evaluation,
-    evaluate,
-)
+from design.synthesis.evaluate import Evaluation, evaluate
+from design.synthesis.requirements import COSTS
 from design.synthesis.structure import PLAIN_PI, Structure
 from design.synthesis.tuning import Region, Tuning
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from design.evaluation.scenarios import hindrance
-from design.synthesis.requirements import COSTS, Problem, adverse_values, out_of_range, simulated
+from design.synthesis.evaluate import adverse_values, out_of_range, simulated
+from design.synthesis.requirements import COSTS, Problem
 from design.synthesis.tuning import Tuning, nearest_limit
 
 UNITS = {"Kp": "kPa/deg", "Ki": "kPa/(deg s)"}

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from design.controllers.pi import PI
 from design.evaluation.steps import run
 from design.synthesis.answer import Refusal, out_of_reach, refusal
-from design.synthesis.requirements import ROUNDING, Limits, Problem, evaluate, late_problem, out_of_range
+from design.synthesis.evaluate import evaluate, out_of_range
+from design.synthesis.requirements import ROUNDING, Limits, Problem, late_problem
 from design.synthesis.tuning import Region, Tuning, tune
 from plants.equilibrium import holding_command
 from plants.parameters.quantities import ParameterSet

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.cluster import each
-from design.synthesis.requirements import Evaluation, Problem, evaluate
+from design.synthesis.evaluate import Evaluation, evaluate
+from design.synthesis.requirements import Problem
 from design.synthesis.structure import with_gains
 
 Array = NDArray[np.float64]

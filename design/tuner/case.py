@@ -66,7 +66,7 @@ def case(wrist: Wrist, setting: Setting, limits: Limits | None = None, jobs: int
 def out_of_reach(problem: Problem) -> str | None:
     """What keeps the plant from a reference, the worst of them, in one line; None where nothing does.
 
-    As `design.synthesis.requirements.out_of_range`, from the states at rest that are known already: the
+    As `design.synthesis.evaluate.out_of_range`, from the states at rest that are known already: the
     scenarios hold those on each line at every reference.
     """
     pressure = np.asarray(problem.stacked[1].pressure, float)

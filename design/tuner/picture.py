@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from design.evaluation.metrics import Metrics
 from design.evaluation.scenarios import Scenario
 from design.evaluation.steps import run
-from design.synthesis.requirements import LIMIT_UNITS, ROUNDING, Evaluation, Problem, controller, evaluate
+from design.synthesis.evaluate import Evaluation, controller, evaluate
+from design.synthesis.requirements import LIMIT_UNITS, ROUNDING, Problem
 from design.tuner.branch_margins import BranchMargins, branch_margins
 from design.tuner.case import TunedPlant
 from design.tuner.setting import Setting

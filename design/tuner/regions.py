@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.margins import Margins, margins
-from design.synthesis.requirements import ROUNDING, Limits, Problem, controller, evaluate
+from design.synthesis.evaluate import controller, evaluate
+from design.synthesis.requirements import ROUNDING, Limits, Problem
 from design.synthesis.tuning import Region
 
 Array = NDArray[np.float64]
@@ -55,7 +56,7 @@ class Regions:
     """What is known of the map.
 
     region: the gains it covers, log-spaced, `SIDE` points a side; done: points of `ORDER` that are known;
-    excess: by limit, as `design.synthesis.requirements.Evaluation` has it, (SIDE, SIDE), rows Kp, columns
+    excess: by limit, as `design.synthesis.evaluate.Evaluation` has it, (SIDE, SIDE), rows Kp, columns
     Ki, nan where it is not known; cost: the worst IAE [deg s], likewise.
     """
 

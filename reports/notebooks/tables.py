@@ -4,7 +4,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import isfinite
 
-from design.synthesis.requirements import LIMIT_UNITS, Evaluation, Problem
+from design.synthesis.evaluate import Evaluation
+from design.synthesis.requirements import LIMIT_UNITS, Problem
 from reports.shared.glossary import BROKEN as MARK
 from reports.shared.names import COST_WORDS, limit_name
 from reports.shared.tables import Cell, Column, Group, Table, number, row

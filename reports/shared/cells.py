@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.studies.cell_steps import CellSteps
-from design.synthesis.requirements import LIMIT_UNITS, Evaluation
+from design.synthesis.evaluate import Evaluation
+from design.synthesis.requirements import LIMIT_UNITS
 from reports.shared.card import LIMIT_NAMES
 from reports.shared.glossary import BROKEN, NOT_JUDGED
 from reports.shared.html import markup

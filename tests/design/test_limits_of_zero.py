@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from design.evaluation.scenarios import Scenario
-from design.synthesis.requirements import Limits, Problem, evaluate
+from design.synthesis.evaluate import evaluate
+from design.synthesis.requirements import Limits, Problem
 from design.synthesis.tuning import Region, tune
 from plants import Wrist
 

@@ -12,7 +12,8 @@ from design.evaluation.scenarios import (
     within_reach,
 )
 from design.synthesis.answer import OutOfReach, refusal
-from design.synthesis.requirements import Limits, Problem, default_problem, out_of_range, rollouts
+from design.synthesis.evaluate import out_of_range, rollouts
+from design.synthesis.requirements import Limits, Problem, default_problem
 from design.synthesis.tuning import Region, tune
 from design.synthesis.tuning_rules import baselines, reaction_curve, simc
 from plants.effects import (

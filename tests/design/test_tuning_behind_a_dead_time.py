@@ -9,7 +9,8 @@ from design.controllers.pi import PI
 from design.evaluation.scenarios import Scenario
 from design.evaluation.steps import run
 from design.synthesis.answer import refusal
-from design.synthesis.requirements import Problem, evaluate
+from design.synthesis.evaluate import evaluate
+from design.synthesis.requirements import Problem
 from design.synthesis.tuning import Region, Tuning, tune
 from plants.effects import DeadTime
 from tests.design.effect_samples import WRIST

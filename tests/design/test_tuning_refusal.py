@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from design.evaluation.scenarios import Scenario
-from design.synthesis.requirements import Limits, Problem, evaluate, out_of_range
+from design.synthesis.evaluate import evaluate, out_of_range
+from design.synthesis.requirements import Limits, Problem
 from plants import Wrist
 from plants.linearisation import RATES, branch_slopes
 

@@ -7,7 +7,8 @@ from scipy.optimize import differential_evolution
 from design.controllers.pi import PI
 from design.evaluation.steps import run
 from design.margins import by_python_control
-from design.synthesis.requirements import COSTS, Limits, evaluate
+from design.synthesis.evaluate import evaluate
+from design.synthesis.requirements import COSTS, Limits
 from design.synthesis.tuning import ACTIVE, merit, tune
 from plants import Wrist
 

@@ -18,7 +18,8 @@ from design.evaluation.scenarios import (
     unreachable,
     within_reach,
 )
-from design.synthesis.requirements import Problem, rollouts
+from design.synthesis.evaluate import rollouts
+from design.synthesis.requirements import Problem
 from plants import Wrist
 from plants.kernel import pytrees as tree
 from plants.wrist import STARTS

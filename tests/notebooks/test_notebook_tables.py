@@ -7,7 +7,8 @@ from design import PI
 from design.robustness.certificates.sampled.growth import growth_of
 from design.robustness.certificates.sampled.sampled_loop import vertices, word_of
 from design.robustness.loop_model import LoopModel
-from design.synthesis.requirements import default_problem, evaluate
+from design.synthesis.evaluate import evaluate
+from design.synthesis.requirements import default_problem
 from design.synthesis.tuning_rules import baselines
 from plants import Wrist
 from plants.wrist import SAMPLE_TIME

@@ -10,7 +10,8 @@ from design.controllers.pi import PI
 from design.evaluation.scenarios import tuning_scenarios
 from design.evaluation.steps import run
 from design.studies.cell_steps import cell_steps
-from design.synthesis.requirements import Problem, evaluate
+from design.synthesis.evaluate import evaluate
+from design.synthesis.requirements import Problem
 from plants import Wrist
 from plants.simulation.disturbance import burdened
 from reports.shared.cells import cells

@@ -18,7 +18,8 @@ from design.alternatives.convex_concave import (
 from design.controllers.pi import PI
 from design.evaluation.scenarios import Scenario
 from design.margins import BranchResponse, branch_responses, margins
-from design.synthesis.requirements import Limits, Problem, evaluate
+from design.synthesis.evaluate import evaluate
+from design.synthesis.requirements import Limits, Problem
 from plants import Wrist
 
 SHAPES = {

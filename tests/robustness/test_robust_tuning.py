@@ -17,7 +17,8 @@ from design.robustness.gain_search import law_with, printed, zoomed
 from design.robustness.requirement import requirement
 from design.robustness.robust_tuning import GUARD, tune_robustly
 from design.robustness.samples.conditions import Conditions
-from design.synthesis.requirements import COSTS, Limits, Problem, evaluate
+from design.synthesis.evaluate import evaluate
+from design.synthesis.requirements import COSTS, Limits, Problem
 from design.synthesis.structure import PLAIN_PI, TWO_DOF_PI
 from design.synthesis.tuning import Region
 from design.tuner.gains_file import read, write

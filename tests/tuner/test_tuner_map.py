@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from design.synthesis.requirements import evaluate
+from design.synthesis.evaluate import evaluate
 from design.tuner.case import case
 from design.tuner.regions import ENDS, LEVELS, SIDE, finer, first, gains, outline, sharper
 from design.tuner.setting import REGION, Setting

@@ -7,7 +7,8 @@ from design.controllers.pi import PI
 from design.evaluation.scenarios import tuning_scenarios
 from design.evaluation.steps import run
 from design.margins import branch_responses, by_python_control
-from design.synthesis.requirements import Limits, Problem, out_of_range
+from design.synthesis.evaluate import out_of_range
+from design.synthesis.requirements import Limits, Problem
 from design.tuner.branch_margins import branch_margins
 from design.tuner.case import case
 from design.tuner.picture import SAMPLES, picture

@@ -1,0 +1,184 @@
+"""Cost and limits of gains under a problem, for many gains at once: every scenario and adverse sequence."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.controllers.controller import Controller
+from design.controllers.pi import PI
+from design.evaluation.metrics import Metrics
+from design.evaluation.scenarios import Scenario, unreachable
+from design.evaluation.sequence import play, repeated
+from design.evaluation.steps import run
+from design.margins import margins
+from design.synthesis.requirements import COSTS, Problem, excesses
+from plants.kernel import pytrees
+
+Array = NDArray[np.float64]
+
+
+SCREEN = 0.02
+"""Excess of a linear limit, as a share, up to which gains are simulated all the same: a search that comes
+from outside sees where it is heading."""
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What gains of shape (n,) do on a set of scenarios; settings: what the controllers have beside the
+    gains, by name, each (n,).
+
+    cost (n,): the worst over the scenarios (and adverse sequences), `cost_at` (n,) where.  values[limit]
+    (n,): the worst value of each limited quantity, `values_at` (n,) on which
+    scenario or branch.  excess[limit] (n,): how far beyond its limit, as a share
+    of the limit; not above 0 where it is held.
+    """
+
+    Kp: Array
+    Ki: Array
+    cost: Array
+    cost_at: NDArray[np.intp]
+    values: dict[str, Array]
+    values_at: dict[str, NDArray[np.intp]]
+    excess: dict[str, Array]
+    settings: dict[str, Array] = field(default_factory=dict)
+
+    @property
+    def worst_excess(self) -> Array:
+        """Largest excess over all limits, (n,)."""
+        worst = np.full(self.Kp.shape, -1.0)
+        for excess in self.excess.values():
+            worst = np.maximum(worst, excess)
+        return worst
+
+    @property
+    def feasible(self) -> NDArray[np.bool_]:
+        """Which gains meet every limit, (n,)."""
+        return self.worst_excess <= 0.0
+
+    def only(self, n: int) -> "Evaluation":
+        """The evaluation of the n-th gains alone, arrays of length 1."""
+        one = slice(n, n + 1)
+        return Evaluation(
+            self.Kp[one], self.Ki[one], self.cost[one], self.cost_at[one],
+            {k: v[one] for k, v in self.values.items()},
+            {k: v[one] for k, v in self.values_at.items()},
+            {k: v[one] for k, v in self.excess.items()},
+            {k: v[one] for k, v in self.settings.items()},
+        )  # fmt: skip
+
+
+def rollouts(problem: Problem, Kp: Array, Ki: Array) -> Metrics:
+    """Metrics of every scenario under every pair of gains, leaves of shape (gains, scenarios)."""
+    return simulated(problem, controller(problem, Kp, Ki), Kp.size)
+
+
+def simulated(problem: Problem, many: Controller, n: int) -> Metrics:
+    """Metrics of every scenario under n controllers of one kind, lanes of one, leaves (n, scenarios)."""
+    wrist, state, reference = problem.stacked
+    m = len(problem.scenarios)
+    lanes = pytrees.like(state, [np.tile(x, n) for x in pytrees.leaves(state)])
+    plants = wrist.made_of({k: np.tile(v, n) for k, v in wrist.values.items()})
+    judged, _, _ = run(
+        plants, _each(many, n, m), np.tile(reference, n), lanes, duration=problem.duration, jobs=problem.jobs
+    )
+    return judged.reshape(n, m)
+
+
+def judged(problem: Problem, many: Controller, n: int) -> tuple[Array, dict[str, Array]]:
+    """Cost, and what the limits of a run are held against, of n controllers of one kind, lanes of one, on
+    every scenario and adverse sequence, each (n, scenarios + sequences)."""
+    found = simulated(problem, many, n)
+    sizes = np.array([abs(s.reference - s.angle) for s in problem.scenarios])
+    values: dict[str, Array] = {
+        "overshoot_percent": found.overshoot_percent,
+        "total_variation_V": found.total_variation_V,
+        "steady_error_percent": 100.0 * found.steady_state_error_deg / sizes,
+        "settling_time_s": found.settling_time_s,
+    }
+    cost = getattr(found, COSTS[problem.cost])
+    if problem.adverse:
+        more = adverse_values(problem, many, n)
+        values = {k: np.hstack([v, more[k]]) for k, v in values.items()}
+        of_task = np.array([s.of_task for s in problem.adverse])
+        cost = np.hstack([cost, np.where(of_task, more[COSTS[problem.cost]], 0.0)])
+    return cost, values
+
+
+def adverse_values(problem: Problem, many: Controller, n: int) -> dict[str, Array]:
+    """What limits and cost are held against on the adverse sequences, each (n, sequences)."""
+    found: dict[str, Array] = {}
+    # Batches of their own: dead time and load are effects that the scenarios' wrists do not have.
+    for places, lanes in problem.adverse_lanes:
+        one = play(repeated(lanes, n), _each(many, n, places.size), jobs=problem.jobs, task_band=True)
+        for name, v in one.values.items():
+            into = found.setdefault(name, np.empty((n, len(problem.adverse))))
+            into[:, places] = v.reshape(n, places.size)
+    return found
+
+
+def _each(many: Any, n: int, repeat: int) -> Any:
+    """n controllers, lanes of one, each `repeat` times in a row."""
+    settings = pytrees.leaves(many)
+    return pytrees.like(many, [np.repeat(np.broadcast_to(x, (n,)), repeat) for x in settings])
+
+
+def controller(problem: Problem, Kp: Any, Ki: Any) -> PI:
+    """A PI that knows of the problem's regulator what its declared parameters say."""
+    return PI.of(problem.wrist, Kp, Ki)
+
+
+def evaluate(problem: Problem, Kp: Any, Ki: Any) -> Evaluation:
+    """Cost and limits of gains, arrays of one shape (n,)."""
+    Kp, Ki = np.atleast_1d(np.asarray(Kp, float)), np.atleast_1d(np.asarray(Ki, float))
+    return evaluate_with(problem, controller(problem, Kp, Ki), Kp, Ki)
+
+
+def evaluate_with(problem: Problem, many: Controller, Kp: Array, Ki: Array) -> Evaluation:
+    """Cost and limits of controllers, lanes of one, whose loop has the margins of a PI with gains (n,)."""
+    linear = margins(problem.branches, many if isinstance(many, PI) else controller(problem, Kp, Ki))
+    values = {"Ms": linear.Ms, "Mt": linear.Mt, "delay_margin_s": linear.delay_margin_s}
+    at = {"Ms": linear.Ms_at, "Mt": linear.Mt_at, "delay_margin_s": linear.delay_at}
+    excess = excesses(values, {n: v for n, v in problem.held_to.items() if n in values})
+    own = {n: np.broadcast_to(getattr(many, n), Kp.shape) for n in getattr(many, "TUNED", ())}
+    run_at = np.arange(Kp.size)
+    if problem.screened and excess:
+        run_at = np.flatnonzero(np.max(list(excess.values()), axis=0) <= SCREEN)
+    if run_at.size == Kp.size:
+        cost, of_run = judged(problem, many, Kp.size)
+    else:
+        cost, of_run = _judged_where(problem, many, run_at, Kp.size)
+    values |= {n: v.max(axis=1) for n, v in of_run.items()}
+    at |= {n: v.argmax(axis=1) for n, v in of_run.items()}
+    excess = excesses(values, problem.held_to)
+    if run_at.size < Kp.size:
+        excess = {n: np.where(np.isnan(v), -1.0, v) for n, v in excess.items()}
+    return Evaluation(Kp, Ki, cost.max(axis=1), cost.argmax(axis=1), values, at, excess, own)
+
+
+def _judged_where(
+    problem: Problem, many: Controller, at: NDArray[np.intp], n: int
+) -> tuple[Array, dict[str, Array]]:
+    """As `judged`, of n controllers of which only some are run; infinite costs and no numbers elsewhere."""
+    count = len(problem.scenarios) + len(problem.adverse)
+    names = ("overshoot_percent", "total_variation_V", "steady_error_percent", "settling_time_s")
+    cost, values = np.full((n, count), np.inf), {name: np.full((n, count), np.nan) for name in names}
+    if at.size:
+        settings = [np.broadcast_to(x, (n,))[at] for x in pytrees.leaves(many)]
+        some, of_run = judged(problem, pytrees.like(many, settings), at.size)
+        cost[at] = some
+        for name, v in of_run.items():
+            values[name][at] = v
+    return cost, values
+
+
+def out_of_range(problem: Problem) -> tuple[Scenario, float] | None:
+    """The scenario whose reference no command in the range can hold, and by how many volts; or None.
+
+    Infinitely many where an effect keeps the wrist from it, as `design.evaluation.scenarios.hindrance` says.
+    """
+    known = controller(problem, 0.0, 0.0)
+    lack = [unreachable(s, known.low, known.high) for s in problem.scenarios]
+    worst = int(np.argmax(lack))
+    return (problem.scenarios[worst], lack[worst]) if lack[worst] > 0.0 else None
