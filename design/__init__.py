@@ -37,7 +37,7 @@ _HOMES = {  # the module of each name, and what it is called there where that is
     "baselines": "design.synthesis.tuning_rules",
     "box_of": "design.robustness.box",
     "break_even": "design.comparison.break_even",
-    "by_python_control": "design.margins",
+    "by_python_control": "design.open_loops",
     "corners": "design.evaluation.scenarios",
     "decide": "design.studies.decision",
     "default_problem": "design.synthesis.requirements",

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from design.controllers.controller import Controller
 from design.controllers.pi import PI
 from design.controllers.state_space import linearised
-from design.margins import BranchResponse, Margins, branch_responses, by_python_control, margins
+from design.margins import BranchResponse, Margins, branch_responses, margins
+from design.open_loops import by_python_control
 from plants.linearisation import RATES, branch_slopes, branch_ss, slope_factors
 from plants.wrist import Wrist
 

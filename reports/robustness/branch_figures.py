@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from design.controllers.pi import PI
-from design.margins import OpenLoopTransfer, open_loops, winds_not
+from design.margins import winds_not
+from design.open_loops import OpenLoopTransfer, open_loops
 from design.robustness.predictions.describing_function import (
     centre_of,
     hysteresis_function,

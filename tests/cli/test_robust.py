@@ -88,7 +88,7 @@ def test_the_worst_scenario_can_be_replayed_to_the_same_figures(assessed, wrist)
 
 def test_the_predictions_are_those_of_the_comparison(assessed):
     from design.controllers.pi import PI
-    from design.margins import by_python_control
+    from design.open_loops import by_python_control
     from plants import Wrist
 
     record, _ = assessed
@@ -128,7 +128,7 @@ def test_a_filter_of_the_angle_stands_in_the_loop_and_nothing_is_claimed_of_it(w
 
 def plain_margins(Kp: float, Ki: float) -> list[dict[str, float]]:
     from design.controllers.pi import PI
-    from design.margins import by_python_control
+    from design.open_loops import by_python_control
     from plants import Wrist
 
     return by_python_control(Wrist.flexion(), PI(Kp, Ki))

@@ -6,7 +6,7 @@ import pytest
 from design.alternatives.feedforward_design import design_feedforward, judge
 from design.controllers.feedforward import FeedforwardPI
 from design.evaluation.steps import run
-from design.margins import by_python_control
+from design.open_loops import by_python_control
 from design.synthesis.evaluate import evaluate
 from design.synthesis.requirements import Limits, default_problem
 from plants.effects.wrist.creep import Creep

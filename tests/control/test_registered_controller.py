@@ -17,7 +17,8 @@ from design.controllers.state_space import linearised
 from design.export.catalogue import part
 from design.export.vectors import vector
 from design.input_loop import POINTS, InputLoop, command_margins
-from design.margins import branch_responses, by_python_control
+from design.margins import branch_responses
+from design.open_loops import by_python_control
 from plants import Wrist
 from plants.effects import DeadTime
 from plants.errors import InputError

@@ -5,7 +5,7 @@ import pytest
 
 from design.comparison.tolerated import DELAY_STEP, GAIN_STEP, settles, tolerated
 from design.controllers.pi import PI
-from design.margins import by_python_control
+from design.open_loops import by_python_control
 from plants import Wrist
 
 LINEAR = Wrist.flexion().with_values(w1=1e-9, w2=1e-9, k_slow=9.0, k_fast=9.0)

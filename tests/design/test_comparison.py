@@ -24,10 +24,10 @@ from design.controllers.controller import settings_of
 from design.controllers.pi import PI
 from design.evaluation.metrics import Metrics
 from design.evaluation.steps import run
-from design.margins import by_python_control
 from design.mpc import loop
 from design.mpc.linear import linear_mpc
 from design.mpc.problem import MPCProblem as Problem_of_MPC
+from design.open_loops import by_python_control
 from design.synthesis.requirements import Limits, Problem
 from design.synthesis.tuning_rules import baselines, paper_range
 from plants import Wrist

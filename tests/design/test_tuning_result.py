@@ -6,7 +6,7 @@ from scipy.optimize import differential_evolution
 
 from design.controllers.pi import PI
 from design.evaluation.steps import run
-from design.margins import by_python_control
+from design.open_loops import by_python_control
 from design.synthesis.evaluate import evaluate
 from design.synthesis.requirements import COSTS, Limits
 from design.synthesis.tuning import ACTIVE, merit, tune

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.margins import branch_responses, by_python_control, margins, winds_not
+from design.margins import branch_responses, margins, winds_not
+from design.open_loops import by_python_control
 from plants import Wrist
 from plants.effects import (
     Bow,

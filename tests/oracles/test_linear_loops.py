@@ -6,7 +6,7 @@ import pytest
 
 from design.controllers.pi import PI
 from design.evaluation.steps import run
-from design.margins import loop_tf
+from design.open_loops import loop_tf
 from plants import Wrist
 
 SAMPLES = 3000

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.margins import branch_responses, by_python_control, loop_tf, margins
+from design.margins import branch_responses, margins
+from design.open_loops import by_python_control, loop_tf
 from plants import Wrist
 from plants.linearisation import RATES, branch_slopes
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.margins import OpenLoopTransfer, _row, loop_tf
+from design.open_loops import OpenLoopTransfer, _row, loop_tf
 from design.robustness.predictions.margins import branch_margins, statements, steepest_rate
 from design.status import Status
 from design.synthesis.requirements import Limits

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.margins import loop_tf
+from design.open_loops import loop_tf
 from design.robustness.predictions.harmonic_balance import balances, loop_gain
 from design.robustness.predictions.limit_cycles import LimitCycle, limit_cycles, simulated, statements
 from design.robustness.predictions.orbits import Swings, large_swings

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.margins import loop_tf
+from design.open_loops import loop_tf
 from design.robustness.loop_model import LoopModel
 from plants import Wrist
 from plants.actuator.regulator import Regulator

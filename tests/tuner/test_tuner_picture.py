@@ -6,7 +6,8 @@ import pytest
 from design.controllers.pi import PI
 from design.evaluation.scenarios import tuning_scenarios
 from design.evaluation.steps import run
-from design.margins import branch_responses, by_python_control
+from design.margins import branch_responses
+from design.open_loops import by_python_control
 from design.synthesis.evaluate import out_of_range
 from design.synthesis.requirements import Limits, Problem
 from design.tuner.branch_margins import branch_margins

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from design.controllers.pi import PI
-from design.margins import by_python_control
+from design.open_loops import by_python_control
 from design.robustness.statement import EVERY_BRANCH, Claim, Reason, Statement
 from design.status import Status
 from design.synthesis.requirements import ROUNDING, Limits
@@ -33,7 +33,7 @@ def steepest_rate(wrist: Wrist) -> float:
 def branch_margins(wrist: Wrist, controller: PI, dead_time: float = 0.0) -> list[Row]:
     """Margins on every branch at the slow, the fast and the steepest rate, for one pair of gains.
 
-    Rows as of `design.margins.by_python_control`, with `dead_time` [s] on top of the wrist's own.  The
+    Rows as of `design.open_loops.by_python_control`, with `dead_time` [s] on top of the wrist's own.  The
     fast rate is the largest k(e); the slope of k(e) e, which is what a small motion about a moving
     equilibrium meets, passes it, so that rows of the rate ``steepest`` follow where k_fast > k_slow.
     The wrist cannot stay there: the steepest slope belongs to an error of sqrt(3) e0, which moves the
