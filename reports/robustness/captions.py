@@ -8,7 +8,8 @@ from design.robustness.certificates.statements import (
     Unclipped,
 )
 from design.robustness.samples.statements import LEVEL
-from reports.robustness.statements import because, claim_words, class_words
+from reports.robustness.claims import claim_words, class_words
+from reports.robustness.reasons import because
 from reports.robustness.tables import limit_words
 from reports.robustness.words import beyond
 from reports.shared.figures.dead_time_figure import SETTLED

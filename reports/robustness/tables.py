@@ -14,13 +14,9 @@ from design.robustness.statement import Statement
 from design.robustness.verdict import verdict
 from design.status import BY_PROOF, Status
 from design.synthesis.requirements import ROUNDING, Limits
-from reports.robustness.statements import (
-    because,
-    claim_words,
-    cycle_words,
-    no_certificate,
-    origin_words,
-)
+from reports.robustness.claims import claim_words
+from reports.robustness.reasons import because, cycle_words, no_certificate
+from reports.robustness.statements import origin_words
 from reports.shared.tables import Cell, Column, Group, Table, number, row, spaced
 
 MET = {True: "met", False: "not met", None: "no limit"}

@@ -14,7 +14,7 @@ from design.synthesis.requirements import Limits
 from plants import Wrist
 from plants.effects import DeadTime
 from plants.linearisation import RATES, branch_slopes
-from reports.robustness.statements import claim_words
+from reports.robustness.claims import claim_words
 
 BRANCHES = tuple(branch_slopes(Wrist.flexion()))
 

@@ -13,7 +13,7 @@ from design.robustness.certificates.reasons import NotConfirmed
 from design.robustness.loop_model import LoopModel
 from design.synthesis import convex
 from plants import Wrist
-from reports.robustness.statements import no_certificate
+from reports.robustness.reasons import no_certificate
 
 LOOP = LoopModel.of(Wrist.flexion(), PI(1.2, 2.2))
 TIMID = LoopModel.of(Wrist.flexion(), PI(0.5, 0.5))

@@ -13,7 +13,7 @@ from design.robustness.statement import Statement
 from design.robustness.verdict import verdict
 from design.status import Status, of_proof
 from reports.robustness.disagreements import disagreement_sentences as disagreements
-from reports.robustness.statements import because
+from reports.robustness.reasons import because
 
 LAW, SAMPLE = (LoopClass(s, (0.5, 9.0), (0.08, 0.36)) for s in (Switching.FIXED_LAW, Switching.EVERY_SAMPLE))
 

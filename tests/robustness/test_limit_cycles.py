@@ -14,7 +14,8 @@ from design.robustness.predictions.orbits import Swings, large_swings
 from design.status import Status
 from plants import Wrist
 from plants.effects import DeadTime
-from reports.robustness.statements import cycle_words, statement_record
+from reports.robustness.reasons import cycle_words
+from reports.robustness.statements import statement_record
 from tests.oracles.plain_loop import Plant, closed_loop
 
 FLEXION, DEVIATION = Wrist.flexion(), Wrist.deviation()

@@ -26,7 +26,8 @@ from design.synthesis.requirements import Limits
 from plants import InputError
 from plants.parameters.files import built_in
 from plants.wrist import STARTS
-from reports.robustness.statements import because, statement_record
+from reports.robustness.reasons import because
+from reports.robustness.statements import statement_record
 
 FLEXION = built_in("flexion")
 TUNED = PI(5.0, 9.0)

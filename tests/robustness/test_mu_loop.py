@@ -31,7 +31,8 @@ from plants.errors import InputError
 from plants.linearisation import RATES, branch_slopes
 from plants.parameters.files import built_in
 from plants.wrist import Wrist
-from reports.robustness.statements import because, claim_words
+from reports.robustness.claims import claim_words
+from reports.robustness.reasons import because
 
 BRANCHES = tuple(branch_slopes(Wrist.flexion()))
 

@@ -14,7 +14,7 @@ from design.robustness.loop_model import LoopModel
 from design.status import Status
 from plants import Wrist
 from plants.errors import InputError
-from reports.robustness.statements import because
+from reports.robustness.reasons import because
 
 DT = 1e-3
 

@@ -12,7 +12,7 @@ from design.robustness.certificates.continuous.virgin import time_on_virgin_curv
 from plants import Wrist
 from plants import dynamics as plant
 from plants.wrist import SAMPLE_TIME
-from reports.robustness.statements import virgin_words
+from reports.robustness.reasons import virgin_words
 
 GAINS = [(0.3, 0.5), (0.0, 2.0), (1.2, 2.2), (3.13, 10.4), (6.0, 10.0), (12.0, 3.0), (2.0, 40.0), (1.3, 0.02)]
 

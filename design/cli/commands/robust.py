@@ -200,7 +200,7 @@ def lines(found: "Assessment") -> list[Any]:
 
 
 def _cells(s: "Statement") -> tuple[str, ...]:
-    from reports.robustness.statements import claim_words
+    from reports.robustness.claims import claim_words
     from reports.robustness.tables import outcome, shown
 
     return outcome(s), shown(s), claim_words(s.claim), s.branch
