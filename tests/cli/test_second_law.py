@@ -89,19 +89,20 @@ def test_robust_states_what_holds_and_what_it_cannot_say(wrist, plays):
 
 
 @pytest.mark.parametrize(
-    ("controller", "gains"),
+    ("controller", "gains", "told"),
     [
-        ("pi", "2,6"), ("lqi", "600,-640,-70,8,45"), ("feedforward", "25"), ("feedforward-pi", "1.2,2.2,0"),
-        ("observer", "15"),
+        ("pi", "2,6", 0), ("lqi", "600,-640,-70,8,45", 0), ("feedforward", "25", 3),
+        ("feedforward-pi", "1.2,2.2,0", 6),  # of its model, and as observed
+        ("observer", "15", 3),
     ],
 )  # fmt: skip
-def test_export_writes_a_controller_that_knows_it(wrist, plays, tmp_path, controller, gains):
+def test_export_writes_a_controller_that_knows_it(wrist, plays, tmp_path, controller, gains, told):
     out = tmp_path / controller
     outcome = wrist("export", controller, "--plant", plays, "--gains", gains, "--out", out, "--json", "-")
     assert outcome.code == 0, outcome.err
     assert (out / "Makefile").exists()
     plays_told = [m["name"] for m in outcome.json["state"] if "plays" in m["name"]]
-    assert len(plays_told) == (0 if controller in ("pi", "lqi") else 3)
+    assert len(plays_told) == told
 
 
 def test_the_tuner_moves_its_loop():
