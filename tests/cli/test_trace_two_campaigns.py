@@ -16,6 +16,7 @@ from plants.measured.trace.search.choose import Candidate
 from plants.measured.trace.two_steps import sensitivity
 from reports.shared.html import Made
 from reports.trace.change.page import draw_differences, write_change
+from reports.trace.change.words import summary, title
 from tests.change.pairs import SIZES, worn, write
 from tests.reports.html_page import Page, summary_of
 from tests.reports.legible import faults
@@ -55,6 +56,12 @@ def late(tmp_path_factory):
 def test_a_rig_that_did_not_change_says_so(wrist, plain, late, monkeypatch):
     found = late.change("same", late.rig)
     assert (found.verdict, found.kept, found.came, found.went) == ("unchanged", ("dead-time",), (), ())
+    softer = replace(found.parameters[0], name="a1", old=0.4, new=0.36, low=-0.05, high=-0.03, rise=9.0)
+    hidden = replace(found, parameters=(softer, *found.parameters[1:]))
+    assert title(hidden).startswith("No change beyond the residual between")
+    assert title(hidden).endswith("yet parameters differ: a1 −10 %")
+    assert "Trace" in summary(hidden)[-1]
+    assert "all lie within" in summary(replace(found, parameters=()))[1]
     monkeypatch.setattr(tracing, "trace_campaign", lambda *given: plain.old)
     same = plain.later("same", plain.rig)
     outcome = wrist("trace", plain.folder, same, "--json", "-")

@@ -15,6 +15,11 @@ NAMED = 4
 def title(change: CampaignChange) -> str:
     """The answer in a line: the heading, and what the command says first."""
     old, new = names(change)
+    if not change.changed and (differ := differing(change)):
+        return (
+            f"No change beyond the residual between {old} and {new}, yet parameters differ: "
+            f"{'; '.join(parameter(p) for p in differ[:NAMED])}"
+        )
     if not change.changed:
         return (
             f"Nothing changed between {old} and {new}: the plant of {old} simulates all "
@@ -81,10 +86,18 @@ def difference(p: ParameterChange) -> str:
 def summary(change: CampaignChange) -> list[str]:
     """Three sentences: the answer, what it rests on, what to do."""
     new = names(change)[1]
-    if not change.changed:
+    if not change.changed and differing(change):
         return [
             f"{title(change)}.",
-            f"The differences of {len(change.parameters)} parameters lie within the intervals below; "
+            "The old plant leaves so much of its own campaign that its residual hides what they do.",
+            f"Trace {new} by itself before gains are trusted that rest on the old plant.",
+        ]
+    if not change.changed:
+        certain = sum(p.certain for p in change.parameters)
+        within = "all lie" if not certain else f"all but {certain}, of no effect beyond the noise, lie"
+        return [
+            f"{title(change)}.",
+            f"Of the differences of {len(change.parameters)} parameters {within} within the intervals below; "
             "a change that is smaller than these cannot be seen.",
             "The plant and its gains stand.",
         ]
