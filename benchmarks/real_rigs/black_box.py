@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.rough_models import lagged
+from plants.measured.guess.rough_models import lagged
 from plants.measured.trace.errors import interval
 
 Array = NDArray[np.float64]

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from benchmarks.real_rigs.black_box import METHODS, Logged, Method, Task, error
 from plants.measured.friction import ForceRun, FrictionChoice, fit_friction
 from plants.measured.friction.choice import LAGS
-from plants.measured.rough_models import lagged
+from plants.measured.guess.rough_models import lagged
 
 Array = NDArray[np.float64]
 DT = 0.01

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 from design.studies.check.check import LogCheck
 from reports.check import words
 from reports.check.record import check_record
-from reports.shared.figures.style import BLACK, GREY, ORANGE, new_figure, save, seen, styled, svg
-from reports.shared.html import Made, Shown, markup, render
+from reports.shared.figures.style import BLACK, GREY, ORANGE, new_figure, seen, styled
+from reports.shared.html import Made, render
+from reports.shared.page import shown, write_page
 from reports.shared.residuals import CAPTION, COLUMNS, channel_rows, draw_residuals
 from reports.shared.tables import Cell, Column, Group, Table, number, row
 
@@ -21,9 +22,6 @@ SECTIONS = {"envelope": "The log and what was predicted", "residual": "Residual 
 def write_check(folder: str | Path, check: LogCheck, made: Made) -> Path:
     """Write check.html, check.json and the figures as PNG into a folder, each complete or not at all.
     Returns the path of the page; raises InputError where it cannot be written."""
-    from plants.files import json_text, write_atomically
-
-    folder = Path(folder)
     drawn = {"envelope": draw_envelope(check), "residual": draw_residuals(check.log, check.residual.channels)}
     captions = {"envelope": words.envelope_caption(check), "residual": CAPTION}
     page = render(
@@ -31,13 +29,9 @@ def write_check(folder: str | Path, check: LogCheck, made: Made) -> Path:
         sections=SECTIONS, summary=words.summary(check), remarks=words.remarks(check),
         figures=figure_table(check),
         channels=Table(COLUMNS, (Group("", channel_rows(check.residual.channels)),)),
-        **{n: Shown(markup(svg(f, n, captions[n])), captions[n]) for n, f in drawn.items()},
+        **shown(drawn, captions),
     )  # fmt: skip
-    for name, figure in drawn.items():
-        save(figure, folder / f"{name}.png")
-    write_atomically(folder / "check.json", json_text(check_record(check)))
-    write_atomically(folder / "check.html", page)
-    return folder / "check.html"
+    return write_page(Path(folder), "check", page, check_record(check), drawn)
 
 
 def draw_envelope(check: LogCheck) -> "Figure":

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from design.studies.check.campaigns import campaign_change, left_of
 from plants.measured.campaign import Campaign, load_campaign
-from plants.measured.trace.refit import seen_alike
+from plants.measured.trace.change.refit import seen_alike
 from plants.measured.trace.result import Trace
 from reports.trace.change.words import title
 from tests.change.pairs import drawn, worn, write

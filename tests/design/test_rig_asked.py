@@ -37,7 +37,7 @@ BUILT_IN = {
     "design/tuner/widget.py": "its own motions by name",
     "plants/effects/effect.py": "units in which effects are written",
     "plants/measured/campaign.py": "whose motion an axis is",
-    "plants/measured/guess.py": "a rig for a log that names none",
+    "plants/measured/guess/rig.py": "a rig for a log that names none",
     "plants/measured/trace/search/screening.py": "units in which effects are written",
     "plants/measured/trace/start.py": "whose motion an axis is",
     "plants/parameters/files.py": "the rig of a file that names none",

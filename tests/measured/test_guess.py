@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from plants.measured.campaign import load_campaign
-from plants.measured.guess import guessed_rig, guessed_set
+from plants.measured.guess.rig import guessed_rig, guessed_set
+from plants.measured.guess.rough_models import first_order, loop_guess, plays
 from plants.measured.recording import Recording
-from plants.measured.rough_models import first_order, loop_guess, plays
 from plants.parameters.files import dump, load
 from plants.parameters.quantities import Guessed
 from tests.rig.soft import CAMPAIGNS

@@ -111,7 +111,7 @@ def _later(old: "Campaign", new: Path, plant: Path | None, save: Path | None, re
     """The later of two campaigns; InputError where they cannot be compared, or options are of one alone."""
     from plants.errors import InputError
     from plants.measured.campaign import load_campaign
-    from plants.measured.trace.refit import check_comparable
+    from plants.measured.trace.change.refit import check_comparable
 
     for option, asked in (("--save", save is not None), ("--retune", retune)):
         if asked:

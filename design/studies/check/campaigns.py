@@ -18,11 +18,11 @@ from plants.measured.free_run import squares
 from plants.measured.logger import Remark
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
-from plants.measured.trace.refit import StageRefit, refit, seen_alike
+from plants.measured.trace.change.refit import StageRefit, refit, seen_alike
+from plants.measured.trace.change.two_steps import white_errors
 from plants.measured.trace.result import Named, Trace
 from plants.measured.trace.search.choose import WORTH
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.two_steps import white_errors
 from plants.parameters.remainder import RemainderSize
 
 Array = NDArray[np.float64]

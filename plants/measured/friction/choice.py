@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from plants.measured.friction.law import FrictionLaw, FrictionParts, Range, behind_lag, columns
 from plants.measured.friction.run import ForceRun
-from plants.measured.rough_models import lagged
+from plants.measured.guess.rough_models import lagged
 
 Array = NDArray[np.float64]
 BLOCKS = 5

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.friction.run import ForceRun
-from plants.measured.rough_models import lagged, plays
+from plants.measured.guess.rough_models import lagged, plays
 
 Array = NDArray[np.float64]
 REACHES = (0.0025, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.3)

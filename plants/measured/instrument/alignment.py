@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.campaign import Campaign
+from plants.measured.guess.rough_models import ROWS, lagged, loop_guess, static_guess
 from plants.measured.recording import Recording
-from plants.measured.rough_models import ROWS, lagged, loop_guess, static_guess
 
 Array = NDArray[np.float64]
 LONGEST = 0.6

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.campaign import Campaign
+from plants.measured.guess.rough_models import LoopGuess, lagged, loop_guess, static_guess
 from plants.measured.recording import Recording
-from plants.measured.rough_models import LoopGuess, lagged, loop_guess, static_guess
 
 Array = NDArray[np.float64]
 ROUNDS = 4

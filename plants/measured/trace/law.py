@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from plants.hysteresis import LAWS
 from plants.measured.campaign import Campaign
 from plants.measured.fit import Fit, fit_campaign
-from plants.measured.guess import guessed_set
+from plants.measured.guess.rig import guessed_set
 from plants.measured.playback import Playback
 from plants.measured.stage import Stage
 from plants.measured.trace.search.choose import Candidate

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from plants.measured.campaign import Campaign
-from plants.measured.guess import guessed_set
+from plants.measured.guess.rig import guessed_set
 from plants.measured.logger import Remark, corrected
 from plants.measured.trace.zero import counted
 from plants.parameters.files import built_in

@@ -13,11 +13,11 @@ from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.regulator.fill_exhaust import PressureDependentRates
 from plants.measured.begin import first_begin
 from plants.measured.campaign import Campaign
-from plants.measured.guess import guessed_set
+from plants.measured.guess.rig import guessed_set
+from plants.measured.guess.rough_models import first_order, recorded
 from plants.measured.logger import Remark, shifted
 from plants.measured.playback import Playback
 from plants.measured.residual.stillness import noise_of_campaign
-from plants.measured.rough_models import first_order, recorded
 from plants.measured.stage import Stage
 from plants.measured.trace.stages.model import Model
 

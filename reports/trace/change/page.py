@@ -4,8 +4,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from design.studies.check.campaigns import CampaignChange
-from reports.shared.figures.style import BLACK, GREY, ORANGE, new_figure, save, styled, svg
-from reports.shared.html import Made, Shown, markup, render
+from reports.shared.figures.style import BLACK, GREY, ORANGE, new_figure, styled
+from reports.shared.html import Made, render
+from reports.shared.page import shown, write_page
 from reports.shared.residuals import CAPTION, COLUMNS, channel_rows, draw_residuals
 from reports.shared.tables import Column, Group, Table, number, row, with_error
 from reports.trace.change import words
@@ -24,9 +25,7 @@ SECTIONS = {
 def write_change(folder: str | Path, change: CampaignChange, made: Made) -> Path:
     """Write change.html, change.json and the figures as PNG into a folder, each complete or not at all.
     Returns the path of the page; raises InputError where it cannot be written."""
-    from plants.files import json_text, write_atomically
-
-    folder, worst = Path(folder), words.most_off(change)
+    worst = words.most_off(change)
     drawn = {
         "differences": draw_differences(change),
         "residual": draw_residuals(worst.recording, worst.channels),
@@ -40,28 +39,24 @@ def write_change(folder: str | Path, change: CampaignChange, made: Made) -> Path
         kind=f"two campaigns of {change.campaign.axis}", sections=SECTIONS, summary=words.summary(change),
         remarks=words.remarks(change), intervals=words.interval_words(change.parameters),
         parameters=parameter_table(change), effects=effect_table(change), channels=channel_table(change),
-        **{n: Shown(markup(svg(f, n, captions[n])), captions[n]) for n, f in drawn.items()},
+        **shown(drawn, captions),
     )  # fmt: skip
-    for name, figure in drawn.items():
-        save(figure, folder / f"{name}.png")
-    write_atomically(folder / "change.json", json_text(change_record(change)))
-    write_atomically(folder / "change.html", page)
-    return folder / "change.html"
+    return write_page(Path(folder), "change", page, change_record(change), drawn)
 
 
 def draw_differences(change: CampaignChange) -> "Figure":
     """A row a parameter: its difference in per cent of the old value, with its interval."""
-    shown = [p for p in change.parameters if p.old != 0.0]
+    determined = [p for p in change.parameters if p.old != 0.0]
     with styled():
-        figure, (at,) = new_figure(1, 1, 0.8 + 0.26 * len(shown))
-        for place, p in enumerate(shown):
+        figure, (at,) = new_figure(1, 1, 0.8 + 0.26 * len(determined))
+        for place, p in enumerate(determined):
             low, middle, high = sorted(100.0 * v / p.old for v in (p.low, p.difference, p.high))
             color = ORANGE if p.differs else BLACK
             at.plot((low, high), (place, place), color=color, lw=1.6, solid_capstyle="butt")
             at.plot(middle, place, "o", color=color, ms=4)
         at.axvline(0.0, color=GREY, lw=0.8)
-        at.set_yticks(range(len(shown)), [p.name for p in shown])
-        at.set(xlabel="difference [% of the old value]", ylim=(len(shown) - 0.5, -0.5))
+        at.set_yticks(range(len(determined)), [p.name for p in determined])
+        at.set(xlabel="difference [% of the old value]", ylim=(len(determined) - 0.5, -0.5))
         at.grid(axis="y", visible=False)
     return figure
 

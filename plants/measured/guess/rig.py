@@ -1,6 +1,6 @@
 """A first guess of a rig from its log alone: where a fit starts when no parameter set is given.
 
-The values are those of the rough models of `plants.measured.rough_models`, the bounds lie around them.
+The values are those of the rough models of `plants.measured.guess.rough_models`, the bounds lie around them.
 """
 
 from collections.abc import Sequence
@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from plants.hysteresis import LAWS, HysteresisLaw
 from plants.measured.campaign import Campaign
-from plants.measured.recording import Recording
-from plants.measured.rough_models import (
+from plants.measured.guess.rough_models import (
     Lagged,
     LoopGuess,
     extent,
@@ -22,6 +21,7 @@ from plants.measured.rough_models import (
     median_step,
     recorded,
 )
+from plants.measured.recording import Recording
 from plants.parameters.quantities import Guessed, Parameter, ParameterSet, declared_kinds
 from plants.rig import Rig, built_in_rig
 

@@ -8,13 +8,13 @@ from plants.errors import InputError
 from plants.measured.campaign import Campaign
 from plants.measured.fit import fit_campaign
 from plants.measured.logger import Remark, corrected, shifted
+from plants.measured.trace.change.two_steps import std_errors
 from plants.measured.trace.declared import driven
 from plants.measured.trace.judge import alternatives, not_logged
 from plants.measured.trace.result import Named, Trace
 from plants.measured.trace.search.choose import MOST, WORTH, Candidate, falls, search
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.trace import stages_of
-from plants.measured.trace.two_steps import std_errors
 
 
 @dataclass(frozen=True)
