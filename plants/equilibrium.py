@@ -21,6 +21,9 @@ TRIED = 40
 MOST_ABOVE = 2.0
 """By how many spans of its range at most the commanded pressure is looked for above the one that is held."""
 
+SECANTS, NEAR = 20, 1e-10
+"""Steps in which a pressure and what effects add at it are brought together, and how near [deg]."""
+
 
 def searched(wrist: "Wrist") -> tuple[float, float, float]:
     """Pressures between which a wrist with effects is looked for at rest (one that is found at an end of them
@@ -53,10 +56,40 @@ def at_rest(wrist: "Wrist", start: Start = "virgin", angle: Number = 0.0) -> Sta
     if not wrist.effects:
         pressure = loop.rest_between(angle)[start]
         return State(pressure, loop.resting(start, angle, pressure), angle)
-    h = static_angle(wrist, angle)
-    low, high = _pressure_on(wrist, 1, h), _pressure_on(wrist, 0, h)
-    pressure = {"line1": high, "line2": low, "inside": (low + high) / 2}[start]
+    pressure, h = _resting(wrist, start, angle)
     return State(pressure, _memory(wrist, start, h, pressure), angle, effects_at_rest(wrist, pressure, h))
+
+
+def _resting(wrist: "Wrist", start: Start, angle: Number) -> tuple[Number, Number]:
+    """Pressure [kPa] and angle of the loop [deg] of a wrist that rests at an angle [deg].
+
+    What effects add beside the loop depends on the pressure, which is found together with it: by secants.
+    """
+
+    def found(of_loop: Number) -> tuple[Number, Number]:
+        h = static_angle(wrist, of_loop)
+        low, high = _pressure_on(wrist, 1, h), _pressure_on(wrist, 0, h)
+        return {"line1": high, "line2": low, "inside": (low + high) / 2}[start], h
+
+    t0 = np.asarray(angle, float)
+    pressure, h = found(t0)
+    f0 = beside(wrist, pressure)
+    if not np.any(f0):
+        return pressure, h
+    t1 = t0 - f0
+    for _ in range(SECANTS):
+        pressure, h = found(t1)
+        f1 = t1 + beside(wrist, pressure) - angle
+        if np.all(np.abs(f1) < NEAR):
+            break
+        slope = np.where(t1 == t0, 1.0, (f1 - f0) / np.where(t1 == t0, 1.0, t1 - t0))
+        t0, f0, t1 = t1, f1, t1 - f1 / np.where(np.abs(slope) > NEAR, slope, 1.0)
+    return pressure, h
+
+
+def beside(wrist: "Wrist", pressure: Number) -> Number:
+    """Angle [deg] that effects add to the loop's at rest at a pressure [kPa]."""
+    return sum((e.beside(wrist, pressure) for e in wrist.effects), 0.0)
 
 
 def _memory(wrist: "Wrist", start: Start, h: Number, pressure: Number) -> Any:
@@ -111,7 +144,8 @@ def at_pressure(wrist: "Wrist", start: Start, pressure: float) -> State:
         return at_rest(wrist, start, (loop.ascending, loop.descending)[line](pressure))
     h = float(_line_angle(wrist, line, pressure, 0.0))
     memory = _memory(wrist, start, h, pressure)
-    return State(pressure, memory, float(_held_angle(wrist, h)), effects_at_rest(wrist, pressure, h))
+    held = float(_held_angle(wrist, h) + beside(wrist, pressure))
+    return State(pressure, memory, held, effects_at_rest(wrist, pressure, h))
 
 
 def obstacle(wrist: "Wrist", start: Start, angle: float) -> str | None:

@@ -98,13 +98,18 @@ class TrialHints(Protocol):
 class ExcitationHints(Protocol):
     """What was asked of a rig in the recordings at hand; `plants.measured.trace.search.excitation`.
 
-    ramp: whether each command is one ramp; begins: time [s] up to which recordings only begin; longest: of
+    ramp: whether each command is one ramp; minor_loops: whether it turns round inside its range too; begins: time [s] up to which recordings only begin; longest: of
     the recordings [s].
     """
 
     @property
     def ramp(self) -> bool:
         """Whether each command is one ramp."""
+        ...
+
+    @property
+    def minor_loops(self) -> bool:
+        """Whether the command turns round inside its range too."""
         ...
 
     @property
@@ -154,6 +159,7 @@ class Effect(ABC):
     - WANDERS: whether its sensor wanders besides, which no model foresees;
     - DELAY: the parameter that is its transport delay [s], for one that delays and smooths the command alone;
     - STOPS: whether it is a stop that the joint runs into;
+    - RUGGED: whether a fit of it has many minima, so that it has to be started from each of its trials;
     - SILENT: whether it grows from nothing once a run begins, so that a wrist rests as it does without;
     - LOSES: whether air is lost at rest, so that more is commanded than the pressure that is held;
     - BOUND: what the performance bound makes of it: ``kept``, where the wrist is a monotone cascade with it,
@@ -169,6 +175,7 @@ class Effect(ABC):
     WANDERS: ClassVar[bool] = False
     DELAY: ClassVar[str | None] = None
     STOPS: ClassVar[bool] = False
+    RUGGED: ClassVar[bool] = False
     SILENT: ClassVar[bool] = False
     LOSES: ClassVar[bool] = False
     BOUND: ClassVar[Literal["kept", "taken away"] | None] = None
@@ -222,6 +229,10 @@ class Effect(ABC):
         For an effect that acts on the commanded pressure it is that, which a leak holds above the wrist's.
         """
         return Nothing()
+
+    def beside(self, wrist: Any, pressure: Number) -> Number:
+        """Angle [deg] that it adds to the loop's, at rest at a pressure [kPa]."""
+        return 0.0
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         """What is linear of the effect at points z = exp(j omega dt), within pressures `reach` [kPa]."""

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from plants.dynamics import settled
 from plants.effects import EFFECTS
 from plants.effects.effect import Around, Effect
-from plants.equilibrium import effects_at_rest, static_angle
+from plants.equilibrium import beside, effects_at_rest, static_angle
 from plants.kernel.batches import default_jobs
 from plants.measured.begin import Begin, measured
 from plants.measured.playback import Playback
@@ -150,7 +150,7 @@ def begun(wrist: Wrist, begin: Begin | None) -> State | None:
     if begin is None or not wrist.effects:
         return None if begin is None else begin.state(wrist.hysteresis)
     if not begin.virgin:
-        begin = replace(begin, angle=static_angle(wrist, begin.angle, against=False))
+        begin = replace(begin, angle=static_angle(wrist, begin.angle - beside(wrist, begin.pressure), against=False))
     at = begin.state(wrist.hysteresis)
     effects = effects_at_rest(wrist, at.pressure, at.memory.h)
     return settled(at._replace(effects=effects), wrist.sampled(), Around())

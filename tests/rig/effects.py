@@ -67,9 +67,8 @@ CATALOGUE = {
     "gyro-drift": Entry("drift", 2, sensor.draw_drift),
     "periodic-disturbance": Entry("hum", 2, sensor.draw_hum),
 }
-UNNAMED = ("loop-shape", "stick-slip")  # of several forms, and in no library yet
-VOCABULARY = tuple(name for name in CATALOGUE if name not in UNNAMED)
-OPEN = (*open_effects.DRAWS, *UNNAMED)
+VOCABULARY = tuple(CATALOGUE)
+OPEN = tuple(open_effects.DRAWS)
 NEEDS_THE_RIG = ("branch-curvature", "end-stop")  # their strength is relative to the rig's own range
 
 

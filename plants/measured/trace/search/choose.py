@@ -13,6 +13,7 @@ from plants.measured.stage import BLOCK
 from plants.measured.trace.search.excitation import Excitation, excitation
 from plants.measured.trace.search.likelihood import demanded, log_likelihood
 from plants.measured.trace.search.screening import Ranked, Screen, screen
+from plants.measured.trace.search.together import fitted_with
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import remainders
 
@@ -290,7 +291,7 @@ def refit(model: Model, ranked: Sequence[Ranked], forms: int = FORMS) -> list[Ca
         tried[r.name] = tried.get(r.name, 0) + 1
         if r.drop <= 0.0 or tried[r.name] > forms:
             continue
-        m = model.plus(r.form, r.values).fitted(8, 1e-3)
+        m = fitted_with(model, r)
         if r.name not in best or m.chi2 < best[r.name].chi2:
             best[r.name] = m
     order = sorted(best.values(), key=lambda m: m.chi2)
@@ -316,7 +317,7 @@ def simplest(now: Candidate) -> Candidate:
             if len(other.kinds()) >= len(form.kinds()):
                 break
             ranked = Screen(rest.fitted(6, 1e-3)).rank(other)
-            found = Candidate(rest.plus(other, ranked.values).fitted())
+            found = Candidate(fitted_with(rest, ranked).fitted())
             if found.model.chi2 - now.model.chi2 < SAME * max(now.model.chi2 - 1.0, WORTH):
                 now = found
                 break

@@ -26,6 +26,10 @@ NEAR, NEARLY = 0.5, 0.05
 RAMP = 0.9
 """Correlation of a command with time from which on it is one ramp."""
 
+INSIDE, TURNS = 0.05, 6
+"""How far a command has to turn back, and from the ends of its range, to make a minor loop, as a share of that
+range; and how often at least."""
+
 BEGINS = 0.03
 """Share of a recording that counts as its beginning, a second at least."""
 
@@ -35,13 +39,15 @@ class Excitation:
     """What the commands of some recordings are.
 
     lines: frequency [Hz] of each single sine, and how finely it is known [Hz], empty where the commands hold
-    more; ramp: whether each is one ramp; begins: time [s] up to which the recordings only begin; longest [s].
+    more; ramp: whether each is one ramp; begins: time [s] up to which the recordings only begin; longest [s];
+    minor_loops: whether they turn round inside their range too.
     """
 
     lines: tuple[tuple[float, float], ...]
     ramp: bool
     begins: float
     longest: float
+    minor_loops: bool = True
 
     def harmonic(self, frequency: float, orders: int = 20) -> int | None:
         """Which multiple of a line a frequency [Hz] is, as far as the recordings tell; None for none."""
@@ -61,7 +67,28 @@ def excitation(playbacks: Sequence[Playback]) -> Excitation:
     alone = tuple(f for f in lines if f is not None) if share >= MOST else ()
     ramps = np.array([_is_ramp(r) for r in recordings])
     begins = min(float(r.time[0]) + max(1.0, BEGINS * s) for r, s in zip(recordings, spans, strict=True))
-    return Excitation(alone, bool(spans[ramps].sum() >= MOST * spans.sum()), begins, float(spans.max()))
+    ramp = bool(spans[ramps].sum() >= MOST * spans.sum())
+    return Excitation(alone, ramp, begins, float(spans.max()), inner_turns(recordings) >= TURNS)
+
+
+def inner_turns(recordings: Sequence[Recording]) -> int:
+    """How often commands turn round inside the range that all of them span together.
+
+    >>> t = np.arange(600) / 100
+    >>> sine = Recording("sine", t, 2.0 + np.sin(2.0 * np.pi * t))
+    >>> inner_turns([sine]), inner_turns([sine, Recording("small", t, 2.0 + 0.3 * np.sin(2.0 * np.pi * t))])
+    (0, 12)
+    """
+    from scipy.signal import find_peaks
+
+    low = min(float(r.command.min()) for r in recordings)
+    high = max(float(r.command.max()) for r in recordings)
+    margin, count = max(INSIDE * (high - low), 1e-9), 0
+    for r in recordings:
+        turns = [find_peaks(way * r.command, prominence=margin)[0] for way in (1.0, -1.0)]
+        level = r.command[np.concatenate(turns)]
+        count += int(np.count_nonzero((level > low + margin) & (level < high - margin)))
+    return count
 
 
 def line(recording: Recording) -> tuple[float, float] | None:

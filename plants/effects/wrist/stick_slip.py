@@ -1,0 +1,190 @@
+"""Stick-slip: the joint sticks until its spring is off by a breakaway, then slides.
+
+All friction is told in degrees of the joint's own spring: the joint moves by Tw y' = h - y - friction, where
+h is the static angle.  Friction of Stribeck's kind holds against more than it takes once sliding (Armstrong-
+Helouvry, Dupont & Canudas de Wit, Automatica 30 (1994) 1083); where asperities bend before they give way
+the joint creeps along with its load while it sticks (presliding: Dahl, 1968; LuGre, Canudas de Wit et al.,
+IEEE Trans. Autom. Control 40 (1995) 419).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from plants import lag
+from plants.effects.effect import Effect, Number, TrialHints, parameter
+from plants.hysteresis.play import kept
+
+LEVEL = 1e-12
+"""A pull that grows by less than this [deg] in a sample does not grow."""
+
+SHARES = (0.01, 0.03, 0.1)
+"""Breakaways to try, as shares of the range of the angle."""
+
+
+STEPS, TURNS = 2, 3
+"""Steps of a sample in which bristles are integrated, by the implicit midpoint rule, and how often its equation
+is solved again for the speed of the joint."""
+
+
+class Contact(NamedTuple):
+    """Whether the joint slides (1) or sticks (0)."""
+
+    slides: Number
+
+
+class SampledStickSlip(NamedTuple):
+    """Breakaway, friction while sliding, and what pulls when the joint sticks again [deg]; the lag of a joint that
+    slides."""
+
+    breakaway: Number
+    sliding: Number
+    residue: Number
+    lag: lag.SampledLag
+
+    def joint(
+        self, s: Contact, angle: Number, before: Number, after: Number, pressure: Number
+    ) -> tuple[Contact, Number]:
+        first, off = np.abs(before - angle), after - angle
+        pull, side = np.abs(off), np.where(off < 0.0, -1.0, 1.0)
+        slid = s.slides > 0.5
+        # When in the sample it breaks away; where in the sample it sticks again.
+        late = kept((self.breakaway - first) / np.maximum(pull - first, LEVEL), 0.0, 1.0)
+        friction = side * self.sliding
+        way = lag.step(angle, before - friction, after - friction, self.lag) - angle
+        to = angle + np.where(slid, 1.0, 1.0 - late) * way
+        left = np.abs(after - to)
+        ends = np.where(pull < self.residue, angle, after - side * self.residue)
+        sticks = np.where(pull < self.residue, 1.0, np.where(left < self.residue, 1.0, 0.0))
+        moves = np.where(slid, 1.0, np.where(pull >= self.breakaway, 1.0, 0.0))
+        moved = np.where(sticks > 0.5, ends, to)
+        return Contact(moves * (1.0 - sticks)), np.where(moves > 0.5, moved, angle)
+
+
+class Bristles(NamedTuple):
+    """Pull of the bristles [deg] and speed of the joint [deg/s]."""
+
+    pull: Number
+    speed: Number
+
+
+class SampledBristles(NamedTuple):
+    """Breakaway and friction while sliding [deg]; speed [deg/s] at which the one becomes the other, inverted;
+    stiffness of the bristles over the joint's; time constant of the joint and half a step [s]."""
+
+    breakaway: Number
+    sliding: Number
+    per_speed: Number
+    stiffness: Number
+    Tw: Number
+    half: Number
+
+    def joint(
+        self, s: Bristles, angle: Number, before: Number, after: Number, pressure: Number
+    ) -> tuple[Bristles, Number]:
+        pull, speed = s
+        for i in range(STEPS):
+            drawn = before + (after - before) * ((i + 0.5) / STEPS)
+            for _ in range(TURNS):
+                give = 1.0 + self.stiffness * self.half * np.abs(speed) / self._most(speed)
+                speed = (drawn - angle - pull / give) / (
+                    self.Tw + self.half * (1.0 + self.stiffness / give)
+                )
+            give = 1.0 + self.stiffness * self.half * np.abs(speed) / self._most(speed)
+            pull = 2.0 * (pull + self.stiffness * self.half * speed) / give - pull
+            angle = angle + 2.0 * self.half * speed
+        return Bristles(pull, speed), angle
+
+    def _most(self, speed: Number) -> Number:
+        """Friction [deg] of a joint that slides at a speed [deg/s]."""
+        x = np.minimum(np.abs(speed) * self.per_speed, 30.0)
+        return self.sliding + (self.breakaway - self.sliding) * np.exp(-x * x)
+
+
+_BREAKAWAY = parameter("deg", "pull at which the joint breaks away", 0.0, 20.0, 0.0, (0.4, 1.0, 2.5))
+_SLIDING = parameter("1", "friction while sliding over breakaway", 0.0, 0.98, 0.0, (0.1, 0.5))
+_AGAIN = "where the joint sticks again, as a share of the way from sliding to breakaway"
+_RESIDUE = parameter("1", _AGAIN, 0.0, 1.0, 0.3, (0.1, 0.4))
+
+
+class _StickSlip(Effect):
+    """What the forms share."""
+
+    NAME = "stick-slip"
+    STAGE = "wrist"
+    HAPPENS = "The joint sticks, then slides"
+    RUGGED = True
+
+    breakaway: Number
+    def no_bound(self, wrist: Any) -> str | None:
+        return "a joint that breaks away earlier may stick nearer"
+
+    @classmethod
+    def trials_on(cls, log: TrialHints) -> Iterator[dict[str, float]]:
+        """The trials, and breakaways at shares of the range that was reached, for rigs of any size."""
+        yield from cls.trials(log.rig)
+        low, high = log.quantiles(0.002, 0.998)
+        first = next(cls.trials(log.rig))["breakaway"]
+        for given in cls.trials(log.rig):
+            if given["breakaway"] == first:
+                for share in SHARES:
+                    yield {**given, "breakaway": share * float(high - low)}
+
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Any:
+        return Contact(0.0)
+
+    def _coefficients(self, wrist: Any, dt: float, sliding: Number = 0.0) -> SampledStickSlip:
+        friction = sliding * self.breakaway
+        residue = friction + self.residue * (self.breakaway - friction)
+        return SampledStickSlip(self.breakaway, friction, residue, lag.sampled(wrist.Tw, dt))
+
+
+@dataclass(frozen=True)
+class FreeSlip(_StickSlip):
+    """Once it has broken away, the joint slides without friction until it sticks again."""
+
+    FORM = "slides freely"
+
+    breakaway: Number = _BREAKAWAY
+    residue: Number = _RESIDUE
+
+    def sampled(self, wrist: Any, dt: float) -> SampledStickSlip:
+        return self._coefficients(wrist, dt)
+
+
+@dataclass(frozen=True)
+class RubbingSlip(_StickSlip):
+    """The joint slides against friction, which is less than that which it breaks away from."""
+
+    FORM = "slides against friction"
+
+    breakaway: Number = _BREAKAWAY
+    sliding: Number = _SLIDING
+    residue: Number = _RESIDUE
+
+    def sampled(self, wrist: Any, dt: float) -> SampledStickSlip:
+        return self._coefficients(wrist, dt, self.sliding)
+
+
+@dataclass(frozen=True)
+class BristleFriction(_StickSlip):
+    """LuGre's law: bristles that bend before the joint slides, with less friction the faster it slides."""
+
+    FORM = "bristles"
+
+    breakaway: Number = _BREAKAWAY
+    sliding: Number = parameter("1", "friction of fast sliding over breakaway", 0.02, 1.0, 1.0, (0.5,))
+    stribeck: Number = parameter("deg/s", "speed at which it slides easily", 0.1, 100.0, 2.0, (1.0, 4.0))
+    stiffness: Number = parameter("1", "stiffness of the bristles over the joint's", 1.0, 300.0, 25.0, (25.0,))
+
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Bristles:
+        return Bristles(0.0 * pressure, 0.0 * pressure)
+
+    def sampled(self, wrist: Any, dt: float) -> SampledBristles:
+        most = np.maximum(self.breakaway, LEVEL)
+        return SampledBristles(
+            most, self.sliding * most, 1.0 / np.asarray(self.stribeck, float), self.stiffness, wrist.Tw,
+            0.5 * dt / STEPS,
+        )  # fmt: skip
