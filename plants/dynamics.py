@@ -85,6 +85,10 @@ def bend(
             if bend_by is None
             else Bend(bend_by.low + more.low, bend_by.high + more.high, bend_by.slope * more.slope)
         )
+    for i, effect in c.at("steepen"):
+        factor = effect(s[i], state.memory.h, before, after, loop)
+        bend_by = Bend(0.0, 0.0, 1.0) if bend_by is None else bend_by
+        bend_by = bend_by._replace(slope=bend_by.slope * factor)
     memory = loop.step(state.memory, before, after, bend_by)
 
     before, after = state.memory.h, memory.h

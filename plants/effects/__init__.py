@@ -23,7 +23,7 @@ from plants.effects.wrist.cross_coupling import Coupling, PressureCoupling, Quad
 from plants.effects.wrist.end_stop import CompliantStop, GivingStop, HardStop, PadStop, SpringStop
 from plants.effects.wrist.inertia import DraggedInertia, Inertia, StiffeningInertia
 from plants.effects.wrist.load_step import GradualLoad, LoadStep
-from plants.effects.wrist.loop_shape import OneMorePlay, SeveralPlays, SmoothLoop
+from plants.effects.wrist.loop_shape import CurvedTransit, OneMorePlay, SeveralPlays, SmoothLoop
 from plants.effects.wrist.rate_dependence import PowerWidening, RememberedRate, SaturatingWidening, Viscous
 from plants.effects.wrist.softening import Mullins, SofteningByWork, Warming
 from plants.effects.wrist.stick_slip import BristleFriction, FreeSlip, RubbingSlip
@@ -41,7 +41,7 @@ EFFECTS: dict[str, tuple[type[Effect], ...]] = {
         (Coupling, QuadraticCoupling, PressureCoupling),
         (Viscous, PowerWidening, SaturatingWidening, RememberedRate),
         (SofteningByWork, Warming, Mullins),
-        (OneMorePlay, SmoothLoop, SeveralPlays),
+        (OneMorePlay, SmoothLoop, SeveralPlays, CurvedTransit),
         (LoadStep, GradualLoad),
         (Creep, TwoTimeCreep, LogCreep),
         (Inertia, DraggedInertia, StiffeningInertia),

@@ -10,6 +10,7 @@ its laws; the method's name is the port of the wrist that it acts on.  The wrist
     drive(s, before, after, around)      -> s, before, after   pressure that drives the loop [kPa]
     bend(s, before, after, loop, around) -> s, low, high, slope  shifts of line 1 and 2 [deg],
                                                                factor of the transit's slope
+    steepen(s, h, before, after, loop) -> factor              further factor of the transit's slope
     static(s, before, after, around)     -> s, before, after   static angle [deg]
     joint(s, angle, before, after, pressure) -> s, angle       in place of the lag [deg]
     stop(s, angle)                       -> angle              where the joint may go [deg]
@@ -98,8 +99,8 @@ class TrialHints(Protocol):
 class ExcitationHints(Protocol):
     """What was asked of a rig in the recordings at hand; `plants.measured.trace.search.excitation`.
 
-    ramp: whether each command is one ramp; minor_loops: whether it turns round inside its range too; begins: time [s] up to which recordings only begin; longest: of
-    the recordings [s].
+    ramp: whether each command is one ramp; minor_loops: whether it turns round inside its range too;
+    begins: time [s] up to which recordings only begin; longest: of the recordings [s].
     """
 
     @property

@@ -150,7 +150,9 @@ def begun(wrist: Wrist, begin: Begin | None) -> State | None:
     if begin is None or not wrist.effects:
         return None if begin is None else begin.state(wrist.hysteresis)
     if not begin.virgin:
-        begin = replace(begin, angle=static_angle(wrist, begin.angle - beside(wrist, begin.pressure), against=False))
+        begin = replace(
+            begin, angle=static_angle(wrist, begin.angle - beside(wrist, begin.pressure), against=False)
+        )
     at = begin.state(wrist.hysteresis)
     effects = effects_at_rest(wrist, at.pressure, at.memory.h)
     return settled(at._replace(effects=effects), wrist.sampled(), Around())

@@ -21,12 +21,15 @@ from tests.rig.signals import Signal
 from tests.rig.wrist_effects import (
     LONGEST_SPECTRUM,
     PLAYS,
+    SPRINGS,
     bent,
     bouc_wen,
+    curved_transit,
     joint_acceleration,
     lens,
     loaded,
     lugre,
+    maxwell_slip,
     slope_factor,
     stop_push,
     widening,
@@ -118,7 +121,7 @@ def integrate(
     strange = hidden.open
     spectrum = hidden.creep
     creeping = np.zeros(LONGEST_SPECTRUM)
-    plays = np.zeros(PLAYS)
+    plays, pulls = np.zeros(PLAYS), np.zeros(SPRINGS)
     late = np.full(round(hidden.dead_time.transport_s / dt) + 1, p.rest_pressure)
     at = 0  # where the delay line is written next, and read after that
     tube_decay = exp(-dt / hidden.dead_time.tube_s) if hidden.dead_time.tube_s > 0.0 else 0.0
@@ -198,8 +201,17 @@ def integrate(
             arm, bow = slope * bent(hidden.curvature, x), lens(hidden.curvature, x)
             low = p.a1 * arm - p.w1 - wider - hidden.curvature.bow1 * bow
             high = p.a2 * arm + p.w2 + wider + hidden.curvature.bow2 * bow
+            transit = p.s * slope
+            if hidden.shape.form == 3 and x > x_before:
+                transit = curved_transit(
+                    hidden.shape, transit, p.a1 * slope, (high - h) / max(high - low, 1e-9)
+                )
+            elif hidden.shape.form == 3:
+                transit = curved_transit(
+                    hidden.shape, transit, p.a2 * slope, (h - low) / max(high - low, 1e-9)
+                )
             if not virgin:
-                h += p.s * slope * (x - x_before)
+                h += transit * (x - x_before)
             if h < low:
                 h, virgin = low, False
             if h > high:
@@ -235,6 +247,10 @@ def integrate(
                 speed = 0.5 * (v0 + speed)
                 y += dt * speed
                 pull += 0.5 * dt * (r0 + r1)
+            elif hidden.stick.form == 3:
+                speed = (u - y - pull) / p.Tw
+                y += dt * speed
+                pull = maxwell_slip(hidden.stick, pulls, dt * speed)
             elif hidden.inertia.form == 0:
                 slow = (u_before - y - stop_push(hidden.stop, y)) / p.Tw
                 guess = y + dt * slow

@@ -62,8 +62,8 @@ CATALOGUE = {
     "cross-coupling": Entry("coupling", 3, wrist.draw_coupling),
     "inertia": Entry("inertia", 3, wrist.draw_inertia),
     "end-stop": Entry("stop", 3, wrist.draw_end_stop),
-    "loop-shape": Entry("shape", 2, wrist.draw_loop_shape),
-    "stick-slip": Entry("stick", 2, wrist.draw_stick_slip),
+    "loop-shape": Entry("shape", 3, wrist.draw_loop_shape),
+    "stick-slip": Entry("stick", 3, wrist.draw_stick_slip),
     "gyro-drift": Entry("drift", 2, sensor.draw_drift),
     "periodic-disturbance": Entry("hum", 2, sensor.draw_hum),
 }

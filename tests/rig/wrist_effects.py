@@ -12,6 +12,7 @@ from numba import njit
 
 from tests.rig.parameters import Declared, loop_width
 from tests.rig.regulator_effects import sign
+from tests.rig.signals import Signal
 
 
 class Curvature(NamedTuple):
@@ -282,7 +283,9 @@ class LoopShape(NamedTuple):
     """Further hysteresis beside the loop, of slope [deg/kPa] in all.
 
     form 1: five plays of half-widths up to widest [kPa]; form 2: Bouc-Wen's law,
-    z' = x' (1 - |z/widest|^power) on the way out and x' on the way back, so that the loop is smooth.
+    z' = x' (1 - |z/widest|^power) on the way out and x' on the way back, so that the loop is smooth;
+    form 3: curved transits, as steep as the line that they lead to where they reach it: the share of its
+    slope goes with that power of the way from the other line.
     """
 
     form: int = 0
@@ -302,7 +305,15 @@ def bouc_wen(p: LoopShape, z: float, move: float) -> float:
 def draw_loop_shape(form: int, scale: float, rng: np.random.Generator) -> LoopShape:
     if form == 1:
         return LoopShape(1, scale * rng.uniform(0.08, 0.15), rng.uniform(25.0, 50.0))
-    return LoopShape(2, scale * rng.uniform(0.12, 0.25), rng.uniform(10.0, 30.0), rng.uniform(1.0, 2.0))
+    if form == 2:
+        return LoopShape(2, scale * rng.uniform(0.12, 0.25), rng.uniform(10.0, 30.0), rng.uniform(1.0, 2.0))
+    return LoopShape(3, power=rng.uniform(1.0, 2.5) / scale)
+
+
+@njit
+def curved_transit(p: LoopShape, s: float, line: float, way: float) -> float:
+    """Slope [deg/kPa] of a transit that has gone a share `way` of the gap to a line of slope `line`."""
+    return s + (line - s) * min(max(way, 0.0), 1.0) ** p.power
 
 
 class StickSlip(NamedTuple):
@@ -310,7 +321,9 @@ class StickSlip(NamedTuple):
 
     form 1: it holds until its spring is off by breakaway, then moves until residue is left; form 2: LuGre's
     law without mass: bristles of stiffness times the joint's spring, whose pull is z' = v - |v| z/g(v) with
-    g from breakaway at rest to coulomb at speeds above stribeck [deg/s].
+    g from breakaway at rest to coulomb at speeds above stribeck [deg/s]; form 3: four springs of the
+    joint's stiffness times `stiffness` in all, each of which slips at a part of breakaway that grows with its
+    number (Maxwell slip).
     """
 
     form: int = 0
@@ -332,10 +345,26 @@ def lugre(p: StickSlip, Tw: float, u: float, y: float, pull: float) -> tuple[flo
     return speed, p.stiffness * (speed - abs(speed) * pull / most)
 
 
+SPRINGS = 4
+
+
+@njit
+def maxwell_slip(p: StickSlip, pulls: Signal, move: float) -> float:
+    """Pull of all springs [deg] after the joint has moved [deg]; `pulls` are theirs, and change."""
+    whole = 0.0
+    for i in range(SPRINGS):
+        most = p.breakaway * 2.0 * (i + 1) / (SPRINGS * (SPRINGS + 1))
+        pulls[i] = min(max(pulls[i] + p.stiffness / SPRINGS * move, -most), most)
+        whole += pulls[i]
+    return whole
+
+
 def draw_stick_slip(form: int, scale: float, rng: np.random.Generator) -> StickSlip:
     breakaway = scale * rng.uniform(1.0, 2.5)
     if form == 1:
         return StickSlip(1, breakaway, 0.25 * breakaway)
+    if form == 3:
+        return StickSlip(3, breakaway, stiffness=rng.uniform(4.0, 10.0))
     return StickSlip(
         2,
         breakaway,

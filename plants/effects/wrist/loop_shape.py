@@ -3,7 +3,8 @@
 Beside the loop act further plays of the pressure, a Prandtl-Ishlinskii sum (Kuhnen, European J. Control 9
 (2003) 407), or a play that engages smoothly, by Bouc-Wen's law (Wen, J. Eng. Mech. Div. ASCE 102 (1976) 249).
 After a reversal they engage one after the other, so that the way back is curved and a small loop is narrower
-than a large one.
+than a large one.  Or the transit between the lines is itself curved, as laws of Duhem's class are (Brokate &
+Sprekels, Hysteresis and Phase Transitions, 1996).
 """
 
 from collections.abc import Mapping
@@ -12,12 +13,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, ExcitationHints, Linear, Number, parameter
+from plants.effects.effect import Around, Effect, ExcitationHints, Linear, Nothing, Number, parameter
 from plants.hysteresis.law import SIDES, Side
 from plants.hysteresis.play import kept
 
 FLAT = 1e-6
-"""A branch less steep than this [deg/kPa] counts as one of this slope."""
+"""Least slope of a branch [deg/kPa] and least gap between two [deg]; flatter and narrower ones count as
+these."""
 
 
 class Beside(NamedTuple):
@@ -53,8 +55,8 @@ class SampledPlays(NamedTuple):
 
 
 class SampledSmooth(NamedTuple):
-    """Weight [deg/kPa], threshold [kPa] and exponent of a play that engages smoothly, and the pressure [kPa] at
-    which it is 0."""
+    """Weight [deg/kPa], threshold [kPa] and exponent of a play that engages smoothly, and the pressure [kPa]
+    at which it is 0."""
 
     weight: Number
     threshold: Number
@@ -81,18 +83,46 @@ class SampledSmooth(NamedTuple):
         return np.where(z * move > 0.0, 1.0 - engaged, 1.0)
 
 
-class _Plays(Effect):
-    """What the forms share; at rest each play is in the middle of its gap."""
+class SampledTransit(NamedTuple):
+    """Share of the slope of the line ahead with which the transit meets it, and the power of the way gone
+    with which it becomes as steep."""
+
+    share: Number
+    power: Number
+
+    def steepen(self, s: Nothing, h: Number, before: Number, after: Number, loop: Any) -> Number:
+        first = self._factor(h, before, after - before, loop)
+        second = self._factor(h + first * loop.flattest * (after - before), after, after - before, loop)
+        return 0.5 * (first + second)  # Heun's method
+
+    def _factor(self, h: Number, pressure: Number, move: Number, loop: Any) -> Number:
+        low, high = loop.ascending(pressure), loop.descending(pressure)
+        up, down = loop.steepness
+        gone = np.where(move > 0.0, high - h, h - low) / np.maximum(high - low, FLAT)
+        way = np.minimum(np.maximum(gone, 1e-9), 1.0) ** self.power
+        flat = np.maximum(loop.flattest, FLAT)
+        return 1.0 + self.share * way * (np.where(move > 0.0, up, down) - flat) / flat
+
+
+class _Shape(Effect):
+    """What the forms share."""
 
     NAME = "loop-shape"
     STAGE = "wrist"
     HAPPENS = "Minor loops have a shape that straight lines cannot make"
+
+    def no_bound(self, wrist: Any) -> str | None:
+        return "plays beside the loop and curved transits are no part of the bound's envelope"
 
     def borrowed(self, asked: ExcitationHints) -> str | None:
         """The same loop again and again shows its branches alone."""
         if asked.minor_loops:
             return None
         return "the command makes no minor loops, so that it may be the branches; record nested minor loops"
+
+
+class _Plays(_Shape):
+    """Plays beside the loop; at rest each is in the middle of its gap."""
 
     @property
     def weights(self) -> tuple[Number, ...]:
@@ -113,9 +143,6 @@ class _Plays(Effect):
         slopes: Mapping[Side, float] = dict(zip(SIDES, (*loop.steepness, loop.flattest), strict=True))
         steep = {side: max(float(slope), FLAT) for side, slope in slopes.items()}
         return Linear(slopes={side: (1.0 + least / k, 1.0 + most / k) for side, k in steep.items()})
-
-    def no_bound(self, wrist: Any) -> str | None:
-        return "plays beside the loop are no part of the bound's envelope"
 
 
 def _weight(trials: tuple[float, ...]) -> Any:
@@ -149,7 +176,9 @@ class SmoothLoop(_Plays):
     FORM = "smooth loop"
 
     weight: Number = _weight((-0.03, 0.05))
-    reach: Number = parameter("kPa", "largest distance of the play from its input", 1.0, 150.0, 20.0, (8.0, 16.0, 32.0))
+    reach: Number = parameter(
+        "kPa", "largest distance of the play from its input", 1.0, 150.0, 20.0, (8.0, 16.0, 32.0)
+    )
     exponent: Number = parameter("1", "how suddenly it engages", 0.3, 8.0, 1.0, (1.0, 2.0))
 
     @property
@@ -178,3 +207,26 @@ class SeveralPlays(_Plays):
     def sampled(self, wrist: Any, dt: float) -> SampledPlays:
         thresholds = (self.reach / 4.0, self.reach / 2.0, self.reach)
         return SampledPlays(self.weights, thresholds, wrist.hysteresis.rest_pressure)
+
+
+@dataclass(frozen=True)
+class CurvedTransit(_Shape):
+    """The transit between the lines is curved: it comes nearer to the slope of the line that it leads to."""
+
+    FORM = "curved transits"
+
+    share: Number = parameter(
+        "1", "share of the line's slope with which the transit meets it", 0.0, 1.0, 0.0, (0.5, 1.0)
+    )
+    power: Number = parameter(
+        "1", "power of the way gone with which it becomes steeper", 0.3, 8.0, 1.5, (1.0, 2.0)
+    )
+
+    def sampled(self, wrist: Any, dt: float) -> SampledTransit:
+        return SampledTransit(self.share, self.power)
+
+    def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
+        loop = wrist.hysteresis
+        flat = max(float(loop.flattest), FLAT)
+        steepest = 1.0 + float(self.share) * (max(map(float, loop.steepness)) - flat) / flat
+        return Linear(slopes={SIDES[-1]: (1.0, steepest)})

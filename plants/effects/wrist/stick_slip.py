@@ -24,9 +24,9 @@ SHARES = (0.01, 0.03, 0.1)
 """Breakaways to try, as shares of the range of the angle."""
 
 
-STEPS, TURNS = 2, 3
-"""Steps of a sample in which bristles are integrated, by the implicit midpoint rule, and how often its equation
-is solved again for the speed of the joint."""
+STEPS, TURNS = 1, 3
+"""Steps of a sample in which bristles are integrated, by the implicit midpoint rule, and how often its
+equation is solved again for the speed of the joint."""
 
 
 class Contact(NamedTuple):
@@ -36,8 +36,8 @@ class Contact(NamedTuple):
 
 
 class SampledStickSlip(NamedTuple):
-    """Breakaway, friction while sliding, and what pulls when the joint sticks again [deg]; the lag of a joint that
-    slides."""
+    """Breakaway, friction while sliding, and what pulls when the joint sticks again [deg]; the lag of a joint
+    that slides."""
 
     breakaway: Number
     sliding: Number
@@ -89,9 +89,7 @@ class SampledBristles(NamedTuple):
             drawn = before + (after - before) * ((i + 0.5) / STEPS)
             for _ in range(TURNS):
                 give = 1.0 + self.stiffness * self.half * np.abs(speed) / self._most(speed)
-                speed = (drawn - angle - pull / give) / (
-                    self.Tw + self.half * (1.0 + self.stiffness / give)
-                )
+                speed = (drawn - angle - pull / give) / (self.Tw + self.half * (1.0 + self.stiffness / give))
             give = 1.0 + self.stiffness * self.half * np.abs(speed) / self._most(speed)
             pull = 2.0 * (pull + self.stiffness * self.half * speed) / give - pull
             angle = angle + 2.0 * self.half * speed
@@ -118,6 +116,7 @@ class _StickSlip(Effect):
     RUGGED = True
 
     breakaway: Number
+
     def no_bound(self, wrist: Any) -> str | None:
         return "a joint that breaks away earlier may stick nearer"
 
@@ -177,7 +176,9 @@ class BristleFriction(_StickSlip):
     breakaway: Number = _BREAKAWAY
     sliding: Number = parameter("1", "friction of fast sliding over breakaway", 0.02, 1.0, 1.0, (0.5,))
     stribeck: Number = parameter("deg/s", "speed at which it slides easily", 0.1, 100.0, 2.0, (1.0, 4.0))
-    stiffness: Number = parameter("1", "stiffness of the bristles over the joint's", 1.0, 300.0, 25.0, (25.0,))
+    stiffness: Number = parameter(
+        "1", "stiffness of the bristles over the joint's", 1.0, 300.0, 25.0, (25.0,)
+    )
 
     def rest(self, wrist: Any, pressure: Number, angle: Number) -> Bristles:
         return Bristles(0.0 * pressure, 0.0 * pressure)

@@ -27,8 +27,8 @@ RAMP = 0.9
 """Correlation of a command with time from which on it is one ramp."""
 
 INSIDE, TURNS = 0.05, 6
-"""How far a command has to turn back, and from the ends of its range, to make a minor loop, as a share of that
-range; and how often at least."""
+"""How far a command has to turn back, and from the ends of its range, to make a minor loop, as a share of
+that range; and how often at least."""
 
 BEGINS = 0.03
 """Share of a recording that counts as its beginning, a second at least."""

@@ -1,19 +1,26 @@
 """Where a model with one more effect is fitted from.
 
 A joint that sticks breaks away or does not, so that chi-square has many minima, and a loop fitted without the
-effect is the wrong one to start from: such an effect is fitted together with the loop from each of its
-trial values, and what is best is moved about, in lanes side by side, while that helps.
+effect is the wrong one to start from: such an effect is fitted together with the loop from the best few of
+its trial values, and what is best is moved about, in lanes side by side, while that helps.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plants.measured.trace.search.proposals import trials
 from plants.measured.trace.search.screening import Ranked, around
 from plants.measured.trace.stages.model import Model
 
-MOVES, SHORTER = 12, 0.7
+Array = NDArray[np.float64]
+
+STARTS = 4
+"""Trials that it is fitted from: those that leave least where all other parameters follow linearly, each with
+another value of the first parameter, which is the effect's size."""
+
+MOVES, SHORTER = 6, 0.6
 """How often the best is moved about at most, and how much less far each time."""
 
 GAIN = 0.995
@@ -24,29 +31,36 @@ def fitted_with(model: Model, ranked: Ranked) -> Model:
     """The model with a ranked effect, fitted roughly."""
     if not ranked.form.RUGGED:
         return model.plus(ranked.form, ranked.values).fitted(8, 1e-3)
-    starts: list[Mapping[str, float]] = [ranked.values, *trials(ranked.form, model)]
-    best = min((model.plus(ranked.form, v).fitted(5, 1e-2) for v in starts), key=lambda m: m.chi2)
-    scale, idle = 0.5, 0
+    grid = trials(ranked.form, model)
+    left = _left(model, model.plus(ranked.form, ranked.values), ranked, grid)
+    size = next(iter(grid[0]))
+    best_of_size: dict[float, Mapping[str, float]] = {}
+    for i in np.argsort(left):
+        best_of_size.setdefault(grid[i][size], grid[i])
+    starts = [ranked.values, *list(best_of_size.values())[:STARTS]]
+    best = min((model.plus(ranked.form, v).fitted(4, 1e-2) for v in starts), key=lambda m: m.chi2)
+    scale = 0.5
     for _ in range(MOVES):
-        moved = _moved(best, ranked, scale).fitted(5, 1e-3)
-        idle = 0 if moved.chi2 < GAIN * best.chi2 else idle + 1
+        now = {n: best.values[f"{ranked.name}.{n}"] for n in ranked.form.kinds()}
+        near = [now, *around(ranked.form, now, scale, model.stage.rig)]
+        there = near[int(np.argmin(_left(best, best, ranked, near)))]
+        moved = best.with_values({f"{ranked.name}.{n}": v for n, v in there.items()}).fitted(5, 1e-3)
+        gains = moved.chi2 < GAIN * best.chi2
         best = moved if moved.chi2 < best.chi2 else best
-        scale *= SHORTER
-        if idle > 1:
+        if not gains and scale < 0.4:
             break
+        scale *= SHORTER
     return best
 
 
-def _moved(model: Model, ranked: Ranked, scale: float) -> Model:
-    """The model with the best of some values of its effect around the present ones, as far as a refit of all
-    other parameters, which is linear, lets see (variable projection: Golub & Pereyra, Inverse Problems 19
-    (2003) R1)."""
+def _left(at: Model, model: Model, ranked: Ranked, grid: Sequence[Mapping[str, float]]) -> Array:
+    """Mean square over the noise that a model with an effect at each point of a grid leaves, (points,), where
+    all other parameters follow as the slopes of the model `at` say (variable projection: Golub & Pereyra,
+    Inverse Problems 19 (2003) R1)."""
     prefix, stage = f"{ranked.name}.", model.stage
-    now = {n: model.values[prefix + n] for n in ranked.form.kinds()}
-    grid = [now, *around(ranked.form, now, scale, stage.rig)]
-    lanes = {prefix + n: np.array([g[n] for g in grid]) for n in now}
+    lanes = {prefix + n: np.array([g[n] for g in grid]) for n in grid[0]}
     left = (stage.simulate({**model.values, **lanes}, model.forms) - stage.target[:, None]) / stage.noise
-    slopes = model.linear[1][:, [not n.startswith(prefix) for n in model.names]]
+    slopes = at.linear[1][:, [not n.startswith(prefix) for n in at.names]]
     basis, _ = np.linalg.qr(slopes)
-    squares = np.mean((left - basis @ (basis.T @ left)) ** 2, axis=0)
-    return model.with_values({prefix + n: v for n, v in grid[int(np.argmin(squares))].items()})
+    found: Array = np.mean((left - basis @ (basis.T @ left)) ** 2, axis=0)
+    return found
