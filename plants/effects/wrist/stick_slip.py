@@ -24,9 +24,8 @@ SHARES = (0.01, 0.03, 0.1)
 """Breakaways to try, as shares of the range of the angle."""
 
 
-STEPS, TURNS = 1, 3
-"""Steps of a sample in which bristles are integrated, by the implicit midpoint rule, and how often its
-equation is solved again for the speed of the joint."""
+TURNS = 2
+"""How often the equation of the implicit midpoint rule is solved again for the speed of the joint."""
 
 
 class Contact(NamedTuple):
@@ -85,15 +84,12 @@ class SampledBristles(NamedTuple):
         self, s: Bristles, angle: Number, before: Number, after: Number, pressure: Number
     ) -> tuple[Bristles, Number]:
         pull, speed = s
-        for i in range(STEPS):
-            drawn = before + (after - before) * ((i + 0.5) / STEPS)
-            for _ in range(TURNS):
-                give = 1.0 + self.stiffness * self.half * np.abs(speed) / self._most(speed)
-                speed = (drawn - angle - pull / give) / (self.Tw + self.half * (1.0 + self.stiffness / give))
+        drawn, give = 0.5 * (before + after), 1.0
+        for _ in range(TURNS):
             give = 1.0 + self.stiffness * self.half * np.abs(speed) / self._most(speed)
-            pull = 2.0 * (pull + self.stiffness * self.half * speed) / give - pull
-            angle = angle + 2.0 * self.half * speed
-        return Bristles(pull, speed), angle
+            speed = (drawn - angle - pull / give) / (self.Tw + self.half * (1.0 + self.stiffness / give))
+        pull = 2.0 * (pull + self.stiffness * self.half * speed) / give - pull
+        return Bristles(pull, speed), angle + 2.0 * self.half * speed
 
     def _most(self, speed: Number) -> Number:
         """Friction [deg] of a joint that slides at a speed [deg/s]."""
@@ -187,5 +183,5 @@ class BristleFriction(_StickSlip):
         most = np.maximum(self.breakaway, LEVEL)
         return SampledBristles(
             most, self.sliding * most, 1.0 / np.asarray(self.stribeck, float), self.stiffness, wrist.Tw,
-            0.5 * dt / STEPS,
+            0.5 * dt,
         )  # fmt: skip
