@@ -82,7 +82,7 @@ draw_fit(fit)
 #
 # ## What is missing
 #
-# `trace_campaign` knows 15 effects. At each stage it ranks those that act there by how much of the residual
+# `trace_campaign` knows 17 effects. At each stage it ranks those that act there by how much of the residual
 # each could explain beyond what a refit would absorb, refits the best few, and takes one only if it pays on
 # blocks of time that did not fit it.
 
@@ -269,7 +269,7 @@ shown(errors_before_and_after(arm.trace)) if outcomes else None
 # named, sized, and shown to bring the error of held-out recordings down to the noise. Where it is
 # not, as on both real rigs, the answer was "unexplained", with what the residual depends on; that is where
 # an engineer goes on, and a plant that leaves so much unexplained is not one to tune on. You cannot
-# conclude that an effect which was named is the cause: it is the one of 15 that explains these recordings,
+# conclude that an effect which was named is the cause: it is the one of 17 that explains these recordings,
 # and others that they do not excite are listed for a reason. Nor does success on a synthetic campaign,
 # whose simulator is independent but whose authors are not, say how often real rigs will be explained: of
 # the two here, none was.

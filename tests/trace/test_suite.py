@@ -1,4 +1,4 @@
-"""What a trace must reach, on 48 campaigns of a rig that shares no code with the library.
+"""What a trace must reach, on 52 campaigns of a rig that shares no code with the library.
 
 Takes minutes, so it runs apart: ``make suite``.
 """

@@ -1,0 +1,102 @@
+"""A joint with friction sticks until the breakaway and slides as its differential equation says."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from plants.effects.wrist.stick_slip import BristleFriction, FreeSlip, RubbingSlip
+from tests.laws.effect_steps import DT, WRIST
+
+TW = WRIST.Tw
+
+
+def joint(effect, angles, dt=DT):
+    """Angles of the joint [deg], (n,), under given static angles, from rest at 0."""
+    c, s, angle = effect.sampled(WRIST, dt), effect.rest(WRIST, 100.0, 0.0), 0.0
+    found = [angle]
+    for before, after in pairwise(angles):
+        s, angle = c.joint(s, angle, before, after, 100.0)
+        found.append(float(angle))
+    return np.array(found)
+
+
+@pytest.mark.parametrize(
+    ("effect", "friction"), [(FreeSlip(1.0, 0.3), 0.0), (RubbingSlip(1.0, 0.5, 0.1), 0.5)]
+)
+def test_under_a_ramp_it_holds_breaks_away_and_slides_as_the_differential_equation_does(effect, friction):
+    rate = 2.0
+    ours = joint(effect, rate * DT * np.arange(1001))
+    assert not ours[:500].any()  # the breakaway of 1 deg is reached at 0.5 s
+    expected = solve_ivp(
+        lambda t, y: (rate * t - friction - y) / TW, (0.5, 1.0), [0.0], t_eval=np.linspace(0.5, 1.0, 501),
+        rtol=1e-10,
+    ).y[0]  # fmt: skip
+    np.testing.assert_allclose(ours[500:], expected, atol=0.02)
+
+
+def test_under_a_slow_ramp_it_sticks_and_slips_in_turn():
+    """The pull changes by rate - pull/Tw from breakaway to residue, by the rate while the joint sticks."""
+    rate, breakaway, residue = 0.5, 1.0, 0.3
+    ours = joint(FreeSlip(breakaway, residue), rate * DT * np.arange(20_001))
+    sticks = (breakaway - residue) / rate
+    slides = TW * np.log((breakaway - rate * TW) / (residue - rate * TW))
+    begins = np.flatnonzero(np.diff((np.diff(ours) > 0.0).astype(int)) == 1) * DT
+    np.testing.assert_allclose(np.diff(begins), sticks + slides, atol=5.0 * DT)
+
+
+def test_after_a_reversal_it_stays_until_the_pull_has_turned_round():
+    up, down = 0.01 * np.arange(1001), 10.0 - 0.01 * np.arange(601)
+    ours = joint(RubbingSlip(1.0, 0.5, 0.2), np.concatenate([up, np.full(3000, 10.0), down]))
+    at = ours[4000]
+    assert at == pytest.approx(10.0 - 0.6, abs=0.02)  # where 0.5 + 0.2 (1 - 0.5) deg of pull are left
+    stuck = down >= at - 1.0 + 0.02
+    np.testing.assert_allclose(ours[4001:][stuck], at, atol=1e-12)
+    assert ours[-1] < at - 1.0
+
+
+def lugre(breakaway, sliding, stribeck, stiffness, static, end):
+    """LuGre's joint without mass, by scipy's implicit integrator: angle at every ms."""
+
+    def rates(t, state):
+        angle, pull = state
+        speed = (static(t) - angle - pull) / TW
+        most = breakaway * (sliding + (1.0 - sliding) * np.exp(-((speed / stribeck) ** 2)))
+        return [speed, stiffness * (speed - abs(speed) * pull / most)]
+
+    time = np.arange(0.0, end + DT / 2, DT)
+    found = solve_ivp(rates, (0.0, end), [0.0, 0.0], "Radau", time, rtol=1e-8, atol=1e-10, max_step=0.002)
+    return time, found.y[0]
+
+
+@pytest.mark.parametrize("every", [1, 5])
+def test_bristles_are_lugres_law(every):
+    """At 1 ms, and at the 5 ms at which a log is fitted."""
+
+    def static(t):
+        return 4.0 * np.sin(2.5 * t)
+
+    time, expected = lugre(1.0, 0.6, 3.0, 20.0, static, 5.0)
+    ours = joint(BristleFriction(1.0, 0.6, 3.0, 20.0), static(time[::every]), every * DT)
+    assert np.abs(ours - expected[::every]).max() < (0.002 if every == 1 else 0.03)
+    plain = solve_ivp(lambda t, y: (static(t) - y) / TW, (0.0, 5.0), [0.0], t_eval=time, rtol=1e-9).y[0]
+    assert np.abs(plain - expected).max() > 0.5  # what friction makes of it
+
+
+def test_bristles_bend_before_the_joint_slides():
+    """Under a small load the joint follows by 1 / (1 + stiffness) of it."""
+    load = 0.2 * (1.0 - np.cos(np.linspace(0.0, np.pi, 3001)))
+    ours = joint(BristleFriction(5.0, 1.0, 10.0, 24.0), load)
+    assert ours[-1] == pytest.approx(load[-1] / 25.0, rel=0.1)
+
+
+def test_no_friction_is_the_lag():
+    angles = np.sin(0.01 * np.arange(1000))
+    from plants import lag
+
+    expected, c = [0.0], lag.sampled(TW, DT)
+    for before, after in pairwise(angles):
+        expected.append(float(lag.step(expected[-1], before, after, c)))
+    for effect in (FreeSlip(), RubbingSlip(), BristleFriction()):
+        np.testing.assert_allclose(joint(effect, angles), expected, atol=2e-5)
