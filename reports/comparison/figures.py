@@ -10,6 +10,7 @@ from design.comparison.rows import WITHOUT_DEAD_TIME
 from plants.hysteresis import HysteresisLaw
 from plants.wrist import Wrist
 from reports.shared.figures.direct_labels import label_curves
+from reports.shared.figures.point_labels import label_points
 from reports.shared.figures.style import (
     BLACK,
     BLUE,
@@ -122,7 +123,6 @@ def loop_trajectories(comparison: Comparison, wrists: Mapping[str, Wrist]) -> "F
             axes.axhline(comparison.rig.task.step, color=BLACK, linewidth=0.8)
             axes.plot(pressure, static, color=VERMILLION, linestyle=DASHED, label="static angle of the loop")
             axes.plot(pressure, angle, color=BLUE, linewidth=2.0, label="angle")
-            _mark_times(axes, t.time, pressure, angle)
             axes.set(
                 title=title_of(motion), xlabel="Pressure [kPa]", xlim=(low, high),
                 ylim=(-3.5, max(float(angle.max()), float(static.max())) + 3.5),
@@ -130,12 +130,16 @@ def loop_trajectories(comparison: Comparison, wrists: Mapping[str, Wrist]) -> "F
             _line_names(axes, loop, low, high)
         both[0].set_ylabel("Angle [deg]")
         figure.legend(*both[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+        for axes, motion in zip(both, motions, strict=True):
+            t = comparison.steps[motion, TUNED]
+            _mark_times(axes, t.time, t.pressure[:, 0], t.angle[:, 0])
     return figure
 
 
 def _mark_times(axes: "Axes", time: Any, pressure: Any, angle: Any) -> None:
     """Dots at some instants on the path, labelled with their times."""
     seen: list[tuple[float, float]] = []
+    named: dict[str, tuple[float, float]] = {}
     for instant in (0.1, 0.2, 0.5, 1.0):
         i = int(np.searchsorted(time, instant))
         here = (float(pressure[i]) / 8.0, float(angle[i]) / 1.2)  # in sizes of a label
@@ -143,10 +147,8 @@ def _mark_times(axes: "Axes", time: Any, pressure: Any, angle: Any) -> None:
             continue
         seen.append(here)
         axes.plot(pressure[i], angle[i], "o", color=BLUE, markerfacecolor="white", ms=4.5)
-        axes.annotate(
-            f"{instant:g} s", (pressure[i], angle[i]), (6, -3), textcoords="offset points", fontsize=8.5,
-            va="top",
-        )  # fmt: skip
+        named[f"{instant:g} s"] = (float(pressure[i]), float(angle[i]))
+    label_points(axes, named)
 
 
 def _line_names(axes: "Axes", loop: HysteresisLaw, low: float, high: float) -> None:

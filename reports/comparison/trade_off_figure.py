@@ -8,7 +8,7 @@ import numpy as np
 from design.comparison.compare import TUNED, Comparison
 from design.comparison.pareto import margin_s, pareto_front
 from design.comparison.rows import Standing
-from reports.shared.figures.direct_labels import label_points
+from reports.shared.figures.point_labels import label_points
 from reports.shared.figures.style import BLUE, DASHED, GREY, VERMILLION, new_figure, styled
 from reports.shared.names import name_of, title_of
 

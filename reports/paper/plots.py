@@ -61,7 +61,7 @@ def note(
 ) -> None:
     """Write at `place` a label [offset in points] with a thin line to a point [data]."""
     look: dict[str, Any] = {"fontsize": SMALL, "color": "#222222", "ha": "left", "va": "center"}
-    look |= text_look
+    look |= {"bbox": {"facecolor": "white", "edgecolor": "none", "pad": 0.6}} | text_look
     arrow = {"arrowstyle": "-", "color": GREY, "linewidth": 0.7, "shrinkB": 2}
     axes.annotate(text, at, place, textcoords="offset points", arrowprops=arrow, **look)
 

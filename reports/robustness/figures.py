@@ -158,8 +158,8 @@ def draw_worst(worst: Worst, played: PlayedSequence) -> "Figure":
         for axes in (angle, command):
             axes.axvspan(begins, t.time[-1], color="#f3f3f3", zorder=0)
         angle.text(
-            begins, 0.98, " judged from here", transform=angle.get_xaxis_transform(), va="top", fontsize=8.5,
-            color=GREY,
+            begins, 1.01, "judged from here", transform=angle.get_xaxis_transform(), va="bottom",
+            fontsize=8.5, color=GREY,
         )  # fmt: skip
         angle.legend(loc="best")
         angle.set_ylabel("Angle [deg]")

@@ -1,10 +1,11 @@
-"""What is wrong with the words of a figure: those that leave the canvas, and pairs that overlap."""
+"""What is wrong with the text of a figure: it leaves the canvas, overlaps another, or a line crosses it."""
 
 from itertools import combinations
 from typing import Any
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
+from matplotlib.transforms import Bbox
 
 SLACK = 1.5
 """Points by which boxes may touch: they are drawn around the tallest letters of a font."""
@@ -32,7 +33,32 @@ def faults(figure: Any) -> list[str]:
         high = min(a.y1, b.y1) - max(a.y0, b.y0)
         if wide > slack and high > slack:
             found.append(f"{one!r} overlaps {other!r}")
+    return found + [f"a line runs through {text!r}" for text in _struck(figure, renderer)]
+
+
+def _struck(figure: Any, renderer: Any) -> list[str]:
+    """Texts of a panel through whose letters one of its lines runs; an opaque patch hides the line."""
+    found = []
+    for axes in figure.axes:
+        lines = [
+            line
+            for line in axes.lines
+            if line.get_visible() and line.get_linestyle() not in ("None", "none", " ", "")
+        ]
+        for text in axes.texts:
+            if not text.get_visible() or not text.get_text().strip() or text.get_bbox_patch() is not None:
+                continue
+            box = Text.get_window_extent(text, renderer)
+            # Of the box of the tallest letters, the middle: where the small ones are.
+            letters = Bbox.from_extents(box.x0, box.y0 + 0.3 * box.height, box.x1, box.y1 - 0.3 * box.height)
+            if any(_path(line).intersects_bbox(letters, filled=False) for line in lines):
+                found.append(text.get_text())
     return found
+
+
+def _path(line: Any) -> Any:
+    """A line as it is on the screen."""
+    return line.get_transform().transform_path(line.get_path())
 
 
 def _drawn(figure: Any) -> list[Text]:

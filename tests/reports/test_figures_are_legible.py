@@ -1,4 +1,4 @@
-"""In every figure of every page all text is within the canvas, and none lies over another."""
+"""In every figure of every page text is within the canvas, over no other text, and crossed by no line."""
 
 import pytest
 from matplotlib.figure import Figure
@@ -72,7 +72,7 @@ ROOMS = {
 
 
 @pytest.mark.parametrize("room", ROOMS)
-def test_no_text_leaves_the_canvas_or_overlaps_another(room):
+def test_no_text_leaves_the_canvas_overlaps_another_or_is_crossed_by_a_line(room):
     found = {name: said for name, figure in ROOMS[room]().items() if (said := faults(figure))}
     assert found == {}
 
@@ -83,3 +83,13 @@ def test_a_fault_is_found_where_there_is_one():
     figure.text(0.52, 0.51, "other")
     figure.text(0.95, 0.2, "far too long for here")
     assert len(faults(figure)) == 2
+
+
+def test_a_line_through_a_text_is_found():
+    figure = Figure(figsize=(3, 2))
+    axes = figure.add_subplot()
+    axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
+    axes.plot([0.0, 1.0], [0.5, 0.5])
+    axes.text(0.5, 0.5, "crossed", va="center")
+    axes.text(0.5, 0.8, "clear", va="center")
+    assert faults(figure) == ["a line runs through 'crossed'"]

@@ -1,4 +1,4 @@
-"""Names beside the curves of a panel, where a legend of a dozen dash patterns could not be read."""
+"""Names beside the curves of a panel, where a legend of a dozen dash patterns cannot be read."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -124,42 +124,3 @@ def _crossed(at: Array, others: Array, end: Array, middle: Array) -> int:
         return 0
     above = _at(at, others, x) > y
     return int((above != above[:, :1]).any(axis=1).sum())
-
-
-def label_points(axes: "Axes", points: Mapping[str, tuple[float, float]]) -> None:
-    """Write the names of points, given in data, beside them: where no mark, no line and no other name is,
-    joined to the point by a thin line where that is further away."""
-    axes.figure.draw_without_rendering()  # type: ignore[union-attr]  # the panel's size, for that of the letters
-    box = axes.get_window_extent()
-    unit = axes.figure.dpi / 72.0 / np.array([box.width, box.height])  # a point as a share of the panel
-    to_share = axes.transData + axes.transAxes.inverted()
-    at = {name: np.asarray(to_share.transform(place)) for name, place in points.items()}
-    taken = [np.concatenate([p - 4.0 * unit, p + 4.0 * unit]) for p in at.values()]
-    lines: list[Array] = []
-    for line in axes.lines:
-        x, y = line.get_transform().transform(line.get_xydata()).T  # on the screen
-        way = np.linspace(0.0, len(x) - 1.0, ALONG)
-        drawn = np.stack([np.interp(way, np.arange(len(x)), v) for v in (x, y)], axis=1)
-        lines += [np.tile(p, 2) for p in axes.transAxes.inverted().transform(drawn)]
-    for name, point in at.items():
-        size = np.array([0.58 * SIZE * len(name), 1.25 * SIZE]) * unit
-        places = [
-            point + np.array([gap * unit[0] if right else -gap * unit[0] - size[0], (up - 0.5) * size[1]])
-            for up in (0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0)
-            for gap in (9.0, 30.0)
-            for right in (True, False)
-            if up or gap == 9.0
-        ]
-        within = [p for p in places if (p > 0.0).all() and (p + size < 1.0).all()] or places
-        costs = [
-            _over(p, size, taken) + 3.0 * (_over(p, size, lines) > 0.0) + i for i, p in enumerate(within)
-        ]
-        corner = within[int(np.argmin(costs))]
-        taken.append(np.concatenate([corner, corner + size]))
-        aside = abs(corner[1] + 0.5 * size[1] - point[1]) > 0.5 * size[1]
-        axes.annotate(
-            name, points[name], tuple(corner + [0.0 if corner[0] > point[0] else size[0], 0.5 * size[1]]),
-            textcoords="axes fraction", fontsize=SIZE, ha="left" if corner[0] > point[0] else "right",
-            va="center", color="#333333", zorder=6,
-            arrowprops={"arrowstyle": "-", "color": GREY, "linewidth": 0.5} if aside else None,
-        )  # fmt: skip
