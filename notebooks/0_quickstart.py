@@ -1,9 +1,9 @@
 # %% [markdown]
 # # 0 Quickstart: from a log to gains
 #
-# **Which gains does a recorded rig need?** Ten cells: the campaign is fitted, a PI is tuned for all that
-# the rig's file states, dead time included, and judged beside one that is tuned for the step alone.
-# `wrist design` does the same at full effort, with a second degree of freedom and proofs.
+# **Which gains does a recorded rig need?** Ten cells: the campaign is fitted, a PI is tuned for the whole
+# uncertainty stated in the rig's file, dead time included, and compared with a PI tuned for the step
+# only. `wrist design` does the same at full effort, with a second degree of freedom and proofs.
 
 # %%
 # %matplotlib inline
@@ -20,7 +20,7 @@ from reports.shared.figures.gain_map import gain_map
 # %% [markdown]
 # ## Fit
 #
-# The campaign is synthetic; its folder holds `campaign.toml` and CSV files. RMSE and noise are in deg.
+# The campaign is synthetic; its folder has `campaign.toml` and CSV files. RMSE and noise are in deg.
 
 # %%
 campaign = plants.load_campaign(Path(plants.__file__).parent / "measured/examples/flexion")
@@ -31,13 +31,13 @@ print(f"held-out RMSE {fit.validate_rmse['angle_deg']:.3f}, noise {fit.noise['an
 draw_fit(fit)
 
 # %% [markdown]
-# *What to see: the model runs along the measured pressure and angle; the error beneath is noise.*
+# *What to see: the model follows the measured pressure and angle; the error below is noise.*
 #
 # ## Tune
 #
-# The least worst IAE under limits on overshoot, Ms, Mt, delay margin and command. `simple` meets them on
-# every branch without dead time; `tuned` meets them for the whole requirement, whose worst cases a search
-# adds until it finds no more.
+# The worst-case IAE is minimised under limits on overshoot, Ms, Mt, delay margin and command. `simple`
+# meets them on every branch without dead time; `tuned` meets them for the whole requirement: a search
+# adds worst cases until it finds no more.
 
 # %%
 wrist, asked = plants.Wrist.of(fit.fitted), design.requirement(fit.fitted)
@@ -53,7 +53,7 @@ gain_map(simple)
 gain_map(tuned.final)
 
 # %% [markdown]
-# *What to see: the requirement takes away a part of the feasible region, the fastest gains among it.*
+# *What to see: the requirement reduces the feasible region and excludes the fastest gains.*
 #
 # ## Judge
 #
@@ -72,7 +72,7 @@ for name, count in decided.candidates.items():
 print(f"longest dead time {1000 * decided.dead_time:.0f} ms")
 
 # %% [markdown]
-# The decision card takes the one that breaks limits least; ▲ marks a limit that is broken.
+# The decision card shows the PI with the fewest broken limits; ▲ marks a broken limit.
 
 # %%
 card = CardRow(
@@ -84,11 +84,12 @@ shown(matrix_table([card]))
 draw_steps([card])
 
 # %% [markdown]
-# *What to see: with the longest dead time the step stays below the limit on overshoot, from every start.*
+# *What to see: with the longest dead time the step stays below the limit on overshoot, from every initial
+# state.*
 #
 # ## Export
 #
-# The file is taken by `wrist robust --gains FILE` and `wrist export pi --gains FILE`, which writes C.
+# The file is read by `wrist robust --gains FILE` and `wrist export pi --gains FILE`, which writes C.
 
 # %%
 written = design.write_gains(Path(mkdtemp()) / "gains.toml", decided.gains, {"plant": fit.fitted.title})
@@ -97,5 +98,5 @@ print(written.read_text())
 # %% [markdown]
 # ## What follows, and what does not
 #
-# These gains met every limit in what was sampled and searched; that is no proof. `wrist design` asks for
-# certificates, and `wrist trace` first asks whether the model lacks an effect.
+# These gains met every limit in all samples and search runs; this is no proof. `wrist design` computes
+# certificates, and `wrist trace` tests whether the model lacks an effect.

@@ -1,13 +1,13 @@
 # %% [markdown]
 # # 1 The wrist and its loop
 #
-# **A wrist is moved by air, and its angle at a given pressure depends on where it came from. What, then, is
-# the plant that a controller has to hold at 15 degrees, and how much of it is known?**
+# **The angle of a pneumatic wrist at a given pressure depends on its history. Which plant does a
+# controller have to hold at 15 degrees, and how much of it is known?**
 #
 # The wrist is that of [doi 10.5772/50538](https://doi.org/10.5772/50538): an electro-pneumatic regulator
-# turns a command voltage into the pressure of one of two antagonistic actuators, the pressure into an angle
-# by a hysteresis loop of four straight segments, and a first-order lag stands for the inertia of the joint.
-# This notebook builds the model from its parts, redraws the paper's figures from it, and says of every
+# turns a command voltage into the pressure of one of two antagonistic actuators, the pressure into an
+# angle by a hysteresis loop of four straight segments, and a first-order lag models the joint. This
+# notebook builds the model from its parts, redraws the paper's figures with it, and states for every
 # number whether the paper *states* it, whether we *assume* it, or whether it was *fitted* to data.
 
 # %%
@@ -31,9 +31,8 @@ flexion, deviation = plants.Wrist.flexion(), plants.Wrist.deviation()
 # %% [markdown]
 # ## What is known
 #
-# The text of the paper reached us without its equations and its figures. What is left is a handful of
-# numbers, the structure, and the task; the rest had to be assumed, each with a reason that `wrist show`
-# prints.
+# The equations and figures of the paper are not available. Its text gives a few numbers, the structure,
+# and the task; the rest is assumed, each with a reason that `wrist show` prints.
 
 # %%
 sets = built_in("flexion")
@@ -43,7 +42,7 @@ shown(parameter_table(sets))
 # %% [markdown]
 # So no figure below is a measurement. Those that carry a number redraw the paper's figure of that number
 # from the model alone: their shapes follow from the structure that the paper states, their scales mostly
-# from assumptions. What each of them rests on:
+# from assumptions. The parameters that each depends on:
 
 # %%
 assumed = {
@@ -60,11 +59,10 @@ rows(
 )
 
 # %% [markdown]
-# ## The regulator is accurate, and slow at the end
+# ## The regulator is accurate, but slow near the end
 #
-# In the steady state the regulator is a straight line (Fig. 5): so many kilopascals a volt, stated by the
-# paper. The full range of the command ends a little short of the highest pressure of the paper's
-# experiments.
+# In the steady state the regulator is linear (Fig. 5), with the gain stated by the paper. The full range
+# of the command does not quite reach the highest pressure of the paper's experiments.
 
 # %%
 paper.draw(5, paper_series(5, flexion, deviation))
@@ -72,11 +70,11 @@ paper.draw(5, paper_series(5, flexion, deviation))
 # %% [markdown]
 # *What to see: nine held commands, nine pressures on one line.*
 #
-# On the way there it is no linear lag. The paper first tries one (Fig. 6), finds that the real regulator
-# takes about ten seconds for the last bit, and replaces it by a proportional gain that varies with the
-# error (Fig. 8). The law itself is lost. We take $\dot P = k(e)\,e$ with a rate $k$ that falls from
-# `k_fast` to `k_slow` as the error comes below `e0`: the simplest law that is fast far out and slow near
-# the end.
+# Its transient is not a linear lag. The paper first tries one (Fig. 6), finds that the real regulator
+# takes about ten seconds for the last few kilopascals, and replaces it by a proportional gain that varies
+# with the error (Fig. 8). The law itself is lost. We take $\dot P = k(e)\,e$ with a rate $k$ that falls
+# from `k_fast` to `k_slow` as the error comes below `e0`: the simplest law that is fast for large and
+# slow for small errors.
 
 # %%
 paper.draw(6, paper_series(6, flexion, deviation))
@@ -96,8 +94,8 @@ for name, wrist in {"first-order lag": flexion.as_lag_regulator(), "variable P":
     print(f"{name:16s} within 10 kPa after {within[0]:.2f} s, within 1 kPa after {within[1]:.2f} s")
 
 # %% [markdown]
-# For control this is the first trap: a rate measured on the large step is more than ten times the rate at
-# which the loop must be trimmed in the end.
+# This is the first difficulty for control: the rate measured on a large step is more than ten times the
+# rate near the reference.
 
 # %%
 regulator = flexion.regulator
@@ -105,12 +103,11 @@ print(f"fast rate {regulator.k_fast} 1/s, slow rate {regulator.k_slow} 1/s")
 assert regulator.k_fast / regulator.k_slow > 10
 
 # %% [markdown]
-# ## The loop remembers
+# ## The hysteresis loop
 #
-# Straight from rest to a pressure (Fig. 10) the wrist does not move at first: a dead zone lies around 100
-# kPa. On a staircase of pressures up and down (Fig. 11) it draws a loop (Fig. 12): *line 1* while it moves
-# in the plus direction, *line 2* while it moves in the minus direction, and a *transit* of small slope from
-# one to the other.
+# From rest (Fig. 10) the wrist does not move at first: there is a dead zone around 100 kPa. A staircase
+# of pressures (Fig. 11) gives a loop (Fig. 12): *line 1* while it moves in the plus direction, *line 2*
+# while it moves in the minus direction, and a *transit* of small slope from one to the other.
 
 # %%
 paper.draw(10, paper_series(10, flexion, deviation))
@@ -126,7 +123,7 @@ paper.draw(12, paper_series(12, flexion, deviation))
 # one on the way up and one on the way down.* The transit slopes are stated by the paper, the lines are
 # assumed such that the range of the command spans the range of motion that it states.
 #
-# The loop is more than an outer envelope. A pressure that turns back half-way draws a minor loop inside:
+# The loop is more than its outer branches. A pressure that reverses halfway gives a minor loop inside:
 
 # %%
 turns = [100.0, 170.0, 40.0, 150.0, 60.0, 130.0, 80.0, 120.0, 100.0]
@@ -142,8 +139,8 @@ with styled():
 figure
 
 # %% [markdown]
-# *What to see: ever smaller loops inside one another; on the vertical line at 100 kPa the angle is another
-# one at each pass.* How different can it be, and does it matter how fast one gets there?
+# *What to see: nested loops of decreasing size; on the vertical line at 100 kPa the angle differs at each
+# pass.* How large is the difference, and does it depend on the rate?
 
 # %%
 loop = flexion.hysteresis
@@ -159,12 +156,11 @@ print(f"the same path in 8 steps and in 8 x 999: {once.h:.6f} and {many.h:.6f} d
 assert abs(once.h - many.h) < 1e-9
 
 # %% [markdown]
-# The loop does not care about speed: only the turning points count. All that it remembers is one number,
-# the static angle, and whether it has ever met a line. That is what makes the model small enough to prove
-# things about (notebook 3).
+# The loop is rate-independent: only the turning points matter. Its state is one number, the static angle,
+# and whether it has ever met a line. This small state makes proofs possible (notebook 3).
 #
-# For control the second trap is the slope. Between the lines it is that of the transit, on them that of the
-# lines:
+# The second difficulty for control is the slope. Between the lines it is that of the transit, on them
+# that of the lines:
 
 # %%
 for name, wrist in {"flexion": flexion, "deviation": deviation}.items():
@@ -174,13 +170,13 @@ for name, wrist in {"flexion": flexion, "deviation": deviation}.items():
     )
 
 # %% [markdown]
-# The plant's gain changes by such a factor whenever the motion turns round. There is no one linearisation
-# to tune on.
+# The plant's gain changes by this factor whenever the motion reverses. No single linearisation is
+# sufficient for tuning.
 #
-# ## Behind the loop, a lag
+# ## A lag after the loop
 #
 # Regulator, loop and a first-order lag in series are the wrist drive system (section 5.2 of the paper).
-# Fig. 13 is its answer to the staircase.
+# Fig. 13 is its response to the staircase.
 
 # %%
 paper.draw(13, paper_series(13, flexion, deviation))
@@ -190,8 +186,8 @@ paper.draw(13, paper_series(13, flexion, deviation))
 #
 # ## A step of 15 degrees
 #
-# The paper closes the loop with a PI whose gains are lost. Its text reads as a response of seconds, so a
-# stand-in is *assumed*, with a range around it. No conclusion of these notebooks hangs on a value within
+# The paper closes the loop with a PI whose gains are lost. Its text describes a response of seconds, so
+# stand-in gains are *assumed*, with a range. No conclusion of these notebooks depends on a value within
 # the range.
 
 # %%
@@ -201,8 +197,8 @@ paper.draw(14, paper_series(14, flexion, deviation))
 paper.draw(15, paper_series(15, flexion, deviation))
 
 # %% [markdown]
-# *What to see: a short delay while the dead zone is crossed, then a creep to the reference; the grey band
-# is the range of the assumed gains.* The wait depends on the memory that the loop starts from:
+# *What to see: a short delay while the dead zone is crossed, then a slow approach to the reference; the
+# grey band is the range of the assumed gains.* The delay depends on the initial hysteresis state:
 
 # %%
 pi = design.PI(*PAPER_GAINS)
@@ -220,13 +216,13 @@ with styled():
 figure
 
 # %% [markdown]
-# *What to see: the same wrist at the same angle under the same controller, and yet other responses, since
-# one start lies on the line that is needed and another at the far side of the loop (two happen to have
-# equally far to go).* A tuning that looks at one of them has seen a part of the plant.
+# *What to see: the same wrist at the same angle with the same controller, but different responses, since
+# one run starts on the line that is needed and another at the far side of the loop (two happen to have
+# the same distance).* A tuning on one of them covers only a part of the plant.
 #
 # ## The same plant in python-control
 #
-# Everything here can be taken elsewhere. The sampled wrist is a `control.nlsys`, and each branch of the
+# The model is available in python-control. The sampled wrist is a `control.nlsys`, and each branch of the
 # loop has a linearisation, a `control.ss`. They agree with the simulator:
 
 # %%
@@ -265,11 +261,11 @@ rows(
 # %% [markdown]
 # ## What follows, and what does not
 #
-# The plant of a PI that holds 15 degrees is not one transfer function but a family, through which the wrist
-# moves as the error shrinks and the motion turns. Its gain changes by the ratio of the slopes, and its
-# slowest pole from the slow rate of the regulator to that of the lag. That much follows from the structure,
-# which the paper states, and would survive other numbers. What you cannot conclude is how the real wrist
-# behaves in degrees and seconds: the lines, the rates, the time constant and the paper's gains are assumed,
-# no measured curve of this rig exists to compare with, and whatever the rig has that the paper does not
-# mention (a tube's dead time, creep, stiction) is absent here. Notebook 2 therefore tunes under margins and
-# on many plants rather than on this one, and notebook 5 shows what to do once there is data.
+# The plant of a PI that holds 15 degrees is not one transfer function but a family: the wrist moves
+# through it as the error decreases and the motion reverses. Its gain changes by the ratio of the slopes,
+# and its slowest pole from the slow rate of the regulator to that of the lag. This follows from the
+# structure, which the paper states, and does not depend on the numbers. You cannot conclude how the real
+# wrist behaves in degrees and seconds: the lines, the rates, the time constant and the paper's gains are
+# assumed, no measured curve of this rig is available for comparison, and effects that the paper does not
+# mention (dead time of a tube, creep, stiction) are absent here. Notebook 2 therefore tunes with margins
+# and on many plants, and notebook 5 shows the steps with measured data.

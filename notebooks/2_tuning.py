@@ -1,11 +1,11 @@
 # %% [markdown]
-# # 2 Tuning the PI, and what the map of the gains says
+# # 2 Tuning the PI, and the gain map
 #
-# **A PI has two gains. Which pair holds 15 degrees fastest on every branch of the loop, what stops it from
-# being faster, and would a textbook rule have found it?**
+# **A PI has two gains. Which pair reaches 15 degrees fastest on every branch of the loop, which limit
+# prevents faster gains, and does a textbook rule find them?**
 #
-# The plant is that of notebook 1, which is mostly *assumed*. So what is asked of gains here is asked on
-# many plants.
+# The plant is that of notebook 1, which is mostly *assumed*. The requirement is therefore stated on many
+# plants.
 
 # %%
 # %matplotlib inline
@@ -44,11 +44,11 @@ from reports.shared.tables import Cell, number
 wrist = plants.Wrist.flexion()
 
 # %% [markdown]
-# ## What is asked
+# ## Task and limits
 #
-# The task is the paper's step of 15 degrees, either way, from every memory the loop can start with, and
-# back. It is asked on the nominal plant and on eight corners, on which loop width, slopes and lag lie off
-# by *assumed* shares.
+# The task is the paper's step of 15 degrees, of both signs, from every initial hysteresis state, and the
+# return. It applies to the nominal plant and to eight corners, with *assumed* deviations of loop width,
+# slopes and lag.
 
 # %%
 problem = default_problem(wrist)
@@ -59,14 +59,15 @@ shown(limits_table(problem.limits))
 
 # %% [markdown]
 # Under these limits the worst integral of the absolute error (IAE) is to be as small as possible.
-# Overshoot, travel and steady error are *simulated* on every scenario, since no linear theory gives them
-# for a loop that switches. The peak of the sensitivity and the delay margin come from the linear loop on
-# each branch at both ends of the regulator's rate: they are what protects against the tube and the valve
-# that the model does not have.
+# Overshoot, total variation and steady error are *simulated* on every scenario, since linear theory does
+# not give them for a switching loop. The sensitivity peak and the delay margin come from the linear loop
+# on each branch at both ends of the regulator's rate: they protect against tube and valve, which the
+# model does not have.
 #
-# ## The answer
+# ## The result
 #
-# `tune` evaluates a dense map of gains first, so that no valley is missed, then refines the best ones.
+# `tune` evaluates a dense map of gains first, so that no local minimum is missed, then refines the best
+# ones.
 
 # %%
 found = tune(problem)
@@ -81,12 +82,11 @@ shown(tuning_table(found))
 gain_map(found)
 
 # %% [markdown]
-# *What to see: the darker, the worse. Within the black line every limit is held; hatching says which limit
-# stops the gains elsewhere.* The answer lies on the edge of the feasible region and not in the middle of a
-# valley: more gain would be faster, and is forbidden. Going up from it, by more integral gain, the
-# overshoot is first to say no, and further up the sensitivity; going down, the loop is too slow to bring
-# the steady error below its limit. The paper's stand-in lies inside, with most of the range that is assumed
-# around it. The three rules lie outside:
+# *What to see: dark is worse. Within the black line every limit is met; the hatching names the limit
+# broken elsewhere.* The optimum is on the edge of the feasible region: higher gains would be faster, but
+# break a limit. With more integral gain first the overshoot, then the sensitivity breaks its limit; with
+# less, the loop is too slow for the limit on the steady error. The paper's stand-in is inside, with most
+# of its assumed range. The three rules are outside:
 
 # %%
 rules = baselines(wrist)
@@ -94,9 +94,9 @@ gains = {"tuned": (found.Kp, found.Ki), **{name: (pi.Kp, pi.Ki) for name, pi in 
 limits_held(problem, evaluate(problem, *zip(*gains.values(), strict=True)), gains)
 
 # %% [markdown]
-# A cross marks a broken limit. It is not that the rules were fed badly: their first-order lag with dead
-# time was fitted to a reaction curve on line 1, where the wrist moves most, and fits it well. They fail for
-# what the curve does not show:
+# A mark ▲ shows a broken limit. The data of the rules are not the cause: their first-order lag with dead
+# time is fitted to a reaction curve on line 1, where the wrist moves most, and fits it well. They fail
+# because of what the curve does not show:
 
 # %%
 curve = reaction_curve(wrist)
@@ -108,15 +108,15 @@ shown_gains = {name: design.PI(*gains[name]) for name in ("tuned", "SIMC", "Zieg
 nyquist(wrist, shown_gains)
 
 # %% [markdown]
-# *What to see: one curve for each branch and rate of the same loop. Those of the fast rate keep clear of
-# the point -1 under SIMC too; it is the lines at the slow rate that enter the disc.* Near the reference the
-# regulator is slow, so that the loop has one more slow pole than the fast reaction curve showed, and an
-# integral action fitted to the fast one winds up behind it.
+# *What to see: one curve for each branch and rate of the same loop. With SIMC, too, those at the fast
+# rate stay away from the point -1; the lines at the slow rate enter the disc.* Near the reference the
+# regulator is slow, so the loop has one more slow pole than the reaction curve showed, and the integral
+# action is too fast for it.
 #
 # ## Why tuning on one branch fails
 #
-# Suppose that we use the same tool, but look at one start and the margins of one branch only, or at the
-# nominal step from rest only (without the delay margin, as one who trusts the model would).
+# Use the same tool with one initial state and the margins of one branch only, or with the nominal step
+# from rest only (without the delay margin, as if the model were exact).
 
 # %%
 lines = tuple(b for b in problem.branches if b.branch != "transit")
@@ -135,9 +135,9 @@ pairs = [(f.Kp, f.Ki) for f in alone.values()]
 limits_held(problem, evaluate(problem, *zip(*pairs, strict=True)), alone)
 
 # %% [markdown]
-# Each of these pairs meets every limit in its own view (the cell asserts it), and breaks some on the whole
-# set. The steps of the pair that saw the lines only, beside those of the tuned pair, from all four
-# memories:
+# Each of these pairs meets every limit on its own scenarios (the cell asserts it), and breaks some on the
+# whole set. Steps of the pair tuned on the lines only, beside those of the tuned pair, from all four
+# initial states:
 
 # %%
 lanes, state, reference = stack([Scenario(start, 0.0, STEP, wrist) for start in STARTS])
@@ -157,14 +157,14 @@ with styled():
 figure
 
 # %% [markdown]
-# *What to see: from line 1, which it was tuned on, the right-hand controller is the faster one; from the
-# other memories it stops short of the reference and creeps.* The broken limit in the table is met on yet
-# another plant.
+# *What to see: from line 1, which it was tuned on, the right-hand controller is faster; from the other
+# initial states it approaches the reference slowly.* The broken limit in the table occurs on another
+# plant.
 #
-# ## How much of the answer is assumption
+# ## Sensitivity to the assumptions
 #
-# Most numbers of the plant are assumed. If one of them were a fifth lower or higher, would the gains above
-# still hold the limits, and how far would the best gains move? (A map of 16 x 16 gains and two local
+# Most parameters of the plant are assumed. If one of them is 20 % lower or higher, do the gains above
+# still meet the limits, and how much do the optimal gains change? (A map of 16 x 16 gains and two local
 # searches each, to save time.)
 
 # %%
@@ -207,14 +207,14 @@ print(f"the best Ki lies between {min(best_Ki):.2f} and {max(best_Ki):.2f} kPa/(
 print(f"{', '.join(names[1:])}, each fitted to the changed plant: a limit broken in every case")
 
 # %% [markdown]
-# An optimum on the edge of a limit leaves it as soon as the plant moves the wrong way.
+# An optimum on a limit breaks this limit as soon as the plant changes in the unfavourable direction.
 #
-# ## Turn it yourself
+# ## Interactive tuning
 #
-# The map is a still picture. In Jupyter the same computation follows a drag: sliders for the gains, the
-# width and the slopes of the loop and a dead time, the step on every branch, the margins, and what breaks a
-# limit in red; a button keeps the gains for the command. (Without a running kernel there is nothing to
-# drag; what it computes stands beneath.)
+# The map is static. In Jupyter the tuner computes the same interactively: sliders for the gains, the
+# width and the slopes of the loop and a dead time; the step on every branch, the margins, and broken
+# limits in red; a button saves the gains for the command line. (Without a running kernel only its results
+# are shown below.)
 
 # %%
 tuner = Tuner("flexion")
@@ -249,8 +249,8 @@ rows(
 )
 
 # %% [markdown]
-# *What to see: behind 50 ms of tube, which the tuning did not simulate, the tuned gains overshoot from line
-# 1; two limits are broken, and red in the tuner.* Turn both gains down, and they are held again:
+# *What to see: with 50 ms of dead time, which the tuning did not simulate, the tuned gains overshoot from
+# line 1; two limits are broken, and red in the tuner.* With both gains reduced, all limits are met again:
 
 # %%
 tuner.Kp, tuner.Ki = 2.3, 6.4
@@ -260,10 +260,9 @@ assert not tuner.shown.broken
 # %% [markdown]
 # ## What follows, and what does not
 #
-# The fastest PI is the one that just does not overshoot on the plant and memory that favour overshoot, and
-# that is found by simulating them, not from one branch's margins. A rule that sees one reaction curve lands
-# outside the feasible region, since the loop it will meet near the reference is slower than the one it was
-# shown. Both statements survived every changed assumption above; the gains themselves did not: they moved
-# with the slopes and the lag, which nobody has measured here, and half of the changes took them out of a
-# limit. So do not type these gains into a rig. Fit the rig first (notebook 5), tune on what was fitted, and
-# ask how far the result can be trusted (notebook 3).
+# The fastest PI is limited by overshoot on the least favourable plant and initial state. It is found by
+# simulation, not from the margins of one branch. A rule based on one reaction curve gives gains outside
+# the feasible region, since the loop near the reference is slower than that curve. Both statements hold
+# for every changed assumption above; the gains do not: they change with the slopes and the lag, which are
+# not measured here, and half of the changes break a limit. So do not use these gains on a rig. Fit the
+# rig first (notebook 5), tune on the fitted plant, and assess its robustness (notebook 3).

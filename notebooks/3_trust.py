@@ -1,14 +1,14 @@
 # %% [markdown]
-# # 3 How far to trust it, across the branches
+# # 3 Robustness across the branches
 #
 # **Two pairs of gains meet every limit of notebook 2: the tuned one on the edge, and a more cautious one.
-# Each is stable on each branch. What can be said of the loop that moves between the branches, on plants
-# that are not quite as believed?**
+# Each is stable on each branch. What can be said about the loop that switches between the branches, on
+# perturbed plants?**
 #
-# Three kinds of statement are made below, and they must not be mixed up. A *certificate* is proved, for a
-# whole class of loops, and checked apart from the solver that found it. A *prediction* comes from linear
-# theory or the describing function, and is only as good as their premises. A *sample* was simulated, and
-# says nothing beyond its statistics.
+# There are three kinds of statement. A *certificate* is proved for a whole class of loops, and checked
+# independently of the solver that found it. A *prediction* comes from linear theory or the describing
+# function, and holds under their assumptions. A *sample* is simulated, and supports only statistical
+# statements.
 
 # %%
 # %matplotlib inline
@@ -50,8 +50,8 @@ problem = default_problem(wrist)
 limits_held(problem, evaluate(problem, *zip(*gains.values(), strict=True)), gains)
 
 # %% [markdown]
-# Hardly anything of this plant was measured (notebook 1), so every statement has to hold on a *box* of
-# plants: assumed parameters off by assumed shares.
+# Most of this plant is assumed (notebook 1), so every statement must hold on a *box* of plants: assumed
+# parameters with assumed relative deviations.
 
 # %%
 box = box_of(built_in("flexion"))
@@ -62,12 +62,12 @@ found = {name: assess(box, design.PI(*pair), budget=4000) for name, pair in gain
 tuned, cautious = found["tuned"], found["cautious"]
 
 # %% [markdown]
-# (The search for the worst case is given 4000 runs here; the command `wrist robust` takes more by default.)
+# (The worst-case search has 4000 runs here; the command `wrist robust` uses more by default.)
 #
-# ## Predictions: every branch has margins to spare
+# ## Predictions: every branch has sufficient margins
 #
-# The loop of the tuned pair on each branch and at each rate of the regulator. "Steepest" is what a small
-# motion about a moving equilibrium meets, a little above the fast rate.
+# The loop of the tuned pair on each branch and at each rate of the regulator. "Steepest" is the rate for
+# small motions about a moving equilibrium, a little above the fast rate.
 
 # %%
 shown(margin_table(tuned))
@@ -76,10 +76,10 @@ shown(margin_table(tuned))
 sensitivities(wrist, tuned.controller, tuned.limits)
 
 # %% [markdown]
-# *What to see: each line is one branch at one rate; all stay below the limit on the left, and on the right
-# below the curve under which no dead time up to the limit can matter.* Linear theory has no objection, and
-# neither has the describing function of the loop: it predicts no oscillation for either pair. That it can
-# predict one is seen with far more integral gain:
+# *What to see: each line is one branch at one rate; all stay below the limit on the left, and on the
+# right below the curve under which no dead time up to the limit destabilises.* Linear theory predicts
+# stability, and the describing function predicts no oscillation for either pair. With much more integral
+# gain it predicts one:
 
 # %%
 wild = design.PI(1.0, 40.0)
@@ -93,11 +93,11 @@ assert all(c.confirmed for c in cycles)
 shown(cycle_table(cycles))
 
 # %% [markdown]
-# *What to see: where the curve of the loop at the right rate meets -1/N of the hysteresis, an oscillation
-# can sustain itself.* Of two such cycles one repels and one attracts: swings smaller than the first die
-# away, larger ones end at the second. The simulator confirms both (its values in brackets); how far the
-# amplitudes are off is what an approximation by one harmonic costs. The return from 15 degrees to 0 ends on
-# the cycle that attracts:
+# *What to see: where the curve of the loop at its rate intersects -1/N of the hysteresis, a limit cycle
+# is predicted.* Of the two limit cycles one is unstable and one is stable: oscillations smaller than the
+# first decay, larger ones converge to the second. Simulation confirms both (its values in brackets); the
+# difference of the amplitudes is the error of the first-harmonic approximation. The return from 15
+# degrees to 0 ends on the stable limit cycle:
 
 # %%
 held = wrist.rest("line1", STEP)
@@ -117,15 +117,15 @@ with styled():
 figure
 
 # %% [markdown]
-# *What to see: the wild loop swings on, the tuned one comes to rest.*
+# *What to see: the loop with high integral gain keeps oscillating, the tuned one settles.*
 #
-# ## Certificates: stable on each branch is not stable between them
+# ## Certificates: stability on each branch does not imply stability under switching
 #
-# Margins are of one branch at a time. Two stable linear systems, switched at the right moments, can grow.
-# Is there a Lyapunov function that falls on all branches and at all rates at once? The rungs go from the
-# widest class of loops (slope and rate change at will) to a narrower one (the regulator obeys some fixed
-# law of its kind, and only the slope changes at will), and end with the loop's own memory, once no more than
-# one of its lines is met:
+# Margins concern one branch at a time. Switching between two stable linear systems can be unstable. Is
+# there a Lyapunov function that decreases on all branches and at all rates? The certificates range from
+# the widest class of loops (slope and rate switch arbitrarily) to a narrower one (the regulator has some
+# fixed law, and only the slope switches arbitrarily), and to the hysteresis itself while at most one of
+# its lines is met:
 
 # %%
 rungs = zip(tuned.ladder, cautious.ladder, strict=True)
@@ -140,11 +140,11 @@ rows(
 )
 
 # %% [markdown]
-# The cautious pair is certified for the narrower class, with 50 ms of dead time on top. For the tuned pair
-# nothing is found wherever slopes switch at will. That alone would mean little: no proof found is not a
-# disproof. But against arbitrary switching there is a disproof, a *word*: an order of branches and rates,
-# repeated, under which the state grows. With the memory of the loop both pairs are certified, fast: what the
-# word does, a loop that remembers cannot do.
+# The cautious pair is certified for the narrower class, also with 50 ms of dead time. For the tuned pair
+# no certificate is found for arbitrarily switching slopes. This alone is not a disproof. But for
+# arbitrary switching of slope and rate there is a disproof: a *destabilising switching sequence*, a
+# repeated sequence of branches and rates under which the state grows. With the hysteresis included both
+# pairs are certified, with a fast rate: the hysteresis excludes this sequence.
 
 # %%
 word = tuned.word
@@ -156,17 +156,17 @@ print(*str(word).split(", "), sep=",\n")
 word_growth(growth_of(LoopModel.of(wrist, tuned.controller), word))
 
 # %% [markdown]
-# *What to see: each letter alone decays, the word grows from pass to pass.* The wrist cannot spell this
-# word, since its rate follows from the error of its pressure and its slope from which way it moves. But no
-# function can prove a loop safe whose class contains it. The cautious pair has such a word too, a slower
-# one; its certificate is of the narrower class.
+# *What to see: each element alone decays, the sequence grows from period to period.* The wrist cannot
+# follow this sequence, since its rate depends on the pressure error and its slope on the direction of
+# motion. But no Lyapunov function exists for a class that contains it. The cautious pair has a
+# destabilising sequence too, a slower one; its certificate is for the narrower class.
 
 # %%
 print(f"growth of the word: tuned {word.growth:.3f} 1/s, cautious {cautious.word.growth:.3f} 1/s")
 assert cautious.word.growth < word.growth
 
 # %% [markdown]
-# The whole plane of the gains (a grid of 14 x 14, coarser than the command's, to save time):
+# The gain plane (a grid of 14 x 14, coarser than that of the command, to save time):
 
 # %%
 plane = gain_plane(problem, tuple(RUNGS), points=14)
@@ -174,16 +174,16 @@ marks = {name: pair for name, pair in gains.items()} | {"paper's stand-in": PAPE
 draw_gain_plane(plane, problem.limits, marks)
 
 # %% [markdown]
-# *What to see: the star, tuned, stands just outside what is certified, the cautious pair inside. For loops
-# whose slope and rate change at will (dark) only very slow gains are certified.* The certified regions and
-# those of the limits (lines) do not nest: a certificate knows nothing of overshoot, and a limit nothing of
-# switching.
+# *What to see: the tuned pair (star) is just outside the certified region, the cautious pair inside. For
+# arbitrarily switching slope and rate (dark) only very slow gains are certified.* The certified regions
+# and those of the limits (lines) are not nested: a certificate does not cover overshoot, and a limit does
+# not cover switching.
 #
-# ## Samples: what happens on plants like this one
+# ## Samples: perturbed plants
 #
-# Plant, memory, sign of the step, up to 50 ms of dead time, load, noise and resolution of the sensor are
-# drawn at random. The share of cases that break a limit comes with its exact (Clopper-Pearson) interval at
-# 95 %.
+# Plant, initial state, sign of the step, up to 50 ms of dead time, load, noise and resolution of the
+# sensor are drawn at random. The share of cases that break a limit comes with its exact (Clopper-Pearson)
+# interval at 95 %.
 
 # %%
 rows(
@@ -201,9 +201,8 @@ rows(
 draw_envelopes(envelopes(tuned.cases), STEP)
 
 # %% [markdown]
-# *What to see: nine tenths of the cases lie within the band; its upper edge passes the reference by more
-# than the limit on overshoot allows.* Is it the tube, or the rates of the regulator, which the corners of
-# the tuning did not vary?
+# *What to see: nine tenths of the cases are within the band; its upper edge exceeds the limit on overshoot.* Is
+# the cause the dead time, or the rates of the regulator, which the corners of the tuning did not vary?
 
 # %% tags=["varies"]
 without = monte_carlo(box, tuned.controller, Conditions(dead_time=0.0))
@@ -212,10 +211,11 @@ for name, cases in {"with up to 50 ms of dead time": tuned.cases, "without": wit
     print(f"{name}: {overshoot.count} of {overshoot.trials} cases overshoot by more than 5 %")
 
 # %% [markdown]
-# The tube, nearly alone. The delay margin, several times as long as the tube, did not warn of it: it is
-# of instability, not of overshoot.
+# Almost only the dead time. The delay margin, several times as large, does not show it: it concerns
+# instability, not overshoot.
 #
-# Chance does not look for trouble. A search over the same box, the memory and three references does:
+# Random samples rarely include the worst case. A search over the same box, the initial state and three
+# references finds more:
 
 # %% tags=["varies"]
 Markdown("\n".join(f"- *{name}*: {captions.worst_words(a)}" for name, a in found.items()))
@@ -224,13 +224,13 @@ Markdown("\n".join(f"- *{name}*: {captions.worst_words(a)}" for name, a in found
 draw_worst(tuned.worst, worst_run(tuned.worst))
 
 # %% [markdown]
-# *What to see: two steps that put the loop's memory in an awkward place, then the one that is judged
-# (shaded).* Overshoot is counted as a share of that last step. Such a scenario can be kept (`wrist robust
-# --worst FILE`), played again (`wrist simulate --scenario FILE`) and tuned against (`wrist tune --robust`).
+# *What to see: two steps that bring the hysteresis into an unfavourable state, then the step that is
+# judged (shaded).* Overshoot is relative to that last step. Such a scenario can be saved (`wrist robust
+# --worst FILE`), repeated (`wrist simulate --scenario FILE`) and tuned against (`wrist tune --robust`).
 #
-# ## Where the kinds disagree
+# ## Apparent contradictions
 #
-# Each kind is right about what it covers. The assessment names its own contradictions:
+# Each kind is correct for what it covers. The assessment lists apparent contradictions:
 
 # %% tags=["varies"]
 Markdown("\n".join(f"- *{name}*: {said}" for name, a in found.items() for said in disagreement_sentences(a)))
@@ -238,11 +238,11 @@ Markdown("\n".join(f"- *{name}*: {said}" for name, a in found.items() for said i
 # %% [markdown]
 # ## What follows, and what does not
 #
-# Margins on every branch are necessary and not enough: both pairs have them, and only the cautious one kept
-# its limits in all samples. The price is speed; the table at the top says how much. For the cautious pair
-# you may conclude that the modelled loop does not go on oscillating while its command stays within the
-# range, with 50 ms of dead time too, for every regulator of the class. You may not conclude that it never
-# overshoots by more than 5 %: the search found a way, and "none of the samples" means at most the upper end
-# of its interval. For neither pair is anything said about effects that are in no model here, stick-slip
-# above all, nor about plants outside the box, whose shares are assumed. A measured campaign replaces
-# assumed shares by standard errors (notebook 5), which is the better half of robustness.
+# Margins on every branch are necessary but not sufficient: both pairs have them, and only the cautious
+# one meets its limits in all samples. It is slower; the table at the top shows by how much. For the
+# cautious pair you may conclude that the modelled loop has no sustained oscillation while its command
+# stays within the range, also with 50 ms of dead time, for every regulator of the class. You may not
+# conclude that it never overshoots by more than 5 %: the search found such a case, and "none of the
+# samples" means at most the upper end of its interval. The statements do not cover unmodelled effects
+# such as stick-slip, nor plants outside the assumed box. A measured campaign replaces assumed deviations
+# by standard errors (notebook 5).

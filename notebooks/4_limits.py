@@ -1,11 +1,11 @@
 # %% [markdown]
-# # 4 What feedforward and MPC would gain, against the limit
+# # 4 Feedforward and MPC against the performance bound
 #
-# **The tuned PI settles in seconds. How fast could anything settle this wrist, how much of that do an
-# inverse model and a predictive controller get, and what of it is left when the model is wrong?**
+# **The tuned PI settles in seconds. How fast can any controller settle this wrist, how close do
+# feedforward and MPC come, and how much of this remains with model error?**
 #
-# Everything here is computed on the *assumed* parameters of notebook 1; what carries over to a rig are
-# ratios and their order, if anything. The gains of the PI are those of notebook 2.
+# Everything here is computed on the *assumed* parameters of notebook 1; at most ratios and their order
+# apply to a rig. The gains of the PI are those of notebook 2.
 
 # %%
 # %matplotlib inline
@@ -47,10 +47,10 @@ wrist = plants.Wrist.flexion()
 # %% [markdown]
 # ## The limit
 #
-# The wrist is a monotone cascade: more command never gives less angle. So no command within the range gets
-# the angle into the settling band sooner than full throttle does, and that instant is a lower bound of the
-# settling time for any controller, one that knows everything included. Is the bound near to what is
-# possible, or empty? An optimal control problem finds commands, and the exact simulator plays them.
+# The wrist is a monotone cascade: more command never gives less angle. So no command within the range
+# brings the angle into the settling band sooner than the maximum command, and that time is a lower bound
+# of the settling time for any controller. Is the bound tight? An optimal control problem gives commands,
+# which are simulated exactly.
 
 # %%
 task = Scenario("virgin", 0.0, STEP, wrist)
@@ -72,20 +72,20 @@ with styled():
 figure
 
 # %% [markdown]
-# *What to see: full throttle, then a brake, since the static angle must come back from far beyond 15
-# degrees before the lag has let the joint follow it there.* The gap between the bound and what was achieved
-# is a few per cent, so both mean something.
+# *What to see: maximum command, then braking, since the static angle must return from far beyond 15
+# degrees before the joint, which lags, follows.* The gap between the bound and the achieved time is a few
+# per cent, so the bound is tight.
 #
-# ## Who comes how near
+# ## The controllers
 #
 # - the *PI* of notebook 2;
 # - *feedforward*: the exact inverse of lag, loop and regulator on a filtered reference, without feedback;
-# - *PI + feedforward*: a slower filter, and a PI on what the wrist lacks of its model, all three numbers
-#   tuned together under the limits of the PI, on the same 90 scenarios;
-# - *linear MPC*: plans in the static angle, behind the inverse of the hysteresis and the regulator;
+# - *PI + feedforward*: a slower filter, and a PI on the difference between model and wrist, all three
+#   parameters tuned together under the limits of the PI, on the same 90 scenarios;
+# - *linear MPC*: acts on the static angle, with inverses of the hysteresis and the regulator;
 # - *real-time MPC*: one step of sequential quadratic programming a period on the exact sampled model, 20 ms
 #   a period;
-# - *robust MPC*: the same with weights and observer for a dead time it does not know of.
+# - *robust MPC*: the same with weights and observer for an unmodelled dead time.
 
 # %%
 problem = default_problem(wrist)
@@ -135,15 +135,14 @@ with styled():
 figure
 
 # %% [markdown]
-# *What to see: the nominal MPCs and the feedforward reach 15 degrees about when the bound allows it, the PI
-# long after; PI + feedforward lies between.* The real-time MPC has practically nothing left to gain on this
-# plant. Feedforward alone comes close to it without looking once, so nothing would show it that it is
-# wrong.
+# *What to see: the nominal MPCs and the feedforward reach 15 degrees close to the bound, the PI much
+# later; PI + feedforward is between.* The real-time MPC is practically optimal on this plant. Feedforward
+# alone comes close to it without feedback, so it cannot correct a model error.
 #
-# ## What is fast is fragile: 50 ms of tube
+# ## Speed against robustness: 50 ms of dead time
 #
-# Rigs of this kind show about 50 ms of dead time, of which none of these models knows. The bound moves by
-# just the dead time; the controllers do not all survive it.
+# Rigs of this kind have about 50 ms of dead time, which none of these models includes. The bound
+# increases by the dead time; some of the controllers become unstable.
 
 # %%
 late = {f"{ms:.0f} ms": wrist + DeadTime(ms / 1000) if ms else wrist for ms in (0.0, 10.0, 20.0, 50.0)}
@@ -156,10 +155,10 @@ for name, c in once_a_period.items():
 rows({"settling time [s]": name} | times for name, times in settling.items())
 
 # %% [markdown]
-# An infinity means that the run of ten seconds never settled. Both nominal MPCs tolerate ten milliseconds and
-# swing from twenty on; the robust one is slower on the nominal plant and keeps working. Feedforward alone
-# is just late: with no feedback it cannot become unstable. (That the PI settles sooner at 50 ms is chance:
-# it happens to come into the band once and to stay.)
+# Infinity: not settled within ten seconds. Both nominal MPCs tolerate ten milliseconds and oscillate from
+# twenty on; the robust one is slower on the nominal plant and remains stable. Feedforward alone is only
+# delayed: without feedback it cannot become unstable. (The shorter settling time of the PI at 50 ms is a
+# coincidence: it happens to enter the band once and stay.)
 
 # %%
 assert np.isinf([settling[n][ms] for n in ("linear MPC", "real-time MPC") for ms in ("20 ms", "50 ms")]).all()
@@ -177,12 +176,12 @@ with styled():
 figure
 
 # %% [markdown]
-# *What to see: the nominal MPC swings for good, the robust one and the PI come to rest.*
+# *What to see: the nominal MPC keeps oscillating, the robust one and the PI settle.*
 #
-# ## Plants that are not quite as believed
+# ## Perturbed plants
 #
-# Twenty plants drawn from the box of notebook 3 (assumed shares, no dead time), the step from rest, five
-# seconds each.
+# Twenty plants drawn from the box of notebook 3 (assumed deviations, no dead time), the step from rest,
+# five seconds each.
 
 # %%
 box = box_of(built_in("flexion"))
@@ -211,14 +210,14 @@ assert medians["robust MPC"] < medians["PI + feedforward"] < medians["tuned PI"]
 assert np.isinf(medians["feedforward"])
 
 # %% [markdown]
-# Feedforward alone cannot correct a loop that is wider or steeper than it believes, and mostly stays off
-# the mark. The nominal MPCs are fast on most plants and do not come to rest on some. The PI hardly notices.
+# Feedforward alone cannot correct a loop that is wider or steeper than modelled, and mostly has a steady
+# error. The nominal MPCs are fast on most plants and do not settle on some. The PI hardly changes.
 #
-# ## Where feedforward stops paying: the break-even map
+# ## When feedforward is no better than a PI: the break-even map
 #
-# One thing at a time is wrong: width, slope, the memory at the start, a dead time. Each point is the worst
-# (settling) or the mean (IAE) of the steps of either sign from all memories, as a ratio to the plain PI on
-# the same plant.
+# One property at a time differs from the model: width, slope, initial hysteresis state, dead time. Each
+# point is the worst (settling) or the mean (IAE) over steps of both signs from all initial states, as a
+# ratio to the plain PI on the same plant.
 
 # %%
 believers = {n: in_every_sample[n] for n in ("feedforward", "PI + feedforward")}
@@ -246,22 +245,21 @@ for r in found.rows():
 rows(e for e in ends if e["by"] == "IAE")
 
 # %% [markdown]
-# *What to see: above the line at 1 the feedforward does worse than the plain PI; the marks and the table
-# say from which error on.* Feedforward alone has its lead only within a few per cent of the true loop; a
-# wrong memory or a dead time costs it little, since nothing is fed back. With a PI behind it the lead is
-# smaller and holds whatever width, slope and memory were tried, and is lost to a dead time a little longer
-# than the tube that rigs of this kind show.
+# *What to see: above the line at 1 the feedforward is worse than the plain PI; the marks and the table
+# show from which error on.* Feedforward alone is better only within a few per cent of the true loop; a
+# wrong initial state or a dead time has little effect, since there is no feedback. With a PI the
+# advantage is smaller, but remains for all widths, slopes and initial states tried; it is lost at a dead
+# time slightly longer than that of rigs of this kind.
 #
 # ## What follows, and what does not
 #
-# The limit is real and near: a controller that knows the plant settles several times sooner than a PI which
-# meets every limit, and nothing could be much faster. But the ratios of the nominal plant are promises of a
-# model. With the model a little off, or 50 ms late, the fastest controllers may not come to rest at all.
-# What is left of the gain goes to those that were made for it: on the drawn plants the robust MPC and PI +
-# feedforward still settle sooner than the PI; behind the tube that lead is gone, on this step at least. For
-# a rig that is known to a few per cent, with its tube in the model, the table at the top is what can be
-# had; for one that is not, the PI is the honest choice until it is. You cannot conclude an order of the
-# controllers for your rig: plants and shares are assumed, noise is absent here, and each controller is one
-# setting among many. `wrist compare` plays all of them on a hundred plants with a noisy sensor and gives
-# differences with intervals; [the committed report](../reports/examples/comparison.html) is an example on
-# synthetic data.
+# The bound is tight: a controller with an exact model settles several times sooner than a PI that meets
+# every limit, and no controller is much faster. But these ratios are for the nominal plant. With a small
+# model error, or 50 ms of dead time, the fastest controllers may not settle at all. Robust designs keep
+# part of the gain: on the perturbed plants the robust MPC and PI + feedforward still settle sooner than
+# the PI; with the dead time this advantage is lost, at least on this step. For a rig that is known to a
+# few per cent, with its dead time in the model, the table at the top shows what is achievable; otherwise
+# a PI is the safe choice. You cannot conclude a ranking of the controllers for your rig: plants and
+# deviations are assumed, noise is absent here, and each controller has one setting among many. `wrist
+# compare` simulates all of them on perturbed plants with a noisy sensor and gives differences with
+# intervals; [the committed report](../reports/examples/comparison.html) is an example on synthetic data.

@@ -1,12 +1,12 @@
 # %% [markdown]
-# # 5 Closing the loop with measured data
+# # 5 Identification from measured data
 #
-# **A rig never quite is its model. Given recordings, can one say what the model lacks, how sure that is,
-# and whether it matters to the controller?**
+# **A model never describes a rig completely. Which effect does the model lack, how certain is this, and
+# does it matter for the controller?**
 #
-# Twice: on a campaign of recordings with an effect that nobody declared, whose truth is known because it is
-# *synthetic*, made by a simulator that shares no code with this project; and on a real rig of other people,
-# where nobody knows the truth.
+# Two examples: a campaign with an undeclared effect, whose truth is known because it is *synthetic*, made
+# by a simulator that shares no code with this project; and real rigs of other groups, whose truth is
+# unknown.
 
 # %%
 # %matplotlib inline
@@ -33,8 +33,8 @@ from reports.trace.words import control_sentence, verdict_sentence
 # %% [markdown]
 # ## A campaign
 #
-# A folder of recordings and a `campaign.toml` that says which of them may be fitted on. The others are only
-# ever used to report errors, of free runs from the command: nothing measured is fed back.
+# A campaign is a folder of recordings and a `campaign.toml` that lists the fit recordings. The others are
+# held out: they are used only to report errors of open-loop simulations from the command.
 
 # %%
 folder = Path(plants.__file__).parent / "measured" / "examples" / "deviation"
@@ -54,7 +54,7 @@ rows(
 )
 
 # %% [markdown]
-# ## Fitting what was declared is not enough
+# ## Fitting the declared model is not enough
 #
 # First the parameters of notebook 1, fitted: each gets a value and a standard error in place of an
 # assumption.
@@ -70,21 +70,22 @@ shown(error_table(fit))
 
 # %% [markdown]
 # The pressure is explained down to the noise of its sensor, the angle is not: the residual is many times
-# the noise. Small standard errors are no evidence: they are honest only if the model is complete.
+# the noise. Small standard errors are no evidence of a good model: they are valid only if the model is
+# complete.
 
 # %%
 assert fit.ratios["pressure_kPa"] < 1.2 < 3.0 < fit.ratios["angle_deg"]
 draw_fit(fit)
 
 # %% [markdown]
-# *What to see: on a held-out recording the fitted model runs along the measured angle; the error
-# beneath, though, is no noise, it swings.*
+# *What to see: on a held-out recording the fitted model follows the measured angle, but the error below
+# is an oscillation, not noise.*
 #
 # ## What is missing
 #
-# `trace_campaign` knows 17 effects. At each stage it ranks those that act there by how much of the residual
-# each could explain beyond what a refit would absorb, refits the best few, and takes one only if it pays on
-# blocks of time that did not fit it.
+# `trace_campaign` has 17 effects. At each stage it ranks the effects that act there by how much of the
+# residual each could explain beyond a refit, refits the best few, and selects one only if it reduces the
+# error on held-out blocks of time.
 
 # %%
 trace = trace_campaign(campaign, declared)
@@ -95,9 +96,9 @@ stage = next(s for s in trace.stages if s.search.chosen.model.effects)
 draw_ranking(stage)
 
 # %% [markdown]
-# *What to see: one bar an effect, logarithmic; the tick is what noise alone would bring, the dashed line
-# what an effect must bring to be considered. One is orders of magnitude ahead; once it is in, nothing that
-# is left earns its place.*
+# *What to see: one bar per effect, logarithmic; tick: the reduction on noise alone; dashed line: the
+# threshold for selection. One effect is orders of magnitude larger; once it is added, no other exceeds
+# the threshold.*
 
 # %%
 rows(
@@ -117,8 +118,8 @@ rows(
 draw_remainder(stage)
 
 # %% [markdown]
-# *What to see: before (squares) the mean residual depends on things it should not, and its spectrum
-# carries a line; after (dots) all stay within the bounds of noise (grey).* The held-out recordings agree:
+# *What to see: before (squares) the mean residual depends on several variables, and its spectrum has a
+# line; after (dots) all are within the bounds of noise (grey).* The held-out recordings confirm this:
 
 # %%
 assert trace.verdict == "explained"
@@ -131,17 +132,17 @@ draw_errors(trace)
 draw_series(trace, "angle_deg")
 
 # %% [markdown]
-# *What to see: declared and revised both follow the angle; the first error is a sinusoid, the second
-# the noise of the sensor (band).* What the recordings cannot decide is listed too, with the reason:
+# *What to see: declared and revised both follow the angle; the first error is a sinusoid, the second the
+# noise of the sensor (band).* Effects that the recordings cannot decide are listed too, with the reason:
 
 # %%
 rows({"cannot be judged": name, "because": why} for name, why in trace.cannot_judge.items())
 
 # %% [markdown]
-# ## Does it matter to control?
+# ## Does it matter for control?
 #
-# Tuning again on the revised plant, beside a PI tuned on the fit without the effect; both are judged on the
-# revised plant, since only data is at hand. (A map of 24 x 24 gains and three local searches each.)
+# A PI tuned on the revised plant, beside a PI tuned on the fit without the effect; both are simulated on
+# the revised plant. (A map of 24 x 24 gains and three local searches each.)
 
 # %%
 control = retune(trace.fit.fitted, trace.revised, region=Region(points=24), starts=3)
@@ -151,17 +152,18 @@ Markdown(control_sentence(control))
 draw_control(control)
 
 # %% [markdown]
-# *What to see: two steps on top of each other, both with a ripple.* The sinusoid is on the sensor: the loop
-# follows what it is shown, and no PI can know better. So here the answer to "does it matter" is no for the
-# gains, and yes for the mount of the sensor. With a dead time or creep in its place the gains would move;
-# that is decided by tuning again, not by the size of the error.
+# *What to see: two identical steps, both with a ripple.* The sinusoid is in the sensor: the loop follows
+# the measured angle, and no PI can correct it. So it does not matter for the gains, but for the mount of
+# the sensor. A dead time or creep would change the gains; this is decided by retuning, not by the size of
+# the error.
 #
 # ## The paper's own residual
 #
-# On this motion the paper's simulation and experiment differ "at about 6 sec" (section 7.2), and the paper
-# blames the straight lines that it drew through a curved loop. No measured curve survives, so this is a
-# *reconstruction*: the simulator of the tests with branches that saturate, under the stand-in PI, beside the
-# same rig with straight branches. The more curved, the later the largest difference.
+# On this motion the paper's simulation and experiment differ "at about 6 sec" (section 7.2), and the
+# paper attributes this to the straight lines drawn through a curved loop. No measured curve is available,
+# so this is a *reconstruction*: the simulator of the tests with branches that saturate, under the
+# stand-in PI, beside the same rig with straight branches. The more curved, the later the largest
+# difference.
 
 # %%
 rebuilt = reconstruct()
@@ -190,20 +192,20 @@ Markdown(
 )
 
 # %% [markdown]
-# *What to see: both responses agree while the pressure is low, then the curved branch gives less angle than
-# the line, and the integral part has to make up for it: a hump of the difference seconds after the step.* So
-# the paper's explanation holds together, the trace names it, and with it the error on held-out recordings
-# falls to the noise.
+# *What to see: both responses agree while the pressure is low, then the curved branch gives less angle
+# than the line, and the integral action compensates it: the difference is largest seconds after the
+# step.* So the paper's explanation is consistent, the trace finds it, and with it the error on held-out
+# recordings falls to the noise.
 #
 # ## A real rig
 #
-# The data of other people are not part of this repository; the cells below read them where the environment
-# variable `WRIST_DATA` names a folder that holds them, and say so where it does not. What is stored here
-# was computed from them.
+# The data of other groups are not part of this repository; the cells below read them from the folder in
+# the environment variable `WRIST_DATA`, and report if it is not set. The stored outputs were computed
+# from these data.
 #
-# None of these rigs is a wrist with a declared loop. The declared model is fitted to them all the same,
-# with bounds as wide as they go, and no threshold of the trace was tuned on them. First a small pump, asked
-# for pressures that it cannot reach; then an arm of pneumatic muscles, whose joint sticks and slips.
+# None of these rigs is a wrist with a declared loop. The declared model is fitted to them with the widest
+# bounds, and no threshold of the trace was tuned on them. First a small pump with set-points that it
+# cannot reach; then an arm of pneumatic muscles, whose joint has stick-slip.
 
 # %% tags=["measured-data"]
 data = os.environ.get("WRIST_DATA")
@@ -236,11 +238,11 @@ if outcomes:
     display(draw_rig(pump.rig, pump.fit, pump.trace))
 
 # %% [markdown]
-# *What to see: fitted to set-points that the pump cannot reach, the declared model takes its gain for tiny
-# and hardly moves on the recording held out. With the one effect that is adopted, a supply that gives
-# way, the free run follows the staircase, though not the sawtooth of the pump; beneath, the residual goes
-# with the duty of the pump.* So the verdict is not "explained": the effect is of the right kind, its law is
-# not this pump's.
+# *What to see: fitted to set-points that the pump cannot reach, the declared model has a very small gain
+# and hardly moves on the held-out recording. With the one effect that is selected, a drooping supply, the
+# simulation follows the staircase, but not the sawtooth of the pump; below, the residual follows the duty
+# cycle of the pump.* So the verdict is not "explained": the effect is of the right kind, but its law is
+# not that of this pump.
 
 # %% tags=["measured-data"]
 shown(errors_before_and_after(pump.trace)) if outcomes else None
@@ -258,18 +260,17 @@ if outcomes:
 shown(errors_before_and_after(arm.trace)) if outcomes else None
 
 # %% [markdown]
-# *What to see: the model moves when the pressure does, while the joint first holds, then goes further;
-# beneath, errors scatter widely at every command.* No effect of the library sticks and slips, none was
+# *What to see: the model moves when the pressure does, while the joint first sticks, then moves further;
+# below, errors scatter widely at every command.* No effect of the library describes stick-slip, none was
 # named, and the errors before and after are the same.
 #
 # ## What follows, and what does not
 #
-# Recordings turn assumptions into values with standard errors, and the residual says whether these
-# may be believed. Where the missing effect is one of the library, as in the synthetic campaign, it was
-# named, sized, and shown to bring the error of held-out recordings down to the noise. Where it is
-# not, as on both real rigs, the answer was "unexplained", with what the residual depends on; that is where
-# an engineer goes on, and a plant that leaves so much unexplained is not one to tune on. You cannot
-# conclude that an effect which was named is the cause: it is the one of 17 that explains these recordings,
-# and others that they do not excite are listed for a reason. Nor does success on a synthetic campaign,
-# whose simulator is independent but whose authors are not, say how often real rigs will be explained: of
+# Recordings replace assumptions by values with standard errors, and the residual shows whether these are
+# valid. Where the missing effect is in the library, as in the synthetic campaign, it was identified, and
+# the error on held-out recordings fell to the noise. Where it is not, as on both real rigs, the verdict
+# was "unexplained", with the variables that the residual depends on. Do not tune on a plant with such a
+# residual. You cannot conclude that a named effect is the cause: it is the one of 17 that explains these
+# recordings, and effects that they do not excite are listed. Nor does success on a synthetic campaign,
+# whose simulator is independent but whose authors are not, show how often real rigs will be explained: of
 # the two here, none was.

@@ -36,7 +36,7 @@ def _say_version(wanted: bool) -> None:
 app = typer.Typer(
     name="wrist",
     cls=PlainGroup,
-    help="Design a PI controller for a pneumatic wrist with hysteresis, and say how far it can be trusted.",
+    help="Design a PI controller for a pneumatic wrist with hysteresis, and assess its robustness.",
     epilog="Exit codes: 0 done, 1 the answer is no, 2 bad input, 70 a bug of this program, 130 stopped.",
     add_completion=True,
     pretty_exceptions_enable=False,
@@ -56,7 +56,7 @@ def _common(
     plugin: Annotated[
         list[Path] | None,
         typer.Option(
-            help="Python file that registers effects, controllers or hysteresis laws of your own; before the "
+            help="Python file that registers your own effects, controllers or hysteresis laws; before the "
             "command, once for each file.",
             envvar="WRIST_PLUGIN",
             autocompletion=files,

@@ -30,7 +30,7 @@ AxisOption = Annotated[Axis, typer.Option(help="Motion of the wrist, with its bu
 PlantOption = Annotated[
     Path | None,
     typer.Option(
-        help="Parameter set (TOML) in place of the built-in one, such as `wrist fit --save` writes.",
+        help="Parameter set (TOML) in place of the built-in one, for example from `wrist fit --save`.",
         autocompletion=files,
     ),
 ]
@@ -41,7 +41,7 @@ StartOption = Annotated[
     Path | None,
     typer.Option(
         "--plant",
-        help="Parameter set to start from; the built-in one of the axis if not given.",
+        help="Parameter set to start from; by default the built-in one of the axis.",
         autocompletion=files,
     ),
 ]
@@ -56,8 +56,8 @@ SchedulerOption = Annotated[
 OutOption = Annotated[
     Path | None, typer.Option("--out", help="Folder for pictures and reports.", autocompletion=files)
 ]
-SeedOption = Annotated[int, typer.Option(help="Seed of everything random.", min=0, max=2**32)]
-JobsOption = Annotated[int | None, typer.Option(help="Threads; all processors where not given.", min=1)]
+SeedOption = Annotated[int, typer.Option(help="Seed of all random numbers.", min=0, max=2**32)]
+JobsOption = Annotated[int | None, typer.Option(help="Threads; all processors by default.", min=1)]
 
 
 def parameter_set(axis: Axis, plant: Path | None) -> "ParameterSet":

@@ -15,7 +15,7 @@ from reports.shared.tables import Cell, Column, Group, Table, number, row
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SECTIONS = {"envelope": "The log and what was predicted", "residual": "Residual of the plant model"}
+SECTIONS = {"envelope": "The log and the prediction", "residual": "Residual of the plant model"}
 """Titles of the page's sections by their ids."""
 
 
@@ -45,7 +45,7 @@ def draw_envelope(check: LogCheck) -> "Figure":
         at.fill_between(log.time[few], e.low[few], e.high[few], color=GREY, alpha=0.35, lw=0, label="samples")
         at.plot(log.time[few], log.reference[few], color=BLACK, lw=0.8, ls="--", label="reference")
         at.plot(log.time[few], log.angle[few], color=ORANGE, lw=1.2, label="log")
-        at.set(xlabel="time [s]", ylabel="angle [deg]", xlim=(log.time[0], log.time[-1]))
+        at.set(xlabel="Time [s]", ylabel="Angle [deg]", xlim=(log.time[0], log.time[-1]))
         at.legend()
     return figure
 
@@ -53,8 +53,8 @@ def draw_envelope(check: LogCheck) -> "Figure":
 def figure_table(check: LogCheck) -> Table:
     """Each stair's figures beside those of the samples."""
     columns = (
-        Column("figure", number=False), Column("log"), Column("samples, median"), Column("least"),
-        Column("largest"), Column("distance over spread", "1"),
+        Column("Metric", number=False), Column("Log"), Column("Samples, median"), Column("Least"),
+        Column("Largest"), Column("Distance over spread", "1"),
     )  # fmt: skip
     groups = []
     for i, s in enumerate(check.stairs):

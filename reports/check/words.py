@@ -30,13 +30,13 @@ def departure(f: FigureCheck) -> str:
 
 
 def plant(check: LogCheck) -> str:
-    """Whether the residual is the one that was left."""
+    """Whether the residual is that of the trace."""
     r = check.residual
     if not r.new:
-        return "the plant is the one that was traced"
+        return "the plant is unchanged since the trace"
     sizes = [
-        f"{number(c.rms)} {c.channel.split('_')[1]} of the {c.channel.split('_')[0]} where at most "
-        f"{number(c.allowed)} was to be expected"
+        f"{number(c.rms)} {c.channel.split('_')[1]} in the {c.channel.split('_')[0]} (expected: at most "
+        f"{number(c.allowed)})"
         for c in r.channels
         if c.new
     ]
@@ -45,7 +45,7 @@ def plant(check: LogCheck) -> str:
 
 
 def change(c: RigChange) -> str:
-    """What goes with a new residual."""
+    """The change that explains a new residual."""
     unit = "" if c.unit == "1" else f" {c.unit}"
     return f"{c.name} {number(c.size)}{unit} explains {number(100 * c.takes, 2)} % of it"
 
@@ -53,29 +53,29 @@ def change(c: RigChange) -> str:
 def summary(check: LogCheck) -> list[str]:
     """Three sentences: the promise, the plant, what to do."""
     advice = {
-        "as promised": "Nothing is to be done.",
-        "changed": "The promise holds; record a campaign and trace it before more rests on the plant.",
-        "broken": "Record a campaign, trace it, and design again before this controller is trusted.",
+        "as promised": "No action is needed.",
+        "changed": "The prediction holds; record and trace a new campaign before you rely further on the "
+        "plant model.",
+        "broken": "Record a campaign, trace it, and design again before you trust this controller.",
     }[check.verdict]
     return [f"{promise(check)}.", f"{plant(check)[0].upper()}{plant(check)[1:]}.", advice]
 
 
 def remarks(check: LogCheck) -> list[str]:
-    """What a reader has to know beside."""
+    """What a reader has to know besides the summary."""
     found = [
-        "Samples are plants of the design's box behind its dead times and under its loads, run under the "
-        "reference that was logged. A rig of their kind is taken for another in one case of "
-        f"{check.envelope.samples + 1}."
+        "Samples: plants of the design's box with its dead times and loads, simulated with the logged "
+        f"reference. False alarms: one in {check.envelope.samples + 1} for rigs of this kind."
     ]
     if not check.own_controller:
         found.append(
-            "The logged command is not what these gains give for the logged angle (off by "
-            f"{number(100 * check.command_off, 2)} % of the range): the log is of another controller, or "
-            "another rate; the envelope is that of the design's own."
+            "The logged command differs from the command of these gains for the logged angle (by "
+            f"{number(100 * check.command_off, 2)} % of the range): the log is of another controller or "
+            "sample time; the envelope is that of the designed controller."
         )
     if check.plant.remainder.get("angle_deg") is None:
         found.append(
-            "The plant's file states no residual; the sensor's noise alone was assumed. `wrist trace "
+            "The plant's file states no residual; only sensor noise was assumed. `wrist trace "
             "--save` writes one that does."
         )
     return found
@@ -85,5 +85,5 @@ def envelope_caption(check: LogCheck) -> str:
     """Beneath the envelope."""
     return (
         f"The logged angle beside {check.envelope.samples} samples, from the lowest to the highest reading "
-        "at each moment; dashed: the reference."
+        "at each time; dashed: the reference."
     )

@@ -20,11 +20,13 @@ ARROWS = 8
 """About how many arrows stand for a stretch of a curve beyond the axis."""
 
 AXIS_WORDS = {
-    "loop width": "wider than\nbelieved [%]",
-    "slope": "steeper than\nbelieved [%]",
-    "starting memory": "off by this share\nof the height [%]",
-    "dead time": "none being\nbelieved [ms]",
+    "loop width": "wider than\nmodelled [%]",
+    "slope": "steeper than\nmodelled [%]",
+    "starting memory": "error, share of\nthe loop height [%]",
+    "dead time": "not modelled\n[ms]",
 }
+TITLES = {"starting memory": "Initial angle"}
+"""Titles of columns that differ from the kind of error."""
 METRIC_WORDS = {
     "settling": "Worst settling time,\nratio to the plain PI's [1]",
     "IAE": "Mean IAE,\nratio to the plain PI's [1]",
@@ -44,7 +46,7 @@ def break_even_figure(found: BreakEven, title: str = "") -> "Figure":
                 _panel(axes[row * len(kinds) + column], here, metric)
         for column, kind in enumerate(kinds):
             axes[len(kinds) + column].set_xlabel(AXIS_WORDS[kind])
-            axes[column].set_title(kind.capitalize(), fontsize=8.8)
+            axes[column].set_title(TITLES.get(kind, kind.capitalize()), fontsize=8.8)
         for row, metric in enumerate(METRICS):
             axes[row * len(kinds)].set_ylabel(METRIC_WORDS[metric])
         handles = axes[0].get_legend_handles_labels()[0]

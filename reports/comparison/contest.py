@@ -21,8 +21,8 @@ MAIN = ("perturbed plants", "steps")
 
 CAPTION = (
     "Steps of 15 deg on the perturbed plants: mean difference of the IAE to that of the tuned PI on the "
-    f"same plants, with its {100 * LEVEL:g} % interval; an arrow where it is beyond the axis. Left of "
-    "the line with the whole interval: less error than the tuned PI."
+    f"same plants, with its {100 * LEVEL:g} % interval; an arrow where it is beyond the axis. Interval "
+    "entirely below zero: less error than the tuned PI."
 )
 
 
@@ -55,8 +55,8 @@ def _table(found: Contest, keys: list[tuple[str, str, str]], overshoot: float | 
         )
     columns = (
         Column("Controller", number=False), Column("IAE", "deg s"),
-        Column("less the tuned PI's", "deg s"), Column("Rank in it", "1"), Column("Settling", "s"),
-        Column("less the tuned PI's", "s"), Column("Rank in it", "1"), Column("95 % settle in", "s"),
+        Column("minus the tuned PI's", "deg s"), Column("Rank", "1"), Column("Settling", "s"),
+        Column("minus the tuned PI's", "s"), Column("Rank", "1"), Column("95 % settle in", "s"),
         Column("Not settled", "%"),
         Column("Overshoot", "%"), Column("Total variation", "V"), Column("Pressure travel", "kPa"),
     )  # fmt: skip
@@ -105,7 +105,7 @@ def differences_figure(found: Contest) -> "Figure":
         figure, axes = new_figure(1, len(motions), height=0.9 + 0.22 * most, sharey=True)
         for panel, motion in zip(axes, motions, strict=True):
             _panel(panel, found.of(motion, *MAIN))
-            panel.set(title=title_of(motion), xlabel="IAE less the tuned PI's [deg s]")
+            panel.set(title=title_of(motion), xlabel="IAE minus the tuned PI's [deg s]")
     return figure
 
 
@@ -139,12 +139,13 @@ def how(found: Contest) -> list[str]:
     lasting = f"{lasts('side by side', rig):g} s"
     return [
         f"{found.plants} plants of each motion, drawn within the day-to-day spread or two standard errors, "
-        f"whichever is wider{_less(found)}; the same plants for every controller; none was tuned on. Sensor: "
+        f"whichever is wider{_less(found)}; the same plants for every controller; none was used in tuning. "
+        "Sensor: "
         f"white noise of {c.noise:g} deg, held for 10 ms, quantised to {c.quantum:g} deg. The pressure is "
         "measured without noise.",
         "Per plant: mean IAE, worst settling time and overshoot over the tasks of a family; not settled "
         f"within ±{band} counts as {lasting}. Paired {100 * LEVEL:g} % intervals: bootstrap over the plants "
         f"(BCa); fewer than {FEWEST} plants give neither interval nor rank.",
-        f"“{BESIDE.strip(', ')}”: the MPCs are slow to simulate and meet only the first of the plants. Their "
+        f"“{BESIDE.strip(', ')}”: the MPCs are slow to simulate and run on the first plants only. Their "
         "weights are not tuned on scenarios.",
     ]

@@ -7,8 +7,8 @@ from reports.comparison.contest import is_main
 
 
 def sentences(found: Contest) -> list[str]:
-    """One sentence for each motion on the perturbed plants, one on the rigs: who is ahead of the reference
-    controller in the error, who cannot be told apart from it, who is behind."""
+    """One sentence for each motion on the perturbed plants, one on the rigs: which controllers have
+    a smaller error than the reference controller, no significant difference, or a larger one."""
     said = []
     for motion, field, family in found.tables:
         told = found.of(motion, field, family)[0].plants >= FEWEST
@@ -20,20 +20,20 @@ def sentences(found: Contest) -> list[str]:
 
 
 def against(scores: list[Score], reference: str, metric: str = "iae_deg_s") -> str:
-    """How the controllers of a table stand to the reference controller, by the intervals of the
+    """How the controllers of a table compare with the reference controller, by the intervals of the
     differences, the least first; the number of plants at the end."""
     groups: dict[int, list[str]] = {-1: [], 0: [], 1: []}
     for s in sorted(scores, key=lambda s: s.mean[metric]):
         if s.controller != reference:
             groups[s.against[metric].sign].append(s.controller)
-    words = {-1: "less IAE than the tuned PI", 0: "not distinguished from it", 1: "more"}
+    words = {-1: "less IAE than the tuned PI", 0: "no significant difference", 1: "more"}
     parts = [f"{words[sign]}: {', '.join(names)}" for sign, names in groups.items() if names]
     return f"{'; '.join(parts)} ({scores[0].plants} plants)"
 
 
 def rig_sentences(found: Contest) -> list[str]:
-    """Of each motion, who loses its lead over the reference controller in IAE on which rigs, of rigs that
-    enough plants were seen with."""
+    """For each motion, which controllers lose their lead over the reference controller in IAE on which rigs,
+    of rigs with enough plants."""
     said = []
     for motion in dict.fromkeys(m for m, _, _ in found.tables if m != BOTH):
         ahead = {s.controller for s in found.of(motion, "perturbed plants", "steps")
@@ -46,5 +46,7 @@ def rig_sentences(found: Contest) -> list[str]:
             if losers:
                 lost.setdefault(losers, []).append(name)
         for losers, names in lost.items():
-            said.append(f"{motion}, {' and '.join(names)}: the lead in IAE is lost by {', '.join(losers)}.")
+            said.append(
+                f"{motion}, {' and '.join(names)}: no longer less IAE than the tuned PI: {', '.join(losers)}."
+            )
     return said

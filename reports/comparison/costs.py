@@ -1,5 +1,5 @@
-"""What being better costs, on a comparison page: how wrong the model of a feedforward may be, and how long
-the steps of each controller take."""
+"""Costs of other controllers, on a comparison page: the model error that a feedforward tolerates, and the
+execution time of each controller."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -14,9 +14,9 @@ from reports.shared.tables import Cell, Column, Group, Table, fixed, listed, num
 
 METRIC_WORDS = {"settling": "worst settling time", "IAE": "mean IAE"}
 KIND_WORDS = {
-    "loop width": "loop wider or narrower than believed",
-    "slope": "slopes steeper or flatter than believed",
-    "starting memory": "starting angle off, as a share of the loop's height",
+    "loop width": "loop wider or narrower than modelled",
+    "slope": "slopes steeper or flatter than modelled",
+    "starting memory": "error of the initial angle, as a share of the loop's height",
     "dead time": "dead time that the model lacks",
 }
 
@@ -28,8 +28,8 @@ TIMES = (
 
 LEDGER = (
     "Time of a step: median, 99 % of all steps, and the longest; the parts of an MPC as medians, 99 % "
-    "beneath. Missed: steps that took longer than the period. Fallback: steps in which an MPC had no plan "
-    "of its own to give."
+    "beneath. Missed: steps that took longer than the period. Fallback: steps in which the solver of "
+    "an MPC gave no new solution."
 )
 
 
@@ -52,10 +52,10 @@ def break_even_words(motion: str, found: BreakEven) -> str:
         any_ = [_SHORT.get(c.kind, c.kind) for c in of if not _reach(c)]
         reached += [f"any error of the {listed(any_)} that was tried"] if any_ else []
         parts.append(f"{name_of(name)} with {listed(reached)}")
-    return f"{title_of(motion)}: the mean IAE stays below the plain PI's, of {'; of '.join(parts)}."
+    return f"{title_of(motion)}: the mean IAE stays below the plain PI's for {'; for '.join(parts)}."
 
 
-_SHORT = {"starting memory": "starting angle"}
+_SHORT = {"starting memory": "initial angle"}
 
 
 def _reach(c: BreakEvenCurve) -> str:
@@ -63,7 +63,7 @@ def _reach(c: BreakEvenCurve) -> str:
     low, high = c.break_even("IAE")
     kind = _SHORT.get(c.kind, c.kind)
     if 0.0 in (low, high):
-        return f"no error of the {kind}, being worse even without one"
+        return f"no error of the {kind}: it is worse even without one"
     ends = [_scaled(c.kind, e) for e in (low, high) if e is not None]
     if len(ends) == 2:
         return f"a {kind} off by {ends[0]} to {ends[1]}"
@@ -91,8 +91,8 @@ def break_even_table(found: BreakEven) -> Table:
         groups.append(Group(f"{KIND_WORDS[kind]} (tried: {reach})", tuple(rows)))
     columns = (
         Column("Controller", number=False), Column("Measure", number=False),
-        Column("Ratio to the plain PI's, nothing wrong", "1"), Column("Even with it at, below 0"),
-        Column("Even with it at, above 0"),
+        Column("Ratio to the plain PI's, no error", "1"), Column("Break-even, negative error"),
+        Column("Break-even, positive error"),
     )  # fmt: skip
     return Table(columns, tuple(groups))
 

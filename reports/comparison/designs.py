@@ -35,7 +35,7 @@ def budgets(comparison: Comparison, tunings: Mapping[str, Tuning]) -> str:
             tried[name] = max(tried.get(name, 0), d.tried)
     counts = ", ".join(f"{name_of(n)} {count}" for n, count in tried.items() if count)
     return (
-        f"Candidates that were simulated on all tuning scenarios before one was chosen: {counts} (of the "
+        f"Candidates simulated on all tuning scenarios: {counts} (of the "
         "tuned PI, its map alone); the convex-concave PI is the result of convex programs; textbook rules, "
         "feedforward alone and MPCs were not tuned on scenarios at all. The budgets differ."
     )
@@ -46,7 +46,7 @@ def _design(d: Design) -> str:
     unit = COST_WORDS.get(d.problem.cost, "").partition("[")[2].rstrip("]")
     cost = f"Worst cost over the tuning scenarios {number(float(d.at.cost[0]))} {unit}".rstrip()
     broken = " and ".join(_named(n) for n in d.breaks)
-    held = f"the nearest to the limits that was found, it breaks {broken}" if broken else "every limit met"
+    held = f"nearest to the limits, it breaks {broken}" if broken else "every limit met"
     if isinstance(d, ConvexConcave):
         words = _convex(d)
     else:
@@ -57,10 +57,10 @@ def _design(d: Design) -> str:
 def _forward(d: FeedforwardDesign) -> str:
     c = d.controller
     return (
-        f"Kp = {number(c.Kp)} kPa/deg, Ki = {number(c.Ki)} kPa/(deg s) on what the wrist lacks of its model, "
-        f"which is taken to the reference at {number(c.speed)} 1/s or as fast as the command's range "
-        f"allows; the best of {d.tried} that were simulated on all tuning scenarios. Its margins are those "
-        "of the PI, for the feedforward stands outside the loop."
+        f"Kp = {number(c.Kp)} kPa/deg, Ki = {number(c.Ki)} kPa/(deg s) on the difference between model and "
+        f"wrist. The model is driven to the reference at {number(c.speed)} 1/s or as fast as the command's "
+        f"range allows. It is the best of {d.tried} simulated on all tuning scenarios. Its margins are those "
+        "of the PI, since the feedforward is outside the loop."
     )
 
 
@@ -92,8 +92,8 @@ def _lqi(d: RobustLQI) -> str:
         f"(gain v − P) kPa/s and jumps by {number(c.jump)} kPa per degree of a step; both poles of the "
         f"observer of h lie at −{number(c.bandwidth)} rad/s; the best of {d.tried} in its family of weights "
         f"and bandwidths. With h and the regulator's gain known, and in continuous time, the feedback is "
-        f"certified ({f.solver}, checked outside it) to decay at {number(f.decay, 2)} 1/s or faster in "
-        "whatever order branches and rates come, while the command is not clipped."
+        f"certified ({f.solver}, checked independently) to decay at {number(f.decay, 2)} 1/s or faster under "
+        "arbitrary switching of branches and rates, while the command is not clipped."
     )
     if d.pole is not None:
         speed = -log(d.pole[0]) / d.problem.scenarios[0].wrist.rig.sample_time

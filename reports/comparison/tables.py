@@ -10,12 +10,12 @@ from reports.shared.names import LIMITS, WINDOW, limit_name, name_of, title_of
 from reports.shared.tables import Cell, Column, Group, Table, fixed, number, row, spaced
 
 BEYOND = f"> {WINDOW:g}"
-"""What a time reads that is longer than a task is watched."""
+"""How a time beyond the end of a task is shown."""
 
 HEADINGS = {
     "rise_time_s": "Rise", "settling_time_s": "Settling", "overshoot_percent": "Overshoot",
     "steady_state_error_deg": "Steady error", "iae_deg_s": "IAE", "ise_deg2_s": "ISE",
-    "itae_deg_s2": "ITAE", "total_variation_V": "Travel",
+    "itae_deg_s2": "ITAE", "total_variation_V": "Total variation",
 }  # fmt: skip
 DECIMALS = {
     "rise_time_s": 2, "settling_time_s": 2, "overshoot_percent": 1, "steady_state_error_deg": 3,
@@ -143,4 +143,4 @@ def task_table(comparison: Comparison) -> Table:
 
 def paper_note() -> str:
     """What the second lines in the tables are."""
-    return f"Beneath the values of the {name_of(PAPER)}: their range over the range of its gains."
+    return f"Small print, {name_of(PAPER)}: range over its assumed gains."

@@ -7,9 +7,9 @@ from design.studies.verdict import Rank, Settling, Verdict
 from reports.shared.tuning import refused
 
 AGAINST = {
-    Rank.AHEAD: "ahead of the paper's PI over the whole range of its gains",
-    Rank.BEHIND: "behind the paper's PI over the whole range of its gains",
-    Rank.UNDECIDED: "not to be ranked against the paper's PI, whose gains are not known well enough",
+    Rank.AHEAD: "faster than the paper's PI over the whole range of its gains",
+    Rank.BEHIND: "slower than the paper's PI over the whole range of its gains",
+    Rank.UNDECIDED: "not ranked against the paper's PI, whose gains are too uncertain",
 }
 
 
@@ -26,7 +26,7 @@ def verdict_sentence(motion: str, v: Verdict, step: float) -> str:
     'flexion: the tuned PI settles the worst 15 degree task in 1.68'
     """
     if not isinstance(v, Settling):
-        return f"{motion}: {refused(v)}; what stands as tuned is only the nearest there is."
+        return f"{motion}: {refused(v)}; the tuned gains shown are the nearest found."
     tail = f"; {', '.join(v.breaking)} break the limits" if v.breaking else ""
     return (
         f"{motion}: the tuned PI settles the worst {step:g} degree task in {_seconds(v.tuned)} "

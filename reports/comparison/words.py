@@ -30,25 +30,23 @@ from reports.shared.tuning import refused
 FURTHER = (
     "The law by which the regulator's P gain varies: dP/dt = k(e) e with "
     "k(e) = k_slow + (k_fast − k_slow) e² / (e² + e0²).",
-    "The form of a PI: command = (rest pressure + Kp e + Ki ∫e dt) / gain, on kilopascals, the "
-    "integrator stopped while the command is clipped, unless the error drives it back.",
-    f"The paper's gains: Kp = {PAPER_GAINS[0]:g} kPa/deg, Ki = {PAPER_GAINS[1]:g} kPa/(deg s) stand in for "
-    f"the lost ones, with a factor of {PAPER_FACTOR:g} either way, because a PI with them is as slow as the "
-    "paper reads.",
-    "How far the corners of the plant lie that gains are tuned on: loop width ±20 %, slopes ±10 %, Tw ±20 % "
-    "unless set otherwise.",
-    f"How much noise the other designs may pass on: at most {NOISE_GAIN:g} V of command per degree of noise "
-    "of the angle, at any frequency; the peak of the complementary sensitivity is limited like that of the "
-    "sensitivity.",
+    "The form of the PI: command = (rest pressure + Kp e + Ki ∫e dt) / gain. The integrator stops while the "
+    "command is clipped, unless the error drives it back.",
+    f"The paper's gains: Kp = {PAPER_GAINS[0]:g} kPa/deg, Ki = {PAPER_GAINS[1]:g} kPa/(deg s) replace "
+    f"the lost ones, with a range of a factor of {PAPER_FACTOR:g} either way. With them the PI is about as "
+    "slow as the paper reports.",
+    "The corners of the plant used in tuning: loop width ±20 %, slopes ±10 %, Tw ±20 % unless set otherwise.",
+    f"The noise gain of the other designs: at most {NOISE_GAIN:g} V of command per degree of angle noise at "
+    "any frequency. Mt has the same limit as Ms.",
     "The robust LQI observes the static angle from the measured pressure times the mean slope of the lines, "
-    f"so feedback and observer cannot be designed apart; its washout is {WASHOUT:g} rad/s.",
-    "One pressure stands for a motion, its antagonist mirrored about the rest pressure.",
-    "In the contest on other plants: the noise and the quantum of the sensor, the coupling of the motions, "
-    "and the size of the load and of each effect that no model has.",
+    f"so feedback and observer cannot be designed separately; its washout is {WASHOUT:g} rad/s.",
+    "One pressure represents each motion; the antagonist's is its mirror image about the rest pressure.",
+    "In the comparison on perturbed plants: noise and resolution of the sensor, coupling of the motions, "
+    "and the size of the load and of each unmodelled effect.",
 )
 """What is assumed besides the values of parameters."""
 
-APART = "The two motions do not act on each other, except where both are played at once on other plants."
+APART = "The two motions are uncoupled, except in simulations of both at once on perturbed plants."
 """The same of a rig with two motions."""
 
 WORST_CAPTION = (
@@ -57,12 +55,12 @@ WORST_CAPTION = (
 )
 DEAD_TIME_CAPTION = (
     "Worst overshoot of every controller against added dead time, plant as fitted: steps of both signs from "
-    f"every initial state; of an MPC from rest alone, for {DURATION:g} s. In colour: the tuned PI, and the "
+    f"every initial state; for an MPC from rest only, for {DURATION:g} s. In colour: the tuned PI, and the "
     f"feedback that settles first within the limits without dead time. {SETTLED}"
 )
 LOOPS_CAPTION = (
     "The step from rest under the tuned PI in the plane of pressure and angle. In the dead zone the pressure "
-    "moves and the angle does not; beyond it the angle follows line 1. Dots: instants after the step."
+    "moves and the angle does not; beyond it the angle follows line 1. Dots: time after the step."
 )
 
 
@@ -88,7 +86,7 @@ def summary(study: Study) -> list[str]:
 
 
 def _verdict(study: Study) -> str:
-    """Whether the recommended gains were seen to break a limit."""
+    """Whether the recommended gains break a limit in any sample or search run."""
     found = list(study.decisions.values())
     if not found:
         return "No controller was judged by the whole requirement."
@@ -100,7 +98,7 @@ def _verdict(study: Study) -> str:
         return f"These gains meet every limit in {samples} samples and {runs} search runs{with_}."
     broken = sum(d.evidence[k]["broken"] for d in found for k in ("samples", "worst_case"))
     if not broken:
-        return f"These gains break a linear margin of the requirement{with_}; see ▲ in the card."
+        return f"These gains break a margin limit of the requirement{with_}; see ▲ in the card."
     return f"These gains break a limit in {broken} of {samples + runs} simulated runs{with_}."
 
 
@@ -147,7 +145,7 @@ def paper_summary(study: Study) -> list[str]:
         f"{len(study.redrawn)} figures of the paper are drawn again by this model.",
         "No recording of the paper's wrist is available, so the model cannot be compared with them point by "
         "point.",
-        "The PI's gains are a stand-in; its curves carry the range over the range of gains.",
+        "The PI's gains are assumed; the bands show the range over the assumed gains.",
     ]
 
 
@@ -156,7 +154,7 @@ def _seconds(value: float) -> str:
 
 
 def on_others(comparison: Comparison, contest: Contest) -> str:
-    """Who has the least error on the perturbed plants of those that keep the overshoot."""
+    """Which controller has the least error on the perturbed plants, of those that keep the overshoot."""
     limit = comparison.limits.overshoot_percent
     said, lost = [], []
     for motion in dict.fromkeys(s.motion for s in comparison.standings):
@@ -164,23 +162,23 @@ def on_others(comparison: Comparison, contest: Contest) -> str:
         kept = [s for s in scores if limit is None or s.mean["overshoot_percent"] <= limit]
         best = min(kept, key=lambda s: s.mean["iae_deg_s"], default=None)
         if not scores:
-            said.append(f"none on {motion}, which was not tried")
+            said.append(f"on {motion} none, which was not simulated")
         elif best is None:
-            said.append(f"none on {motion}")
+            said.append(f"on {motion} none")
         else:
             said.append(_least(best, contest.reference, motion))
             lost += [name_of(best.controller)] if _loses_itself(contest, best) else []
-    among = "" if limit is None else f", of those that keep the overshoot within {limit:g} % on average,"
-    where = "On perturbed plants with a noisy sensor, but without effects that the models lack"
-    return f"{where}{among or ','} the least IAE has {'; and '.join(said)}{_but(lost)}."
+    among = "" if limit is None else f" of the controllers with a mean overshoot of at most {limit:g} %"
+    where = "Perturbed plants with a noisy sensor, without unmodelled effects"
+    return f"{where}. Least IAE{among}: {'; '.join(said)}.{_but(lost)}"
 
 
 LATE = next(name for name in RIGS if name.startswith("dead time"))
-"""The rig that is late, as real ones are."""
+"""The plant with dead time, as real rigs have."""
 
 
 def _loses_itself(contest: Contest, best: Score) -> bool:
-    """Whether a controller fails to settle on most plants of the rig that is late."""
+    """Whether a controller fails to settle on most plants with that dead time."""
     scores = contest.of(best.motion, f"{LATE}{BESIDE}", best.family)
     scores = scores or contest.of(best.motion, LATE, best.family)
     return any(s.mean["unsettled"] > 0.5 for s in scores if s.controller == best.controller)
@@ -190,38 +188,38 @@ def _but(lost: list[str]) -> str:
     if not lost:
         return ""
     names, late = list(dict.fromkeys(lost)), LATE.replace("dead time", "a dead time of")
-    settles = "settles" if len(names) == 1 else "settle"
-    return f"; but with {late} that no model knows, {listed(names)} never {settles}"
+    fails = "fails" if len(names) == 1 else "fail"
+    return f" With {late} that no model has, {listed(names)} {fails} to settle on most plants."
 
 
 def _played(contest: Contest, motion: str) -> list[Score]:
-    """The scores of the steps on perturbed plants, with the MPCs where these met enough of them."""
+    """The scores of the steps on perturbed plants, with the MPCs where these ran on enough of them."""
     field, family = PERTURBED
     beside = contest.of(motion, f"{field}{BESIDE}", family)
     return beside if beside and beside[0].plants >= FEWEST else contest.of(motion, field, family)
 
 
 def _least(best: Score, reference: str, motion: str) -> str:
-    i, here = best.against["iae_deg_s"], f"on {motion}, over {best.plants} plants,"
+    i, here = best.against["iae_deg_s"], f"on {motion} ({best.plants} plants)"
     if best.controller == reference:
         return f"{here} the {name_of(reference)} itself, {number(best.mean['iae_deg_s'])} deg s"
     level = f"{100 * LEVEL:g} % interval"
     interval = f" ({level} {fixed(i.low, 2)} to {fixed(i.high, 2)})" if isfinite(i.low) else ""
-    return f"{here} {name_of(best.controller)}, {fixed(i.mean, 2)} deg s{interval} against the tuned PI"
+    return f"{here} {name_of(best.controller)}, {fixed(i.mean, 2)} deg s{interval} relative to the tuned PI"
 
 
 def misfit(fit: Fit) -> str:
     """Whether the fitted model explains the held-out recordings down to the noise."""
     if fit.remarks:
         return " ".join(fit.remarks)
-    return "The errors are no more than the noise: the model explains these recordings."
+    return "The errors do not exceed the noise: the model explains these recordings."
 
 
 def fit_words(fit: Fit) -> str:
-    """Which recordings were fitted to and which judged."""
+    """Which recordings were fitted and which were held out."""
     took = [r.recording.name for r in fit.runs if r.role == "fit"]
     apart = [r.recording.name for r in fit.runs if r.role == "validate"]
-    judged = f"judged on {', '.join(apart)}, which were held out" if apart else "no recording was kept apart"
+    judged = f"judged on {', '.join(apart)}, which were held out" if apart else "no recording was held out"
     return f"Fitted to {', '.join(took)} of the campaign “{fit.campaign.name}”; {judged}."
 
 
@@ -240,24 +238,25 @@ def found(answer: Answer) -> str:
     unit = COST_WORDS.get(t.problem.cost, "").partition("[")[2].rstrip("]")
     where = t.problem.place("cost", int(t.at.cost_at[0]))
     words = f"Worst cost {number(float(t.at.cost[0]))} {unit}, on {spaced(where)}."
-    cases = f"beside {len(t.problem.scenarios)} steps the gains are"
+    steps = f"{len(t.problem.scenarios)} steps and"
     if t.given:
         words += (
-            f" They are a design's: {cases} shown on the {len(t.problem.adverse)} hardest cases of a pool."
+            f" The gains come from the design, and are shown on {steps} the {len(t.problem.adverse)} hardest "
+            "cases of a pool."
         )
     elif t.problem.adverse:
         words += (
-            f" Every limit is met over the whole stated uncertainty, dead time included: {cases} "
-            f"tuned on {len(t.problem.adverse)} cases that a search for the worst found."
+            " Every limit is met over the whole stated uncertainty, dead time included: the gains are tuned "
+            f"on {steps} {len(t.problem.adverse)} cases found by the worst-case search."
         )
     if answer.refusal is not None:
         return f"{words} The answer is {refused(answer.refusal)}."
     if t.given:
-        return f"{words} The limit that they come nearest to: {limit_name(str(nearest_limit(t.at, 0)))}."
+        return f"{words} Nearest limit: {limit_name(str(nearest_limit(t.at, 0)))}."
     if t.active:
         active = [limit_name(n) for n, excess in t.at.excess.items() if excess[0] > -ACTIVE]
-        return f"{words} Active, so that less cost would break a limit: {' and '.join(active)}."
-    return f"{words} No limit is active: the optimum lies inside all of them."
+        return f"{words} Active limit{'s' * (len(active) > 1)}: {' and '.join(active)}."
+    return f"{words} No limit is active."
 
 
 def evidence(answer: Answer) -> str:
@@ -268,9 +267,9 @@ def evidence(answer: Answer) -> str:
     near = sum(c <= 1.01 * float(t.at.cost[0]) for c in ends)
     if t.given:
         return (
-            f"Nothing was searched here: the map of {region.points} × {region.points} gains shows where the "
-            "design's lie. It judges by the limits themselves and on fewer cases than the design, so that "
-            "neighbouring gains may seem to meet them at less cost."
+            f"No search was made here: the map of {region.points} × {region.points} gains shows those of the "
+            "design. It uses the limits themselves and fewer cases than the design, so neighbouring gains "
+            "may appear to meet them at lower cost."
         )
     held = "none met the limits"
     head = "What was searched" if answer.refusal else "Evidence that this is the global optimum"
@@ -279,10 +278,10 @@ def evidence(answer: Answer) -> str:
     words = (
         f"{head}: a map of {region.points} × {region.points} gains covers "
         f"Kp from {region.Kp[0]:g} to {region.Kp[1]:g} kPa/deg and Ki from {region.Ki[0]:g} to "
-        f"{region.Ki[1]:g} kPa/(deg s), neighbours {100 * (ratio[0] - 1):.0f} % and "
-        f"{100 * (ratio[1] - 1):.0f} % apart. Of {len(t.searches)} local searches from its valleys "
+        f"{region.Ki[1]:g} kPa/(deg s) in steps of {100 * (ratio[0] - 1):.0f} % and "
+        f"{100 * (ratio[1] - 1):.0f} %. Of {len(t.searches)} local searches from its minima "
         f"and other cells, {held}. "
-        "Three ever finer maps around the best point end at the gains given."
+        "Three successively finer maps around the best point lead to these gains."
     )
     if t.problem.set_aside:
         words += (
@@ -290,7 +289,7 @@ def evidence(answer: Answer) -> str:
             f"were set aside, such as {spaced(t.problem.set_aside[0].name)}: the command that holds them "
             f"lies within {HEADROOM:g} V of the end of the range, or beyond it."
         )
-    edge = " The optimum lies on the edge of the searched region: a wider one may hold a better one."
+    edge = " The optimum lies on the edge of the searched region: a wider region may contain a better one."
     return words + (edge if t.on_edge else "")
 
 

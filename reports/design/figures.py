@@ -31,6 +31,6 @@ def draw_prices(study: DesignStudy) -> "Figure":
                 end = (r["worst_iae_deg_s"] or 0.0, y)
                 at.annotate(text, end, (4, 0), textcoords="offset points", va="center")
             at.set_yticks(place, labels=names)
-            at.set(title=m.motion, xlabel="worst IAE [deg s]", xlim=(0.0, 1.35 * max(heights)))
+            at.set(title=m.motion, xlabel="Worst IAE [deg s]", xlim=(0.0, 1.35 * max(heights)))
             at.grid(False)
     return figure

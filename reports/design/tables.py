@@ -17,9 +17,9 @@ def card_rows(study: DesignStudy) -> list[CardRow]:
 def price_table(study: DesignStudy) -> Table:
     """What each guarantee costs."""
     columns = (
-        Column("guarantee", number=False), Column("controller", number=False), Column("Kp", "kPa/deg"),
-        Column("Ki", "kPa/(deg s)"), Column("b", "1"), Column("worst IAE", "deg s"),
-        Column("worst settling", "s"), Column("worst overshoot", "%"), Column("IAE over its bound", "1"),
+        Column("Guarantee", number=False), Column("Controller", number=False), Column("Kp", "kPa/deg"),
+        Column("Ki", "kPa/(deg s)"), Column("b", "1"), Column("Worst IAE", "deg s"),
+        Column("Worst settling", "s"), Column("Worst overshoot", "%"), Column("IAE / bound", "1"),
     )  # fmt: skip
     groups = []
     for m in study.motions:

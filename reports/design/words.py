@@ -40,7 +40,7 @@ def summary(study: DesignStudy) -> list[str]:
     proved = [m.motion for m in study.motions if m.evidence["proved"]["status"] == "proved"]
     still = [m.motion for m in study.motions if m.motion not in proved]
     third = (
-        f"A proof of stability for the sampled loop behind that dead time is open for {listed(still)}."
+        f"A proof of stability for the sampled loop with that dead time is open for {listed(still)}."
         if still
         else "On the plant as fitted, the sampled loop with that dead time is proved exponentially stable."
     )
@@ -55,7 +55,7 @@ def motion_lines(m: MotionDesign) -> list[str]:
     names = listed([e["name"] for e in m.trace["effects"]]) if m.trace["effects"] else "nothing"
     found.append(f"  trace: {m.trace['verdict']}, adds {names}; held-out error {number(after)} deg")
     if m.left_out:
-        found.append(f"  designed without what sits in the sensor: {listed(list(m.left_out))}")
+        found.append(f"  effects of the sensor left out of the design: {listed(list(m.left_out))}")
     found.append(
         f"  {samples['broken']} of {samples['total']} fresh samples break a limit (below "
         f"{number(100 * samples['upper_bound'], 2)} % at 95 % confidence)"
@@ -82,23 +82,24 @@ def last_line(study: DesignStudy) -> str:
     late = max(r["longest_dead_time_s"] for r in study.requirements.values())
     held = f"meet every limit with up to {number(1000 * late)} ms of dead time"
     still = [m.motion for m in study.motions if m.evidence["proved"]["status"] != "proved"]
-    proved = "exponential decay is proved on the plant as fitted, and sampled on the box"
+    proved = "exponential stability is proved on the plant as fitted"
     open_ = f"a proof is open for {listed(still)}" if still else proved
-    return f"{gains}: {held} in all that was sampled and searched; {open_}"
+    return f"{gains}: {held} in all samples and search runs; {open_}"
 
 
 def remarks(study: DesignStudy) -> list[str]:
-    """What a reader has to know beside."""
+    """What a reader has to know besides the summary."""
     share = 100 * study.guard["overshoot_percent"]
     found = [
-        f"Gains are tuned {number(share)} % below the limit on overshoot, which jumps from one case to the "
-        "next, and judged by the limit itself. A search that finds nothing is no proof that there is nothing."
+        f"The tuning keeps the overshoot {number(share)} % below its limit, since it changes abruptly "
+        "between "
+        "cases; the verdict uses the limit itself. A search that finds no broken limit proves nothing."
     ]
     found += [remainder_words(m, study.requirements[m.motion]["remainder"]) for m in study.motions]
     found += [feedforward_words(m) for m in study.motions]
     found = [words for words in found if words]
     found += [
-        f"{m.motion}: designed without {listed(list(m.left_out))}, which sits in the sensor."
+        f"{m.motion}: the design leaves out {listed(list(m.left_out))}, which acts in the sensor alone."
         for m in study.motions
         if m.left_out
     ]
@@ -106,26 +107,26 @@ def remarks(study: DesignStudy) -> list[str]:
 
 
 def remainder_words(m: MotionDesign, left: Mapping[str, float] | None) -> str:
-    """What the residual of a motion's plant costs; nothing where it leaves none that shows."""
+    """What the residual of a motion's plant costs; empty where it is within the noise."""
     if left is None:
         return ""
     size = f"up to {number(left['peak'])} deg along {number(left['length'])} deg of travel"
     bare, plain = m.designs.get(BARE), m.designs[PLAIN]
-    words = f"{m.motion}: the unexplained residual of the plant ({size}) disturbs every case."
+    words = f"{m.motion}: the unexplained residual of the plant ({size}) acts as a disturbance in every case."
     if bare is None or not plain["holds"]:
         return words
     return (
-        f"{words} Without it a PI would be {gains_words(bare['gains'])}; taking it in costs "
-        f"{number(100 * (plain['cost'] / bare['cost'] - 1), 2)} % of worst IAE."
+        f"{words} Without it the PI would be {gains_words(bare['gains'])}; with it the worst IAE is "
+        f"{number(100 * (plain['cost'] / bare['cost'] - 1), 2)} % higher."
     )
 
 
 def price_caption(study: DesignStudy) -> str:
     """Beneath the prices."""
     return (
-        "Worst IAE of the task's steps, the same for every bar: every plant of the box, initial state, load "
-        "and dead time. Blue: no broken limit found; ▲: limit broken. Gains that were "
-        "tuned for less are faster here and break limits in other cases."
+        "Worst IAE over the same steps for every bar: all plants of the box, initial states, loads and dead "
+        "times. Blue: tuned for the whole requirement, no broken limit found; ▲: limit broken. Gains tuned "
+        "for weaker guarantees may be faster here, but break limits in other cases."
     )
 
 
@@ -146,9 +147,10 @@ def feedforward_words(m: MotionDesign) -> str:
     if found["holds"]:
         return f"{words} No broken limit was found."
     excess = number(100 * found["worst_excess"], 2)
-    limit = limit_name(found["worst_excess_of"]).lower()
+    limit = limit_name(found["worst_excess_of"])
+    limit = limit if limit in ("Ms", "Mt") else limit.lower()
     return (
-        f"{words} It is not recommended: the search found a case that breaks the limit of the {limit} "
+        f"{words} It is not recommended: the search found a case that breaks the limit on {limit} "
         f"by {excess} % ({found['worst_case']})."
     )
 

@@ -43,14 +43,14 @@ FIGURES: Mapping[int, PaperFigure] = {
         "Relationship between applied voltage and steady-state pressure",
         plots.steady_line,
         "Commands of 0 to 4 V in steps of 0.5 V, each held for 20 s: the pressure in the steady state is "
-        "proportional to the command, and 4 V end at 197.6 kPa where the gain is 49.4 kPa/V.",
+        "proportional to the command, and 4 V give 197.6 kPa at a gain of 49.4 kPa/V.",
         ("gain",),
     ),
     6: PaperFigure(
         "Simulation with first order lag model (3 V)",
         plots.regulator_responses,
         "100 kPa, a command of 3 V, and 100 kPa again, by the paper's first-order lag of 0.111 s. The "
-        "pressure is there within half a second, where the paper reports about 10 s for the real "
+        "pressure settles within half a second, whereas the paper reports about 10 s for the real "
         "regulator: the lag is too fast near the end.",
         ("gain",),
     ),
@@ -58,7 +58,7 @@ FIGURES: Mapping[int, PaperFigure] = {
         "Simulation with variable P control model (3 V)",
         plots.regulator_responses,
         "The same test with the variable P model, the lag beside it. Both rise alike, but the last few "
-        "kilopascals take seconds, as the paper tells of the real regulator. In the paper both motions "
+        "kilopascals take seconds, as the paper reports of the real regulator. In the paper both motions "
         "share the regulator.",
         REGULATOR_NAMES,
     ),
@@ -66,22 +66,22 @@ FIGURES: Mapping[int, PaperFigure] = {
         "Relationship between applied pressure and steady-state angle of wrist",
         plots.initial_motions,
         "The initial motion: from rest at 100 kPa straight to 0, 50, 100, 150 or 200 kPa. Around 100 kPa "
-        "lies a dead zone in which the wrist does not move (shaded). 200 kPa are out of reach of 4 V: the"
-        " last point stands where 4 V end.",
+        "is a dead zone in which the wrist does not move (shaded). 4 V do not reach 200 kPa: the last "
+        "point is at the pressure of 4 V.",
         LOOP_NAMES,
     ),
     11: PaperFigure(
         "Relationships between applied pressure and time",
         plots.staircase_pressures,
         "The staircase: from 100 kPa by 50 kPa at a time within 0 to 200 kPa (its order and 20 s a level "
-        "are assumed), and the pressure that the modelled regulator makes of it.",
+        "are assumed), and the pressure of the modelled regulator.",
         REGULATOR_NAMES,
     ),
     12: PaperFigure(
         "Hysteresis loop of pneumatic wrist motions",
         plots.hysteresis_loops,
-        "Steady-state angle against pressure on the staircase. At one pressure the wrist stands at "
-        "different angles, depending on where it came from: line 1 while it moves in the plus direction, "
+        "Steady-state angle against pressure on the staircase. At one pressure the wrist has "
+        "different angles, depending on its history: line 1 while it moves in the plus direction, "
         "line 2 while it moves in the minus direction, and a transit of constant slope between the two.",
         LOOP_NAMES,
     ),
@@ -95,16 +95,16 @@ FIGURES: Mapping[int, PaperFigure] = {
     14: PaperFigure(
         "Results of fixed command control (palmar/dorsal flexion)",
         plots.pi_steps,
-        "A step of 15 deg under a PI. The wrist starts a moment late, since the pressure must cross the "
-        "dead zone first, and takes several seconds to settle, which is how slow the paper reads.",
+        "A step of 15 deg under a PI. The wrist starts late, since the pressure must cross the dead zone "
+        "first, and takes several seconds to settle, as in the paper.",
         (*REGULATOR_NAMES, *LOOP_NAMES, "Tw"), ("flexion",), True,
     ),
     15: PaperFigure(
         "Results of fixed command control (radial/ulnar deviation)",
         partial(plots.pi_steps, mark=(6.0, "here the paper's experiment\nleft its simulation")),
         "The same for radial/ulnar deviation. At about 6 s the paper's experiment differs from its "
-        "simulation; the paper blames the straight lines that it drew through a curved loop, and this "
-        "model draws the same.",
+        "simulation; the paper attributes this to the straight lines drawn through a curved loop, which "
+        "this model shares.",
         (*REGULATOR_NAMES, *LOOP_NAMES, "Tw"), ("deviation",), True,
     ),
 }  # fmt: skip
@@ -155,7 +155,7 @@ def caption(number: int, sets: Mapping[str, ParameterSet] | None = None) -> str:
     """
     figure = _figure(number)
     rests = _rests_on(figure, sets or {m: built_in(m) for m in ("flexion", "deviation")})
-    lost = "The measured curve of the paper is not available: its figures are lost from the text."
+    lost = "The measured curve of the paper is not available."
     return f"Fig. {number} of the paper, redrawn: {figure.title}. {figure.see} {lost} {rests}"
 
 

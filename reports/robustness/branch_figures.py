@@ -230,7 +230,7 @@ def _cycle(axes: "Axes", wrist: Wrist, controller: PI, cycle: LimitCycle, look: 
     w, omega = cycle.frequency_rad_s, frequencies(wrist)
     rate = float(regulator_rate(wrist.regulator, cycle.amplitude_kPa * w))
     L = _without(wrist, controller, omega, rate)
-    kind = "attracts" if cycle.stable else "repels"
+    kind = "stable" if cycle.stable else "unstable"
     words = f"{kind}: {cycle.amplitude_kPa:.3g} kPa, {w:.3g} rad/s (rate {rate:.2g}/s)"
     axes.plot(L.real, L.imag, label=words, **{**look, "linewidth": 1.2})
     here = complex(_without(wrist, controller, np.array([w]), rate)[0])

@@ -20,8 +20,8 @@ def plane_caption(a: Assessment) -> str:
     """Beneath the plane of the gains."""
     return (
         "Gain plane. Star: these gains. Below the lines the limits are met. Cross-hatched: unstable on some "
-        "branch. Filled: certified for arbitrarily switching slopes, by the rung named; with a fixed law of "
-        "the regulator the region is larger. Ms and delay margin: linear loops; overshoot: worst simulated "
+        "branch. Filled: certified for arbitrarily switching slopes, by the certificate named; for a fixed "
+        "regulator law the region is larger. Ms and delay margin: linear loops; overshoot: worst simulated "
         "tuning scenario. Edges are interpolated between grid points."
     )
 
@@ -57,13 +57,14 @@ DESCRIBING = (
 
 
 NO_CYCLES = (
-    "No limit cycle is predicted. What simulations from large amplitudes show stands in the first table."
+    "No limit cycle is predicted. The table of statements has the result of simulations from large "
+    "amplitudes."
 )
 
 
 ENVELOPE = (
-    "True angle of the cases, drawn upwards: median and the band of 90 % of them. Below: the same near the "
-    "reference; dotted: settling band."
+    "True angle of the cases, both signs drawn upwards: median and band of 90 % of the cases. Below: detail "
+    "near the reference; dotted: settling band."
 )
 
 
@@ -72,9 +73,9 @@ def model_words(a: Assessment) -> str:
     words = (
         "While the command is not clipped the loop has three states (error, static angle less angle, "
         "commanded less actual "
-        "pressure), is linear in the slope of the branch, and has no offsets; the rungs below prove "
-        "exponential stability of these states on whichever branch the wrist is and whenever it changes. The "
-        "virgin curve, of slope 0, is left once and never entered again; that time is bounded separately."
+        "pressure), is linear in the slope of the branch, and has no offsets; the certificates below "
+        "prove exponential stability of these states for every sequence of branches. The virgin curve, of "
+        "slope 0, is left once and never entered again; the time on it is bounded separately."
     )
     model = a.left_out
     if model:
@@ -83,7 +84,7 @@ def model_words(a: Assessment) -> str:
 
 
 def claims(a: Assessment) -> list[str]:
-    """What each rung claims, those of the sampled loop together; and what disproves some."""
+    """What each certificate claims, those of the sampled loop together; and what disproves some."""
     found: dict[str, list[str]] = {}
     for c in a.ladder:
         if not c.dead_time:
@@ -92,8 +93,8 @@ def claims(a: Assessment) -> list[str]:
     said = [f"{_start(', '.join(rungs))}: {claim}." for claim, rungs in found.items()]
     if a.word is not None:
         said.append(
-            f"Where the rate switches too, a destabilising switching sequence exists: {a.word}. It is of the "
-            "class, not of the wrist, whose rate follows the error of the pressure."
+            f"Where the rate switches too, a destabilising switching sequence exists: {a.word}. It belongs "
+            "to the class, not to the wrist, whose rate follows the pressure error."
         )
     return said
 
@@ -124,13 +125,13 @@ def sample_words(a: Assessment) -> str:
     """How the samples were drawn."""
     c, cases = a.conditions, a.cases
     parts = [
-        f"{len(cases)} cases, independent: a plant from the box below, one of four starting memories, "
-        "either sign of the step"
+        f"{len(cases)} cases, independent: a plant from the box below, one of four initial "
+        "hysteresis states, either sign of the step"
     ]
     parts += [f"dead time up to {1000 * c.dead_time:g} ms"] if c.dead_time else []
     parts += [f"a constant load of up to ±{c.load:g} deg"] if c.load else []
     parts += [f"sensor noise of {c.noise:g} deg (s.d.) at 100 Hz"] if c.noise else []
-    parts += [f"a sensor that steps by {c.quantum:g} deg"] if c.quantum else []
+    parts += [f"a sensor resolution of {c.quantum:g} deg"] if c.quantum else []
     words = ", ".join(parts) + ". A statement is met where the whole interval is below "
     words += f"{100 * LEVEL:g} % of cases, and is open where the interval contains that figure."
     return words + "".join(f" {r[0].upper() + r[1:]}." for r in cases.remarks)
@@ -146,9 +147,9 @@ def worst_words(a: Assessment) -> str:
     )
     return (
         f"References in turn, in brackets how long each is held: {spaced(w.sequence.name)}. {what} Found in "
-        f"{w.evaluations} runs by differential evolution and Nelder-Mead over the box, the starting memory, "
-        "three references and how long they are held; a lower bound of the true worst case, no proof that "
-        "there is none worse."
+        f"{w.evaluations} runs by differential evolution and Nelder-Mead over the box, the initial "
+        "hysteresis "
+        "state, three references and how long each is held. This is a lower bound of the true worst case."
     )
 
 
@@ -156,8 +157,8 @@ def worst_caption(a: Assessment) -> str:
     """Beneath the worst scenario."""
     m = a.worst.metrics
     return (
-        "The worst scenario that was found, played by the exact simulator. The last step, shaded, is "
-        f"judged: overshoot {number(m['overshoot_percent'], 2)} %, error at the end "
+        "The worst scenario found, simulated exactly. The last step, shaded, is judged: "
+        f"overshoot {number(m['overshoot_percent'], 2)} %, error at the end "
         f"{number(m['steady_state_error_deg'], 2)} deg, total variation of the command "
         f"{number(m['total_variation_V'], 3)} V."
     )
@@ -169,7 +170,7 @@ def assumptions(a: Assessment) -> list[str]:
     found = [
         f"Limits: {limit_words(a.limits)}.",
         f"The command is clipped at {low:g} and {high:g} V; certificates hold where it is not.",
-        "Boxes of fitted parameters leave out their correlations.",
-        "Dead time, load, noise and resolution of the samples are assumed: orders typical of such rigs.",
+        "The box ignores correlations between fitted parameters.",
+        "Dead time, load, noise and resolution of the samples are assumed; their magnitudes are typical.",
     ]
     return found

@@ -26,12 +26,12 @@ MARGINS = {
 
 
 CLASSES = {
-    Switching.MEMORY: "decays once no more than one line of the loop is met, sampled",
-    Switching.MEMORY_IN_BOX: "decays once no more than one line is met, on every plant of the box, sampled",
-    Switching.SLOPE_EVERY_SAMPLE: "decays however the slope switches from one sample to the next",
-    Switching.FIXED_LAW: "decays however the slope switches, the regulator's law being fixed",
-    Switching.ANY_TIME: "decays however slope and regulator rate switch",
-    Switching.EVERY_SAMPLE: "decays however slope and regulator rate switch from one sample to the next",
+    Switching.MEMORY: "sampled loop: decays while at most one line of the hysteresis is met",
+    Switching.MEMORY_IN_BOX: "sampled loop: decays while at most one line is met, on every plant of the box",
+    Switching.SLOPE_EVERY_SAMPLE: "decays under arbitrary switching of the slope at every sample",
+    Switching.FIXED_LAW: "decays under arbitrary switching of the slope, with a fixed regulator law",
+    Switching.ANY_TIME: "decays under arbitrary switching of slope and regulator rate",
+    Switching.EVERY_SAMPLE: "decays under arbitrary switching of slope and regulator rate at every sample",
 }
 
 
@@ -55,8 +55,8 @@ def claim_words(claim: Claim) -> str:
             return f"a step of {step:g} deg from a line never clips the command{late(dead_time)}"
         case TasksDieAway(step, dead_time):
             return (
-                f"steps of {step:g} deg, either way and from every start, and returns are exponentially "
-                f"stable with this rate, sampled and with the range of the command{late(dead_time)}"
+                f"steps of {step:g} deg of both signs from every initial state, and returns: exponentially "
+                f"stable with this rate, sampled loop with command range{late(dead_time)}"
             )
         case LeavesVirginCurve(step):
             return f"a step of {step:+g} deg from rest leaves the virgin curve by this time"
@@ -72,10 +72,10 @@ def claim_words(claim: Claim) -> str:
             shown = f"{1e3 * limit:g} ms" if key == "delay_margin_s" else f"{limit:g}"
             return f"{MARGINS[key]} {'at most' if at_most else 'at least'} {shown} on every branch"
         case NoOscillation():
-            return "no lasting oscillation about the reference"
+            return "no sustained oscillation about the reference"
         case HasCycle(c):
             return (
-                f"a limit cycle that {'attracts' if c.stable else 'repels'}: {c.amplitude_deg:.3g} deg, "
+                f"{'a stable' if c.stable else 'an unstable'} limit cycle: {c.amplitude_deg:.3g} deg, "
                 f"{c.amplitude_kPa:.3g} kPa at {c.frequency_rad_s:.3g} rad/s"
             )
         case RarelyBroken(words, level):
@@ -97,11 +97,11 @@ def class_words(c: LoopClass) -> str:
         moves = f"slope {shallow:.4g} to {steep:.4g} deg/kPa switching arbitrarily at every sample"
         if c.switching is not Switching.SLOPE_EVERY_SAMPLE:
             moves = (
-                f"slope {shallow:.4g} to {steep:.4g} deg/kPa as the loop's own memory has it, of which no "
-                "more than one line is met"
+                f"slope {shallow:.4g} to {steep:.4g} deg/kPa as the hysteresis sets it, of which at most one "
+                "line is met"
             )
         if c.lag is not None:
-            moves += f", Tw from {c.lag[0]:.4g} to {c.lag[1]:.4g} s, which may drift as slopes may"
+            moves += f", Tw from {c.lag[0]:.4g} to {c.lag[1]:.4g} s, varying in the same way"
         return (
             f"the sampled loop{behind}, the regulator's law fixed, k from {low:.4g} to {high:.4g} 1/s, "
             f"{moves}, decays while the command is not clipped"

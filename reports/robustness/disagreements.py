@@ -1,4 +1,4 @@
-"""How certificates, predictions and samples can seem to contradict each other and all be true."""
+"""How certificates, predictions and samples can appear to contradict each other and all be true."""
 
 from design.robustness.assess import Assessment
 from design.robustness.disagreement import (
@@ -26,39 +26,38 @@ def sentence(d: Disagreement) -> str:
     match d:
         case StableYetUnproved():
             words = (
-                "Linear theory calls the loop stable on every branch, yet no rung proves it for every way of "
-                "moving between them."
+                "Linear theory predicts stability on every branch, but no certificate proves it for "
+                "arbitrary switching between them."
             )
             if d.word is not None:
                 words += (
-                    f" For arbitrarily switching slopes and rates none can: {d.word}. The wrist itself "
-                    "cannot do that, since its rate follows the error of the pressure and its slope the "
-                    "pressure."
+                    f" For arbitrarily switching slopes and rates none exists: {d.word}. The wrist itself "
+                    "cannot switch arbitrarily: its rate follows the pressure error, its slope the pressure."
                 )
             return words + (f" All {d.settled} samples settled." if d.settled else "")
         case MarginYetUnproved():
             return (
-                f"The predicted delay margin is {1000 * d.margin:.3g} ms, but no rung certifies the loop "
-                f"with {1000 * d.dead_time:g} ms of dead time: the margin is of one branch at a time, the "
-                "certificate of every way of moving between them."
+                f"The predicted delay margin is {1000 * d.margin:.3g} ms, but no certificate covers the "
+                f"loop with {1000 * d.dead_time:g} ms of dead time: a margin concerns one branch at a time, "
+                "a certificate every sequence of branches."
             )
         case MarginsYetBroken():
             late = f", the samples have up to {1000 * d.dead_time:g} ms of added dead time."
             return (
-                f"Every predicted margin is held, and yet {d.worst.count} of {d.worst.trials} samples break "
-                f"a requirement ({d.worst.words}): margins are of small motions on one branch of the nominal "
-                f"plant{late if d.dead_time else '.'}"
+                f"All predicted margins meet their limits, but {d.worst.count} of {d.worst.trials} samples "
+                f"break a requirement ({d.worst.words}): margins concern small motions on one branch of the "
+                f"nominal plant{late if d.dead_time else '.'}"
             )
         case RareYetFound():
             v = d.violations
             return (
-                f"{v.count} of {v.trials} samples break it ({v.words}), and the search found a scenario that "
-                "does: samples are steps from rest, the search may step again before the wrist has come to "
-                "rest."
+                f"{v.count} of {v.trials} samples break it ({v.words}), but the search found a scenario that "
+                "does: samples are steps from rest, whereas the search may command a step before the last "
+                "has settled."
             )
         case CyclesRefuted():
             return (
-                f"{d.refuted} of {d.predicted} limit cycles that the describing functions predict are not "
-                "there in simulation: they keep the first harmonic alone, and know nothing of a clipped "
-                "command."
+                f"{d.refuted} of {d.predicted} limit cycles that the describing functions predict do not "
+                "appear in simulation: describing functions keep only the first harmonic and ignore clipping "
+                "of the command."
             )

@@ -28,8 +28,8 @@ FIRST = {"samples": lambda a: captions.ENVELOPE, "worst": captions.worst_caption
 
 SECTIONS = {
     "branches": "The loop on every branch",
-    "verdict": "What holds, and how that is known",
-    "gains": "The plane of the gains",
+    "verdict": "Statements and evidence",
+    "gains": "Gain plane",
     "worst": "The worst scenario found",
     "samples": "Samples",
     "margins": "Margins on every branch",

@@ -54,21 +54,24 @@ def reason_words(reason: Reason) -> str:
     match reason:
         case Confirmed(solver, margin, left_out, name):
             words = f"{name}, " if name else ""
-            words += f"found by {solver}, confirmed outside it"
+            words += f"found by {solver}, checked independently"
             words += "" if margin is None else f" with a margin of {margin:.2g}"
-            return words + (f"; of the wrist without {', '.join(left_out)}" if left_out else "")
+            return words + (f"; for the wrist without {', '.join(left_out)}" if left_out else "")
         case NotFound(why, word):
-            none = "" if word is None else f"; none exists: {word} (of the class, not of the real loop)"
+            none = "" if word is None else f"; none exists: {word} (in the class, not in the real loop)"
             return no_certificate(why) + none
         case NoneFound(names, word):
             none = "" if word is None else "; none exists: a destabilising switching sequence is known"
             return f"none found ({', '.join(names)}){none}"
         case Covered(rung):
-            return f"{rung}: steps up to this start in an invariant set in which the command is not clipped"
+            return f"{rung}: steps up to this size start in an invariant set where the command is not clipped"
         case Arrive():
             return arrive_words(reason)
         case Unclipped(rung, runs):
-            return f"none of {runs} runs of the task meets it, before or after it comes to where {rung} holds"
+            return (
+                f"none of {runs} runs of the task clips the command, before or after it enters the set of "
+                f"{rung}"
+            )
         case VirginTimes(bounds):
             return virgin_words(bounds)
         case UnstableCentre(said):
@@ -77,8 +80,9 @@ def reason_words(reason: Reason) -> str:
             return "worst of the branches and rates"
         case Balanced(attract, repel, swings):
             return (
-                f"harmonic balance: {attract} that attract, {repel} that repel; {swings.lanes} large swings, "
-                f"{swings.duration:g} s each: {swings.persisting} persist"
+                f"harmonic balance: {attract} stable and {repel} unstable limit cycles; {swings.lanes} "
+                f"simulations from large amplitudes, {swings.duration:g} s each: {swings.persisting} keep "
+                "oscillating"
             )
         case Simulated(cycle):
             return cycle_words(cycle)
@@ -87,7 +91,7 @@ def reason_words(reason: Reason) -> str:
                 f"{v.count} of {v.trials} independent samples, {100 * v.probability:.3g} %; "
                 f"95 % interval {100 * v.low:.3g} to {100 * v.high:.3g} %"
             )
-            words += "; the sensor's noise moves the command too" if noisy else ""
+            words += "; sensor noise also moves the command" if noisy else ""
             return words + (f"; {uncounted} cases out of reach not counted" if uncounted else "")
         case MuBounds(row):
             return mu_words(row)
@@ -95,15 +99,15 @@ def reason_words(reason: Reason) -> str:
 
 
 def arrive_words(r: Arrive) -> str:
-    """How the runs of the tasks come to where the loop decays for ever."""
+    """How the runs of the tasks enter the set in which the loop decays."""
     words = f"{r.arrive} of {r.runs} runs"
     if r.latest is not None and r.off is not None:
         words += (
-            f" come within {r.latest:.3g} s to where one line at most, and no end of the command, is ever "
-            f"met again, the static angle at most {r.off:.2g} deg off ({r.rung})"
+            f" enter within {r.latest:.3g} s a set in which at most one line and no command limit is met "
+            f"again; the static angle is at most {r.off:.2g} deg off ({r.rung})"
         )
-    words += f"; the slowest pole decays at {r.slowest:.3g} 1/s; {r.clipped} runs are clipped before"
-    return words + (f"; of the wrist without {', '.join(r.left_out)}" if r.left_out else "")
+    words += f"; the slowest pole decays at {r.slowest:.3g} 1/s; {r.clipped} runs clip the command before"
+    return words + (f"; for the wrist without {', '.join(r.left_out)}" if r.left_out else "")
 
 
 def mu_words(r: RobustStability) -> str:
@@ -116,12 +120,12 @@ def mu_words(r: RobustStability) -> str:
     if r.certified:
         said += f", {r.intervals} intervals cover all frequencies, each checked with margin {r.margin:.1e}"
     else:
-        said += f" at the frequencies looked at only: {_uncovered(r)}"
+        said += f" only at the frequencies examined: {_uncovered(r)}"
     if r.destabilising is not None:
         p = r.destabilising.parameters
         names = [n for n, radius in zip(NAMES, r.loop.radius, strict=True) if radius > 0.0]
         at = ", ".join(f"{n} {p[n]:.4g}" for n in names)
-        said += f"; unstable at {at}, in the box grown {r.destabilising.growth:.4g} x"
+        said += f"; unstable at {at}, in the box enlarged {r.destabilising.growth:.4g} times"
     said += "; in continuous time"
     return said + (f"; without {', '.join(r.left_out)}" if r.left_out else "")
 
@@ -134,7 +138,7 @@ def _uncovered(r: RobustStability) -> str:
         case NoBound(at):
             return f"no bound at {at:.4g} rad/s"
         case HoldsBarely(share):
-            return f"the inequality holds by {share:.2g} only where it was looked at again"
+            return f"the inequality holds by only {share:.2g} when checked again"
         case Refuted() | Centre():
             return str(r.reason.value)
         case None:
@@ -142,7 +146,7 @@ def _uncovered(r: RobustStability) -> str:
 
 
 def no_certificate(reason: NoCertificate | None) -> str:
-    """Why a rung found nothing."""
+    """Why no certificate of a kind was found."""
     match reason:
         case UnstableBranch(branch, rate, pole):
             return f"the linear loop on {branch} at the {rate} rate has a pole at {pole:.3g} 1/s"
@@ -151,15 +155,15 @@ def no_certificate(reason: NoCertificate | None) -> str:
         case NotOnePlay():
             return "the hysteresis is not one play between two straight lines"
         case OtherLaw(has):
-            return f"the controller has {has}, which no certificate knows"
+            return f"the controller has {has}, which no certificate covers"
         case NoSolver(said):
             return f"no solver found one: {said}"
         case NoneOfThisKind(solver, margin, ""):
-            return f"none of this kind: the best that {solver} finds misses an inequality ({margin:.2g})"
+            return f"none of this kind: the best solution of {solver} violates an inequality ({margin:.2g})"
         case NoneOfThisKind(solver, margin, what):
             return f"{solver}: no such {what} (at best by {margin:.1e})"
         case NotConfirmed(solver, margin):
-            return f"not confirmed: {solver} claims one, the check outside it finds {margin:.2g}"
+            return f"not confirmed: {solver} reports one, the independent check finds {margin:.2g}"
         case None:
             return ""
 
@@ -170,14 +174,14 @@ def virgin_words(bounds: VirginBounds) -> str:
     if s is None:
         return f"not before {1000 * bounds.earliest:.3g} ms, for any rate from k_slow to k_fast"
     return (
-        f"the command comes no further than {s.furthest:.4g} kPa {'above' if s.up else 'below'} rest, "
-        f"and the line is met at {s.threshold:.4g} kPa"
+        f"the command reaches at most {s.furthest:.4g} kPa {'above' if s.up else 'below'} rest; the line is "
+        f"met at {s.threshold:.4g} kPa"
     )
 
 
 def cycle_words(c: LimitCycle) -> str:
-    """What a predicted limit cycle does, and what the simulator says to it."""
-    beyond = "; beyond the command range, which the prediction does not know" if c.clipped else ""
+    """Whether a predicted limit cycle is stable, and what the simulation shows."""
+    beyond = "; beyond the command range, which the prediction ignores" if c.clipped else ""
     there = "no such cycle"
     if c.seen_amplitude_deg is not None:
         there = (
@@ -190,4 +194,4 @@ def cycle_words(c: LimitCycle) -> str:
         seen = f"refuted: the simulated loop has {there}"
     else:
         seen = f"refuted: the simulated loop has one of {there} instead"
-    return f"{'attracts' if c.stable else 'repels'}{beyond}; {seen}"
+    return f"{'stable' if c.stable else 'unstable'}{beyond}; {seen}"

@@ -47,8 +47,8 @@ def region_words(region: Mapping[str, Any]) -> str:
     if region["largest_step_deg"] is None:
         if region.get("curved"):
             return "the outer branches are curved, so that no two planes bound the command"
-        return "no step was found that surely keeps the command in its range"
-    return "no shape in x alone: what is on its way counts too" if "S" in region["form"] else ""
+        return "no step was found that is certain to keep the command in its range"
+    return "not a set in x alone: commands within the dead time count too" if "S" in region["form"] else ""
 
 
 def origin_words(origin: Origin) -> str:

@@ -110,10 +110,10 @@ def margin_table(assessment: Assessment) -> Table:
 
 
 def ladder_table(assessment: Assessment) -> Table:
-    """Rung by rung: whether it was found, how fast, and how it was checked."""
+    """A row a certificate: whether it was found, its rate, and how it was checked."""
     columns = (
-        Column("Rung", number=False), Column("Found", number=False), Column("Certified decay", "1/s"),
-        Column("Margin of the check", "1"), Column("Solver, or why not", number=False),
+        Column("Certificate", number=False), Column("Found", number=False), Column("Certified decay", "1/s"),
+        Column("Margin of the check", "1"), Column("Solver, or reason", number=False),
     )  # fmt: skip
     groups = []
     for dead_time in dict.fromkeys(c.dead_time for c in assessment.ladder):
@@ -134,7 +134,7 @@ def constant_table(assessment: Assessment) -> Table:
     """How far the box may grow with constant parameters, by branch."""
     columns = (
         Column("Branch and rate", number=False), Column("Result", number=False),
-        Column("Box may grow", "times"), Column("Because", number=False),
+        Column("Box can grow", "times"), Column("Because", number=False),
     )  # fmt: skip
     by_claim: dict[str, list[tuple[Cell, ...]]] = {}
     for s in (*assessment.certificates, *assessment.predictions):
@@ -148,7 +148,7 @@ def cycle_table(cycles: Iterable[LimitCycle]) -> Table:
     """Predicted limit cycles, and what the simulator says."""
     columns = (
         Column("Amplitude", "deg"), Column("Amplitude", "kPa"), Column("Frequency", "rad/s"),
-        Column("Attracts", number=False), Column("Simulated", number=False),
+        Column("Stable", number=False), Column("Simulated", number=False),
     )  # fmt: skip
     rows = tuple(
         row(
@@ -223,7 +223,8 @@ def limit_words(limits: Limits) -> str:
     """The limits in force, in words."""
     words = {
         "overshoot_percent": "overshoot at most {:g} %", "Ms": "Ms at most {:g}",
-        "delay_margin_s": "delay margin at least {:g} s", "total_variation_V": "travel at most {:g} V",
+        "delay_margin_s": "delay margin at least {:g} s", "total_variation_V": "total variation at most "
+        "{:g} V",
         "steady_error_percent": "error at the end at most {:g} %", "Mt": "Mt at most {:g}",
         "settling_time_s": "settled within {:g} s",
     }  # fmt: skip

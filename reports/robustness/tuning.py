@@ -9,7 +9,7 @@ from reports.shared.tuning import refused
 
 
 def lines(found: RobustTuning) -> list[str]:
-    """What people read of a robust tuning beside the gains."""
+    """Lines of a robust tuning for people, besides the gains."""
     said = [requirement_words(found.requirement)]
     for number, r in enumerate(found.rounds, 1):
         if r.runs:
@@ -25,20 +25,20 @@ def lines(found: RobustTuning) -> list[str]:
             f"{100 * found.fresh.upper_bound:.2g} % at 95 % confidence)"
         )
         said.append(
-            f"tuned to {100 * (1 - GUARD['overshoot_percent']):.0f} % of the limit on overshoot, which "
-            "jumps; judged by the limit itself"
+            f"tuned to {100 * (1 - GUARD['overshoot_percent']):.0f} % of the overshoot limit, since "
+            "overshoot changes abruptly between cases; the verdict uses the limit itself"
         )
     return said
 
 
 def requirement_words(asked: Requirement) -> str:
-    """What gains have to hold, in a line."""
+    """The requirement on the gains, in a line."""
     c, rig = asked.conditions, asked.box.plant.rig
     late = (
         f"dead time of 0 to {1000 * asked.space.dead_time:g} ms" if asked.space.dead_time else "no dead time"
     )
     if any(e.NAME == "dead-time" for e in asked.wrist.effects):
-        late = "the dead time that was found"
+        late = "the identified dead time"
     unit, left = rig.units.angle, asked.box.remainder
     count = len(asked.box.leaving(None).intervals)
     met = (

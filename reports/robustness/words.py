@@ -22,8 +22,8 @@ def title(a: Assessment) -> str:
         return "The loop is unstable on some branch"
     broken = [s for s in (*a.predictions, *a.samples) if s.holds is False]
     if broken:
-        few = "one statement does" if len(broken) == 1 else f"{len(broken)} statements do"
-        return f"Of these gains {few} not hold"
+        few = "One statement" if len(broken) == 1 else f"{len(broken)} statements"
+        return f"{few} about these gains {'does' if len(broken) == 1 else 'do'} not hold"
     if a.required.broken:
         return f"These gains break a limit in {a.required.broken} of {a.required.total} samples"
     if a.worst.violated:
@@ -81,7 +81,7 @@ def summary(a: Assessment) -> list[str]:
 def _margins(a: Assessment) -> str:
     """Ms and delay margin in a sentence."""
     if not a.stable:
-        return "Margins of an unstable loop mean nothing."
+        return "An unstable loop has no margins."
     named = a.limits.named
     return (
         f"Worst branch: Ms is {number(margin(a, 'Ms'))}{_of(named, 'Ms', 1.0, '')}, the delay margin "
@@ -96,13 +96,13 @@ def _proof(a: Assessment) -> str:
     if tasks:
         rate = min(s.value for s in tasks if s.value is not None)
         late = max(float(s.evidence["dead_time_s"]) for s in tasks)
-        about = "for the task on the nominal plant"
+        about = "for tasks on the nominal plant"
     elif switched:
         best = max(switched, key=lambda c: (c.dead_time, c.decay or 0.0))
         rate, late, about = best.decay or 0.0, best.dead_time, "for any switching of the slope"
     else:
         return "Open: no certificate of stability was found for a loop that switches between branches."
-    behind = f"{1000 * late:g} ms of dead time" if late else "no dead time"
+    behind = f"with {1000 * late:g} ms of dead time" if late else "without dead time"
     return f"Proved: exponentially stable, rate at least {number(rate, 2)} 1/s, {about}, {behind}."
 
 
@@ -147,9 +147,10 @@ def seen(a: Assessment) -> str:
     if broken:
         worst = max(broken, key=lambda v: v.count)
         words = (
-            f"Of {worst.trials} independent simulated cases {worst.count} break the requirement broken most "
-            f"({worst.words}), which is {number(100 * worst.low, 2)} to {number(100 * worst.high, 2)} % of "
-            "cases at 95 % confidence"
+            f"{worst.count} of {worst.trials} independent simulated cases break the most critical "
+            "requirement "
+            f"({worst.words}): {number(100 * worst.low, 2)} to {number(100 * worst.high, 2)} % of cases at "
+            "95 % confidence"
         )
     else:
         words = f"None of {len(cases)} independent simulated cases breaks a requirement"
@@ -166,21 +167,21 @@ def foreseen(a: Assessment) -> str:
     late = min(float(r["delay_margin_s"]) for r in a.margins)
     limits = a.limits.named
     words = (
-        "By linear theory, on every branch of the hysteresis, whether the regulator is fast or slow, the "
-        f"peak of the sensitivity Ms is at most {number(Ms)}{_of(limits, 'Ms', 1.0, '')} and the delay "
-        f"margin at least {1000 * late:.0f} ms{_of(limits, 'delay_margin_s', 1e3, ' ms')}"
+        "Predicted by linear theory on every branch of the hysteresis, at every regulator rate: the "
+        f"sensitivity peak Ms is at most {number(Ms)}{_of(limits, 'Ms', 1.0, '')} and the delay margin at "
+        f"least {1000 * late:.0f} ms{_of(limits, 'delay_margin_s', 1e3, ' ms')}"
     )
     there = [c for c in a.cycles if c.confirmed]
     if there:
         words += (
-            f", but {len(there)} lasting oscillation{'s are' if len(there) > 1 else ' is'} predicted and "
-            "there in simulation"
+            f", but {len(there)} sustained oscillation{'s are' if len(there) > 1 else ' is'} predicted and "
+            "confirmed in simulation"
         )
     return words + "."
 
 
 def _of(limits: Mapping[str, float], name: str, scale: float, unit: str) -> str:
-    """The limit that a value is held against, in brackets, where there is one."""
+    """The limit of a value in brackets, where there is one."""
     return f" (limit: {number(scale * limits[name])}{unit})" if name in limits else ""
 
 
@@ -191,18 +192,18 @@ def proved(a: Assessment) -> str:
         late = [c for c in held if c.dead_time]
         best = max(late or held, key=lambda c: c.decay or 0.0)
         dead_time = (
-            f"with {1000 * best.dead_time:g} ms of dead time too" if late else "without added dead time only"
+            f"also with {1000 * best.dead_time:g} ms of dead time" if late else "only without added dead time"
         )
         words = (
-            "It is proved that, while the command is not clipped, the loop is exponentially stable with rate "
-            f"{number(best.decay, 2)} 1/s or faster however the loop switches between the slopes of the "
-            f"branches, {dead_time} ({best.rung})"
+            "Proved: while the command is not clipped, the loop is exponentially stable with rate at least "
+            f"{number(best.decay, 2)} 1/s under arbitrary switching between the slopes of the branches, "
+            f"{dead_time} ({best.rung})"
         )
     else:
         words = (
-            "No certificate knows the law of this loop"
+            "No certificate covers the law of this controller"
             if a.other_law
-            else ("No certificate was found for a loop that switches arbitrarily between branches")
+            else "No certificate was found for a loop that switches arbitrarily between branches"
         )
         words += "; a destabilising switching sequence exists" if a.word is not None else ""
     words += _of_tasks(a)
@@ -210,30 +211,32 @@ def proved(a: Assessment) -> str:
     if constant and all(s.holds for s in constant):
         least = min(s.value for s in constant if s.value is not None)
         words += (
-            f"; with constant parameters it is proved stable in a box {number(least)} times as wide as the "
-            "one assumed"
+            f". For constant parameters stability is proved in a box {number(least)} times as wide as the "
+            "assumed one"
         )
     return words + "."
 
 
 def _of_tasks(a: Assessment) -> str:
-    """What is proved of the tasks as they are, in half a sentence."""
+    """What is proved of the tasks, in a sentence or two without the last full stop."""
     held = [s for s in a.certificates if isinstance(s.claim, TasksDieAway) and s.holds]
     if not held:
         return ""
     least = min(s.value for s in held if s.value is not None)
     late = max(float(s.evidence["latest_s"]) for s in held)
     behind = max(float(s.evidence["dead_time_s"]) for s in held)
-    tube = f", with {1000 * behind:g} ms of dead time too" if behind else ", without dead time"
+    tube = f", also with {1000 * behind:g} ms of dead time" if behind else ", without dead time"
     words = (
-        f"; for the sampled loop with hysteresis and command range every run of the task enters, within "
-        f"{number(late)} s, a set in which it is exponentially stable with rate at least "
+        f". In the sampled loop, with hysteresis and command range, every run of the task enters within "
+        f"{number(late)} s a set in which it is exponentially stable with rate at least "
         f"{number(least, 2)} 1/s{tube}"
     )
     of_box = [c.decay for c in a.ladder if c.about and c.about.switching is Switching.MEMORY_IN_BOX]
     if of_box and all(d is not None for d in of_box):
         slow = min(d for d in of_box if d is not None)
-        words += f" (on any plant of the box, once at most one line is met, with rate {number(slow, 2)} 1/s)"
+        words += (
+            f". On every plant of the box the rate is {number(slow, 2)} 1/s while at most one line is met"
+        )
     return words
 
 
@@ -276,8 +279,8 @@ def remarks(a: Assessment) -> list[str]:
     said = []
     if a.other_law:
         said.append(
-            f"The controller has {a.other_law}, which no certificate knows: all of them are open. "
-            "Predictions and samples do know it."
+            f"The controller has {a.other_law}, which no certificate covers: all certificates are open. "
+            "Predictions and samples include it."
         )
     if not a.left_out:
         return said

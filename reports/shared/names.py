@@ -3,7 +3,7 @@
 from design.comparison.compare import PAPER, TUNED
 
 WINDOW = 10.0
-"""How long a task is watched [s]; what has not settled by then counts as infinite."""
+"""Duration of a task [s]; a settling time beyond it counts as infinite."""
 
 NAMES = {
     TUNED: "tuned PI", PAPER: "paper's PI (stand-in)", "SIMC": "SIMC", "AMIGO": "AMIGO",
@@ -23,7 +23,7 @@ LIMITS = {
     "total_variation_V": ("Total variation of the command", "at most", "up and down added up, in one step"),
     "steady_error_percent": ("Steady error", "at most", f"of the step, error after {WINDOW:g} s"),
     "Mt": ("Mt", "at most", "peak of the complementary sensitivity on the same branches"),
-    "settling_time_s": ("Settled", "within", "that is, at all within the run"),
+    "settling_time_s": ("Settling time", "at most", "within the run"),
 }
 """Each limit's name for people, which side is allowed, and its meaning."""
 

@@ -41,7 +41,7 @@ def error_table(fit: Fit) -> Table:
             rows.append(row(words, *(f"{number(v)} {unit}" if v is not None else "–" for v in values)))
     columns = (
         Column("Channel", number=False), Column("Noise floor"), Column("Before"), Column("Fitted"),
-        Column("Fitted, on what it was fitted to"),
+        Column("Fitted, on fit data"),
     )  # fmt: skip
     return Table(columns, (Group("", tuple(rows)),))
 
@@ -58,5 +58,5 @@ def assumption_table(sets: Mapping[str, ParameterSet]) -> Table:
     keys = sorted(shared, key=lambda k: order.index(k[0]) if k[0] in order else len(order))
     rows = tuple(row(k[0], k[1], ", ".join(shared[k]), k[2]) for k in keys)
     columns = (Column("Name", number=False), Column("Value"), Column("Motion", number=False),
-               Column("Why this value is taken all the same", number=False))  # fmt: skip
+               Column("Reason for the value", number=False))  # fmt: skip
     return Table(columns, (Group("", rows),))

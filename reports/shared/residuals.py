@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 SMOOTHED = 0.5
 """Time [s] over which a residual is averaged where it is drawn."""
 
-COLUMNS = (Column("channel", number=False), Column("residual now"), Column("before"), Column("limit"))
+COLUMNS = (Column("Channel", number=False), Column("Residual now"), Column("Before"), Column("Limit"))
 """Columns of the rows of `channel_rows`."""
 
 CAPTION = (
-    "Measured less simulated, the traced plant running freely from the logged command, averaged over "
-    "half a second. Dotted: the limit of the rms, either way."
+    "Measured minus simulated, open-loop simulation of the traced plant with the logged command, averaged "
+    "over half a second. Dotted: limit of the RMS, both signs."
 )
 
 
@@ -51,5 +51,5 @@ def draw_residuals(log: Recording, channels: Sequence[ChannelResidual]) -> "Figu
             for side in (-c.allowed, c.allowed):
                 at.axhline(side, color=GREY, lw=0.8, ls=":")
             at.set(ylabel=f"{name} [{unit}]", xlim=(log.time[0], log.time[-1]))
-        axes[-1].set_xlabel("time [s]")
+        axes[-1].set_xlabel("Time [s]")
     return figure

@@ -17,12 +17,12 @@ def refused(no: Refusal) -> str:
     """
     if isinstance(no, OutOfReach):
         if no.obstacle is not None:
-            return f"no: {no.obstacle} keeps the wrist from holding {no.scenario}"
+            return f"no: {no.obstacle} keeps the wrist from reaching {no.scenario}"
         return f"no: the command range is {no.volts:.3g} V too small to hold {no.scenario}"
     unit = "" if LIMIT_UNITS[no.limit] == "1" else f" {LIMIT_UNITS[no.limit]}"
     broken = f"{no.limit} is {no.value:.4g}{unit} against {no.bound:g} on {no.place}"
     if no.given:
-        return f"no: the gains that were given, Kp {no.Kp:.4g}, Ki {no.Ki:.4g}, break a limit: {broken}"
+        return f"no: the given gains, Kp {no.Kp:.4g}, Ki {no.Ki:.4g}, break a limit: {broken}"
     (low_p, high_p), (low_i, high_i) = no.Kp_range, no.Ki_range
     return (
         f"no: no gains in Kp {low_p:g} to {high_p:g}, Ki {low_i:g} to {high_i:g} meet every limit; nearest "

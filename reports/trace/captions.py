@@ -23,13 +23,13 @@ ERRORS = (
     "sensors, the least that any model can reach."
 )
 RANKING = (
-    "Each effect in the best of its forms: by how much it would lower chi-square beyond a refit of the "
-    "present parameters. Dashed: the least for a selection. Tick: 95 % quantile of the largest of so many "
-    "comparisons on noise alone."
+    "Each effect in its best form: predicted reduction of chi-square beyond a refit of the present "
+    "parameters. Dashed: threshold for selection. Tick: 95 % quantile of the largest reduction on noise "
+    "alone."
 )
 DESCRIPTION = (
-    "Residual over the variables it depends on: rows of the recordings as dots, their mean, and, where one "
-    "was selected, the curve learnt from them: a description, not a cause."
+    "Residual against the variables it depends on: samples of the recordings as dots, their mean, and, where "
+    "one was selected, a fitted curve: a description, not a cause."
 )
 CAUTION = "The revised plant does not explain its recordings, so the rig may behave differently."
 
@@ -42,15 +42,15 @@ def title(trace: Trace) -> str:
 def choice_words() -> list[str]:
     """How effects are chosen, in paragraphs."""
     return [
-        "In each round every effect that the model lacks is ranked by how far it would bring down "
-        "chi-square, the mean square of the residual in units of the noise: 1 is noise alone. The first "
-        "few are then refitted fully, together with all other parameters.",
-        "Where the tests above find structure in the residual, an effect is taken if chi-square on blocks "
-        f"of {BLOCK:g} s that did not fit it falls by more than {WORTH:g}, by more than {100 * SHARE:g} % "
-        f"of its excess over 1, and by more than {100 * TRIFLE:g} % of what effects taken before brought. "
+        "In each round every effect that the model lacks is ranked by the reduction of chi-square, the mean "
+        "square of the residual in units of the noise: 1 is noise alone. The first few are then fitted "
+        "together with all other parameters.",
+        "Where the tests above find structure in the residual, an effect is selected if chi-square on "
+        f"held-out blocks of {BLOCK:g} s falls by more than {WORTH:g}, by more than {100 * SHARE:g} % "
+        f"of its excess over 1, and by more than {100 * TRIFLE:g} % of the reduction by earlier effects. "
         "Where the residual looks like noise, chi-square on all rows must fall by as much, and the "
-        "log-likelihood of the residual, as noise of any colour, must rise by more than following slow "
-        "noise for a while would. Of several the best is taken; where there is none the search ends.",
+        "log-likelihood of the residual, as noise of any colour, must rise by more than a fit to "
+        "slow noise would gain. The best such effect is selected; if there is none, the search ends.",
     ]
 
 
@@ -59,11 +59,11 @@ def ranking(stage: StageTrace) -> str:
     words = [RANKING]
     rounds = stage.search.rounds
     if any(r.candidates for r in rounds):
-        words.append("Dark: refitted fully, with the chi-square that it came to.")
+        words.append("Dark: refitted fully; number: resulting chi-square.")
     if any(r.taken is not None for r in rounds):
-        words.append("Hatched: taken.")
+        words.append("Hatched: selected.")
     if len(rounds) > 1:
-        words.append("Of rounds after the first only the strongest are drawn.")
+        words.append("After the first round only the strongest are drawn.")
     return " ".join(words)
 
 
@@ -91,7 +91,7 @@ def loop(trace: Trace) -> str:
 
 
 def left(stage: StageTrace, after_name: str) -> str:
-    """What is left of a stage before the effects and after, in sentences."""
+    """The residual of a stage before the effects and after, in sentences."""
     before, after, channel = stage.before, stage.after, stage.stage.channel
     if not before.structured:
         return f"No structure beyond noise: {number(before.rmse)} {CHANNELS[channel][1]}."
@@ -154,10 +154,10 @@ def what_is_left(stage: StageTrace, adopted: bool) -> str:
 
 
 def learnt(stage: StageTrace) -> str:
-    """The description of what is left, or that there is none."""
+    """The description of the residual, or that there is none."""
     if stage.learnt is not None:
         return description(stage.learnt)
-    return "No smooth curve of a variable describes it on blocks of time that were left out."
+    return "No smooth curve of a variable describes it on held-out blocks of time."
 
 
 def control(control: Control) -> str:

@@ -111,7 +111,7 @@ def _sections(trace: Trace, control: Control | None) -> dict[str, str]:
         "errors": "Errors before and after",
         "fit": "Measured and simulated",
         "plant": "The revised plant" if trace.effects else "The plant",
-        **({} if control is None else {"control": "Tuned again"}),
+        **({} if control is None else {"control": "Retuning"}),
         "doubt": "What is open",
         "left": left,
         "choice": "How effects are selected",

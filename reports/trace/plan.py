@@ -13,15 +13,15 @@ if TYPE_CHECKING:
 
 
 def plan_lines(found: PlannedRecording) -> list[str]:
-    """What people read of a plan: for each tie what it tells, and what a staircase as long would."""
+    """A plan for people: for each tie how well it distinguishes, beside a staircase of the same length."""
     said = [
-        f"{r.name} or {r.other}: chance of naming the wrong one {_percent(planned)}; after a staircase of "
+        f"{r.name} or {r.other}: probability of a wrong decision {_percent(planned)}; with a staircase of "
         f"the same length {_percent(stairs)}"
         for r, planned, stairs in zip(found.rivals, found.planned, found.staircase_distance, strict=True)
-    ] or ["nothing ties; the recording is the one with the most information on the parameters"]
+    ] or ["no effects to distinguish; this recording has the most information on the parameters"]
     said.append(
-        f"standard errors shrink {number(found.gain)} times; after a staircase "
-        f"{number(found.staircase_gain)} times"
+        f"standard errors fall by a factor of {number(found.gain)}; with a staircase by "
+        f"{number(found.staircase_gain)}"
     )
     return said
 

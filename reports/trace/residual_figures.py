@@ -82,11 +82,11 @@ def telling(stage: StageTrace) -> list[str]:
 def _means(axes: "Axes", stage: StageTrace, variable: str, unit: str, after_name: str | None) -> None:
     before, after = stage.before.curves[variable], stage.after.curves.get(variable)
     if after_name is not None and after is not None:
-        _band(axes, after, label="noise alone stays within")
+        _band(axes, after, label="band of noise alone")
         axes.plot(before.centre, before.mean, label="residual, declared", **BEFORE)
         axes.plot(after.centre, after.mean, label=f"residual, {after_name}", **AFTER)
     else:
-        _band(axes, before, label="noise alone stays within")
+        _band(axes, before, label="band of noise alone")
         axes.plot(before.centre, before.mean, label="residual, declared", **BEFORE)
     axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
     if variable == "pressure_rate_kPa_s":
@@ -106,7 +106,7 @@ def _autocorrelation(axes: "Axes", stage: StageTrace, revised: bool) -> None:
     if revised:
         axes.plot(after.centre, after.mean, **AFTER)
     axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
-    axes.set(xlabel="Lag [s]", ylabel="Autocorrelation [-]", ylim=(min(-0.2, axes.get_ylim()[0]), 1.05))
+    axes.set(xlabel="Lag [s]", ylabel="Autocorrelation [1]", ylim=(min(-0.2, axes.get_ylim()[0]), 1.05))
 
 
 def _spectrum(axes: "Axes", stage: StageTrace, unit: str, revised: bool) -> None:
@@ -151,7 +151,7 @@ def draw_description(stage: StageTrace) -> "Figure":
             for c in () if stage.learnt is None else stage.learnt.curves:
                 if c.variable == variable:
                     panel.plot(
-                        c.at, c.term, color=BLACK, linewidth=2.0, label="learnt: a description, not a cause"
+                        c.at, c.term, color=BLACK, linewidth=2.0, label="fitted: a description, not a cause"
                     )
             panel.set_xlabel(LABELS.get(variable, variable))
             panel.axhline(0.0, color=GREY, linewidth=0.6)
@@ -164,7 +164,9 @@ def _dots(axes: "Axes", left: Sequence[Remainder], variable: str) -> None:
     x = np.concatenate([r.variables[variable] for r in left])
     y = np.concatenate([r.value for r in left])
     some = np.random.default_rng(0).permutation(len(x))[:DOTS]
-    axes.plot(x[some], y[some], ".", color="#b8b8b8", markersize=3, zorder=0, label="rows of the recordings")
+    axes.plot(
+        x[some], y[some], ".", color="#b8b8b8", markersize=3, zorder=0, label="samples of the recordings"
+    )
     axes.plot(*means(x, y), color=BLUE, linewidth=1.5, label=f"mean, in {BINS} bins")
 
 

@@ -38,7 +38,7 @@ def draw_ranking(stage: StageTrace) -> "Figure":
             panel.set_title(f"Round {count}: beyond {known}")
         marks = [line for line in axes[0].lines if line.get_label() in (CHANCE, NEEDED)]
         figure.legend(handles=marks, loc="outside lower center", ncols=2)
-        axes[-1].set(xlabel="Fall of chi-square per row [-]", xlim=(FLOOR, 30.0 * top))
+        axes[-1].set(xlabel="Reduction of chi-square per row [1]", xlim=(FLOOR, 30.0 * top))
     return figure
 
 

@@ -20,9 +20,9 @@ SHOWN = 10
 
 
 SEEN = {
-    "time": "slow wander",
+    "time": "drift",
     "time_s": "the time since the start",
-    "lags": "its own past",
+    "lags": "its past values",
     "bursts": "bursts",
     "events": "single events",
     "offset": "all rows",
@@ -181,12 +181,12 @@ def decision_table(rounds: tuple[SearchRound, ...]) -> Table:
         noisy = not r.before.examined.structured
         rows = tuple(_decided(c, r, noisy) for c in models)
         taken = None if r.taken is None else " + ".join(r.taken.model.effects)
-        by = "likelihood, since the residual looks like noise" if noisy else "blocks left out"
-        words = f"Round {count}, by {by}: {f'{taken} taken' if taken else 'nothing more taken'}"
+        by = "likelihood, since the residual looks like noise" if noisy else "held-out blocks"
+        words = f"Round {count}, by {by}: {f'{taken} selected' if taken else 'nothing more selected'}"
         strong = tuple(i for i, c in enumerate(models) if r.taken is not None and _same(c, r.taken))
         groups.append(Group(words, rows, strong))
     columns = (
-        Column("Model", number=False), Column("Chi-square", "1"), Column("On blocks left out", "1"),
+        Column("Model", number=False), Column("Chi-square", "1"), Column("On held-out blocks", "1"),
         Column("Log-likelihood gained", "1"), Column("", number=False),
     )  # fmt: skip
     return Table(columns, tuple(groups))
@@ -200,7 +200,7 @@ def _decided(c: Candidate, r: SearchRound, noisy: bool) -> tuple[Cell, ...]:
     """A model of a round, with the figure that the decision rested on."""
     name = " + ".join(f"{f.NAME} ({f.FORM})" for f in c.model.forms) or "the declared wrist alone"
     gained = fixed(c.log_likelihood - r.before.log_likelihood, 1) if noisy and c is not r.before else "–"
-    said = "as it was" if c is r.before else "taken" if r.taken is not None and _same(c, r.taken) else ""
+    said = "before" if c is r.before else "selected" if r.taken is not None and _same(c, r.taken) else ""
     return row(name, fixed(c.model.chi2, 2), "–" if noisy else fixed(c.held_out, 2), gained, said)
 
 
@@ -216,7 +216,7 @@ def control_table(control: Control) -> Table:
     columns = (
         Column("Tuned on", number=False), Column("Kp", "kPa/deg"), Column("Ki", "kPa/(deg s)"),
         Column("IAE", "deg s"), Column("Overshoot", "%"), Column("Settling", "s"),
-        Column("Error left", "deg"), Column("Breaks here", number=False),
+        Column("Final error", "deg"), Column("Breaks here", number=False),
         Column("Breaks anywhere", number=False),
     )  # fmt: skip
     return Table(columns, (Group("", tuple(_side(s) for s in sides)),))

@@ -19,13 +19,13 @@ UNITS = {"angle_deg": "deg", "pressure_kPa": "kPa"}
 
 VARIABLES = {
     "pressure_kPa": "the pressure",
-    "pressure_rate_kPa_s": "how fast the pressure moves",
+    "pressure_rate_kPa_s": "the pressure rate",
     "direction": "the direction of motion",
     "angle_deg": "the angle",
     "time": "time",
     "time_s": "time",
     "since_reversal_s": "the time since the last reversal",
-    "work_kPa": "how far the pressure has travelled",
+    "work_kPa": "the path length of the pressure",
     "command_V": "the command",
     "other_pressure_kPa": "the other motion's pressure",
     "reference_deg": "the set-point",
@@ -35,7 +35,7 @@ VARIABLES = {
 SLOW = 1.25
 """Noise that is this many times as large as its floor, which is taken from row to row, is slow."""
 
-BEHAVES = {"events": "jumps now and then", "changing size": "changes in size", "offset": "has an offset"}
+BEHAVES = {"events": "jumps at times", "changing size": "changes in size", "offset": "has an offset"}
 """What else a residual may do."""
 
 
@@ -135,7 +135,7 @@ def _explained(trace: Trace) -> str:
 
 
 def _law_words(trace: Trace) -> str:
-    return f"Four straight segments do not describe this loop, the law {trace.revised.law.NAME} does"
+    return f"Four straight segments do not describe this loop; the law {trace.revised.law.NAME} does"
 
 
 def log_words(trace: Trace) -> list[str]:
@@ -158,7 +158,7 @@ def _nothing(trace: Trace) -> str:
         f"and the noise is {noise}"
     )
     if slow:
-        said = said.replace(", and the noise is", ", the noise from row to row is")
+        said = said.replace(", and the noise is", ", the sample-to-sample noise is")
         said += f"; the residual of the {_and(slow)} has no more structure than slow noise"
     return f"{said}."
 
@@ -187,7 +187,7 @@ def _unexplained(trace: Trace) -> str:
 
 
 def _still(trace: Trace, channel: str, first: bool) -> str:
-    """How far off the plant is in a channel that is not explained; empty where it was not judged."""
+    """The error of the plant in a channel that is not explained; empty where it was not judged."""
     after, noise = trace.after[channel], trace.noise[channel]
     if after is None:
         return ""
@@ -241,7 +241,7 @@ def depends(names: Sequence[str]) -> str:
     """What a residual depends on, and how else it behaves, in words.
 
     >>> depends(["angle_deg", "time", "events"]), depends([])
-    ('the residual depends on the angle and time, and jumps now and then', 'it depends on no variable tried')
+    ('the residual depends on the angle and time, and jumps at times', 'it depends on no variable tried')
     """
     does = [BEHAVES.get(n, f"is {n}") for n in names if n in BEHAVES or n.startswith("periodic at")]
     on = [VARIABLES.get(n, n) for n in names if n not in BEHAVES and not n.startswith("periodic at")]
@@ -252,20 +252,20 @@ def depends(names: Sequence[str]) -> str:
 
 
 def describe(after: Examination, channel: str) -> str:
-    """In one sentence, what is left of a channel and what it depends on."""
+    """The residual of a channel and what it depends on, in one sentence."""
     times = f", {number(after.ratio)} times the noise" if after.noise > 0.0 else ""
     size = f"{number(after.rmse)} {UNITS[channel]} residual of the {_channel(channel)}{times}"
     return f"{size}; {depends(after.depends_on)}."
 
 
 def description(learnt: Learnt) -> str:
-    """What a description of a residual is worth, in a sentence."""
+    """How much of a residual a description accounts for, in a sentence."""
     curves = "smooth curves of " if len(learnt.variables) > 1 else "a smooth curve of "
     made = curves + listed([VARIABLES.get(v, v) for v in learnt.variables])
-    takes = "take" if len(learnt.variables) > 1 else "takes"
+    accounts = "account" if len(learnt.variables) > 1 else "accounts"
     return (
-        f"A description, not a cause: {made} {takes} away {100 * learnt.described:.0f} % of the residual "
-        "beyond noise, on blocks of time left out."
+        f"A description, not a cause: {made} {accounts} for {100 * learnt.described:.0f} % of the residual "
+        "beyond noise, on held-out blocks of time."
     )
 
 
@@ -288,13 +288,14 @@ NO_LOOP = "no: the campaign has no angle, so there is no loop to tune"
 
 
 def control_sentence(control: Control | None) -> str:
-    """What tuning again brings, in one or two sentences; control: None of a campaign without an angle."""
+    """What retuning changes, in one or two sentences; control: None of a campaign without an angle."""
     if control is None:
-        return f"Tuned again: {NO_LOOP}."
+        return f"Retuning: {NO_LOOP}."
     old, new = control.declared, control.revised
     if control.same:
-        stands = f": {gains(old)}." if old.tuning else f", but there is none; {_refused(old)}."
-        return f"Nothing was revised, so the PI tuned on the declared wrist stands{stands}"
+        if not old.tuning:
+            return f"Nothing was revised, and no PI was found for the declared wrist; {_refused(old)}."
+        return f"Nothing was revised, so the PI tuned on the declared wrist remains: {gains(old)}."
     if old.judged is None or new.judged is None:
         whose = "revised" if new.judged is None else "declared"
         side = new if new.judged is None else old
@@ -329,6 +330,7 @@ def _did(side: RetunedSide) -> str:
     broken = [f"breaks the limit on {limits_words(j.broken)}"] if j.broken else []
     if there:
         broken.append(
-            f"breaks the limit on {limits_words(there)} from another start or on a corner of the plant"
+            f"breaks the limit on {limits_words(there)} from another initial state or on a corner of the "
+            "plant"
         )
     return f"{settles} with an IAE of {number(j.iae_deg_s)} deg s and {_and(broken) or 'meets every limit'}"

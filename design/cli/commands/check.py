@@ -16,9 +16,10 @@ if TYPE_CHECKING:
 
 NAME = "check"
 HELP = (
-    "Hold a log of the closed loop against its design: inside the envelope of the samples or not, which "
-    "figure departs first, and whether the plant is still the one that was traced. Exit code 1 where the "
-    "log is outside."
+    "Compare a log of the closed loop with its design: whether it is inside the envelope of the samples, "
+    "which "
+    "metric departs first, and whether the plant has changed since the trace. Exit code 1 if the log is "
+    "outside."
 )
 EXAMPLE = "Example: wrist check plants/measured/examples/flexion/task.csv --design build/design"
 NEXT = "wrist trace CAMPAIGN, where it is changed or broken"

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 
 NAME = "compare"
 HELP = (
-    "Compare the recommended PI, tuned for all that the rig may do, with one tuned without dead time, the "
-    "paper's, the textbook rules and other designs; write a report."
+    "Compare the recommended PI, tuned for the whole requirement, with a PI tuned without dead time, the "
+    "paper's PI, textbook rules and other designs; write a report."
 )
 EXAMPLE = "Example: wrist compare plants/measured/examples/flexion --out build/compare"
 NEXT = "wrist robust --gains Kp,Ki"
@@ -55,12 +55,12 @@ def command(
         Path | None,
         typer.Option(
             "--design",
-            help="Folder that `wrist design` wrote: its plants and recommended gains, as they are.",
+            help="Folder that `wrist design` wrote: its plants and recommended gains.",
             autocompletion=files,
         ),
     ] = None,
     example: Annotated[
-        bool, typer.Option("--example", help="Use the campaigns that ship with the project (synthetic).")
+        bool, typer.Option("--example", help="Use the example campaigns of the project (synthetic).")
     ] = False,
     out: Annotated[Path, typer.Option("--out", help="Folder for the report.", autocompletion=files)] = Path(
         "build/compare"
@@ -69,19 +69,19 @@ def command(
     points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 24,
     plain: Annotated[
         bool,
-        typer.Option("--plain", help="Tune for steps alone: no dead time, load or search; quicker."),
+        typer.Option("--plain", help="Tune for steps only: no dead time, load or search; faster."),
     ] = False,
     samples: Annotated[
         int, typer.Option(help="Perturbed plants of each motion, at least 10; 0 leaves them out.", min=0)
     ] = 50,
     mpc_plants: Annotated[
-        int, typer.Option(help="Of these, plants that the MPCs meet too, which takes seconds each.", min=0)
+        int, typer.Option(help="Of these, plants on which the MPCs run too (seconds each).", min=0)
     ] = 10,
     robust_gains: Annotated[
         list[str] | None,
         typer.Option(
             help="Gains Kp,Ki of a robust PI to compare as well; of one motion alone as flexion=Kp,Ki. "
-            "May be given again."
+            "May be repeated."
         ),
     ] = None,
     seed: SeedOption = 0,
@@ -133,7 +133,7 @@ def command(
         for line in [*contest_table(found.contest), *sentences(found.contest)]:
             said.print(line)
     for name in found.unperturbed:
-        said.print(f"{name}: has effects of its own, so that no perturbed plants are drawn of it")
+        said.print(f"{name}: has effects, so no perturbed plants are drawn")
     made = Made.now(
         command=command_line(),
         seed=seed,
@@ -169,7 +169,7 @@ def _designed(folder: Path, said: Any) -> "tuple[dict[str, ParameterSet], dict[s
     given = {m: recommended(folder, plant) for m, plant in sets.items()}
     gone = [f"{name} of {m}" for m, plant in whole.items() for name in in_sensor(plant)]
     if gone:
-        said.print(f"left out, as in the design, since it sits in the sensor: {', '.join(gone)}")
+        said.print(f"left out, as in the design, since it acts in the sensor: {', '.join(gone)}")
     return sets, given
 
 

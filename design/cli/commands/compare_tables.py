@@ -16,8 +16,8 @@ STANDING = (
     "Ms", "delay\nms",
 )  # fmt: skip
 LEGEND = (
-    "! beyond its limit; /bound: largest ratio over the tasks to what none can beat",
-    "~ dead time tolerated in simulation, of a controller without a linear law",
+    "! beyond its limit; /bound: largest ratio over the tasks to a lower bound",
+    "~ dead time tolerated in simulation, for a controller without a linear law",
 )
 SCORE = (
     "controller", "IAE\ndeg s", "less tuned PI's\n95 %", "rank", "settle\ns", "95 % in\ns", "over\n%",

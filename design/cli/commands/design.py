@@ -25,9 +25,10 @@ if TYPE_CHECKING:
 
 NAME = "design"
 HELP = (
-    "Design for measured rigs, all the way: fit, trace, tune under everything that the rig may do, check on "
-    "fresh cases, search for the worst, ask for proofs, price each guarantee, export C; one page, one JSON. "
-    "Goes on from what is finished after Ctrl-C."
+    "Design for measured rigs, complete: fit, trace, tune under the whole requirement, check on fresh "
+    "samples, "
+    "search for the worst case, prove stability, state the cost of each guarantee, export C; one page, one "
+    "JSON. Resumes after Ctrl-C."
 )
 EXAMPLE = "Example: wrist design plants/measured/examples/flexion --out build/design"
 NEXT = "make -C OUT/c-MOTION check"
@@ -51,16 +52,18 @@ def command(
         typer.Option(help="Parameter set that a motion's fit starts from.", autocompletion=files),
     ] = None,
     no_dead_time: Annotated[
-        bool, typer.Option("--no-dead-time", help="No dead time beside the plant's own.")
+        bool, typer.Option("--no-dead-time", help="No dead time in addition to the plant's own.")
     ] = False,
     no_load: Annotated[bool, typer.Option("--no-load", help="No load.")] = False,
-    no_noise: Annotated[bool, typer.Option("--no-noise", help="A sensor without noise.")] = False,
+    no_noise: Annotated[bool, typer.Option("--no-noise", help="No sensor noise.")] = False,
     no_remainder: Annotated[
-        bool, typer.Option("--no-remainder", help="As if the plant left nothing unexplained.")
+        bool, typer.Option("--no-remainder", help="Ignore the unexplained residual of the plant.")
     ] = False,
-    nominal: Annotated[bool, typer.Option("--nominal", help="The plant's parameters as they are.")] = False,
+    nominal: Annotated[
+        bool, typer.Option("--nominal", help="No uncertainty of the plant's parameters.")
+    ] = False,
     samples: Annotated[int, typer.Option(help="Fresh samples.", min=100)] = 20_000,
-    budget: Annotated[int, typer.Option(help="Runs of the search for the worst case.", min=1000)] = 50_000,
+    budget: Annotated[int, typer.Option(help="Runs of the worst-case search.", min=1000)] = 50_000,
     points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 40,
     seed: SeedOption = 0,
     json: JsonOption = None,

@@ -54,14 +54,16 @@ def command(
     ],
     out: Annotated[
         Path,
-        typer.Option(help="Folder for the C; files of the same names are replaced.", autocompletion=files),
+        typer.Option(
+            help="Folder for the files; existing files of the same names are replaced.", autocompletion=files
+        ),
     ],
     gains: Annotated[
         str | None,
         typer.Option(
             help="pi: Kp,Ki. pi-2dof: Kp,Ki,b,Tf. lqi: Ke,Kd,Kq,jump,bandwidth. feedforward: speed. "
             "feedforward-pi: Kp,Ki,dead time. observer: bandwidth. Needed by pi, pi-2dof, lqi and "
-            "feedforward-pi. pi: a TOML file with them, too."
+            "feedforward-pi. For pi a TOML file with gains works too."
         ),
     ] = None,
     target: Annotated[

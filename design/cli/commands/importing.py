@@ -31,7 +31,7 @@ def command(
             '"pressure=AI0 [bar]". What is not given is guessed.',
         ),
     ] = None,
-    axis: Annotated[str, typer.Option(help="Motion, as campaign.toml is to name it.")] = "motion",
+    axis: Annotated[str, typer.Option(help="Name of the motion in campaign.toml.")] = "motion",
     sample_time: Annotated[
         float | None, typer.Option(help="Seconds between two rows, for logs without a time.", min=1e-6)
     ] = None,

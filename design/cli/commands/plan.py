@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 NAME = "plan"
 HELP = (
-    "Trace a campaign and write the command of the recording that would settle most of what it leaves open: "
-    "effects that tie, or else the parameters; with a picture, and how much it helps."
+    "Trace a campaign and write the command of the most informative next recording: it distinguishes "
+    "effects that fit equally well, or else reduces the standard errors; with a picture."
 )
 EXAMPLE = "Example: wrist plan plants/measured/examples/deviation --out build/plan.csv"
 NEXT = "wrist trace CAMPAIGN, with the recording added"
@@ -40,7 +40,7 @@ def command(
     ] = Path("plan.csv"),
     duration: Annotated[float, typer.Option(help="Length of the recording [s].", min=10.0, max=600.0)] = 60.0,
     plant: StartOption = None,
-    tried: Annotated[int, typer.Option(help="Commands that are drawn.", min=4, max=1000)] = 24,
+    tried: Annotated[int, typer.Option(help="Random commands to try.", min=4, max=1000)] = 24,
     seed: SeedOption = 0,
     json: JsonOption = None,
 ) -> None:

@@ -62,26 +62,31 @@ def command(
         ),
     ] = None,
     corners: Annotated[
-        str | None, typer.Option(help="Shares by which assumed loop width, slopes and lag may differ.")
+        str | None, typer.Option(help="Relative deviations of assumed loop width, slopes and lag.")
     ] = None,
     dead_time: Annotated[
         float | None,
-        typer.Option(help="Dead time that samples and the worst case may add [s]; the rig's.", min=0.0),
+        typer.Option(help="Longest dead time in samples and worst case [s]; by default the rig's.", min=0.0),
     ] = None,
     load: Annotated[
         float | None,
-        typer.Option(help="Load that they may have, a shift of the static angle [deg]; the rig's.", min=0.0),
+        typer.Option(
+            help="Load in these, as a shift of the static angle [deg]; by default the rig's.", min=0.0
+        ),
     ] = None,
     noise: Annotated[
         float | None,
-        typer.Option(help="Noise of the angle at 100 Hz in samples, s.d. [deg]; the rig's.", min=0.0),
+        typer.Option(
+            help="Noise of the angle at 100 Hz in samples, s.d. [deg]; by default the rig's.", min=0.0
+        ),
     ] = None,
     quantum: Annotated[
-        float | None, typer.Option(help="Step of the angle sensor in samples [deg]; the rig's.", min=0.0)
+        float | None,
+        typer.Option(help="Resolution of the angle sensor in samples [deg]; by default the rig's.", min=0.0),
     ] = None,
     samples: Annotated[int, typer.Option(help="Independent samples.", min=20, max=10_000_000)] = 2000,
     budget: Annotated[
-        int, typer.Option(help="Runs that the search for the worst scenario may take.", min=200)
+        int, typer.Option(help="Maximum number of runs of the worst-case search.", min=200)
     ] = 20_000,
     worst: Annotated[
         Path | None,

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 NAME, HELP = (
     "simulate",
-    "Simulate the wrist: a voltage, a recorded command, a PI step, or a figure of the paper.",
+    "Simulate the wrist: constant voltage, recorded command, PI step, or a figure of the paper.",
 )
 EXAMPLE = "Example: wrist simulate --axis flexion --gains 1.2,2.2 --step 15 --json -"
 NEXT = "wrist tune"
@@ -39,7 +39,7 @@ OPTIONS = {
     "--axis", "--plant", "--volts", "--recording", "--gains", "--step", "--start", "--duration", "--figure",
     "--scenario",
 }  # fmt: skip
-"""What says what is simulated; each way of simulating takes some of it."""
+"""Options that select what is simulated; each kind of simulation takes some of them."""
 
 
 def command(
@@ -48,17 +48,18 @@ def command(
     volts: Annotated[float, typer.Option(help="Command held in open loop [V].")] = 3.0,
     recording: Annotated[
         Path | None,
-        typer.Option(help="Recording whose command is played in open loop.", autocompletion=files),
+        typer.Option(help="Recording whose command is applied in open loop.", autocompletion=files),
     ] = None,
     gains: Annotated[
         str | None, typer.Option(help="Kp,Ki of a PI, or a TOML file with them: close the loop.")
     ] = None,
     step: Annotated[
         float | None,
-        typer.Option(help="Reference of the closed loop; the step of the rig's task if not given."),
+        typer.Option(help="Reference of the closed loop; by default the step of the rig's task."),
     ] = None,
     start: Annotated[
-        str, typer.Option(help="Starting memory: virgin, line1, line2 or inside.", autocompletion=starts)
+        str,
+        typer.Option(help="Initial hysteresis state: virgin, line1, line2 or inside.", autocompletion=starts),
     ] = "virgin",
     duration: Annotated[float, typer.Option(help="Length of the run [s].", min=0.01, max=3600.0)] = 10.0,
     figure: Annotated[
@@ -67,7 +68,7 @@ def command(
     ] = None,
     scenario: Annotated[
         Path | None,
-        typer.Option(help="Worst case that a search has saved (TOML): play it again.", autocompletion=files),
+        typer.Option(help="Saved worst case (TOML) to simulate again.", autocompletion=files),
     ] = None,
     json: JsonOption = None,
     out: OutOption = None,

@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 
 NAME = "trace"
 HELP = (
-    "Find what the declared wrist lacks of a measured rig: the effect, its size, and the revised plant. "
-    "Of two campaigns of one rig: what changed, parameters and effects."
+    "Find the effect that the model lacks on a measured rig, its size, and the revised plant. With two "
+    "campaigns of one rig: find which parameters and effects changed."
 )
 EXAMPLE = "Example: wrist trace plants/measured/examples/flexion --out build/trace --save build/revised.toml"
 NEXT = "wrist design CAMPAIGN, or wrist tune --plant FILE"

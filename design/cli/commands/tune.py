@@ -40,8 +40,8 @@ if TYPE_CHECKING:
 
 NAME = "tune"
 HELP = (
-    "Tune the PI: least worst cost under limits that hold for all that the rig may do: every plant in its "
-    "box, dead time, starting memory, load, noise and order of references."
+    "Tune the PI: least worst-case cost, subject to limits over the rig's whole uncertainty: every plant of "
+    "the box, dead time, initial state, load, noise and sequence of references."
 )
 EXAMPLE = "Example: wrist tune --axis flexion --out build/tune"
 NEXT = "wrist robust --gains Kp,Ki"
@@ -60,35 +60,37 @@ def command(
     ] = "iae",
     two_dof: Annotated[
         bool,
-        typer.Option("--two-dof", help="With a reference weight b and a filter Tf of the angle as well."),
+        typer.Option("--two-dof", help="Tune a reference weight b and a filter Tf of the angle, too."),
     ] = False,
     nominal: Annotated[
         bool,
         typer.Option(
-            "--nominal", help="Only the nominal plant from rest, without the delay margin: fast on paper."
+            "--nominal", help="Only the nominal plant from rest, without the delay margin; not robust."
         ),
     ] = False,
     plain: Annotated[
         bool,
         typer.Option(
             "--plain",
-            help="Only steps from every memory on the plant and its corners: no dead time, no search.",
+            help="Only steps from every initial state on the plant and its corners: no dead time, no search.",
         ),
     ] = False,
     no_dead_time: Annotated[
-        bool, typer.Option("--no-dead-time", help="No dead time beside the plant's own.")
+        bool, typer.Option("--no-dead-time", help="No dead time in addition to the plant's own.")
     ] = False,
     no_load: Annotated[bool, typer.Option("--no-load", help="No load.")] = False,
     no_noise: Annotated[
-        bool, typer.Option("--no-noise", help="A sensor without noise, of any resolution.")
+        bool, typer.Option("--no-noise", help="No sensor noise and no quantisation.")
     ] = False,
-    no_box: Annotated[bool, typer.Option("--no-box", help="The plant's parameters as they are.")] = False,
+    no_box: Annotated[
+        bool, typer.Option("--no-box", help="No uncertainty of the plant's parameters.")
+    ] = False,
     overshoot: Annotated[
         float | None,
-        typer.Option(help="Limit on the simulated overshoot [%]; the rig's if not given.", min=0.0),
+        typer.Option(help="Limit on the simulated overshoot [%]; by default the rig's.", min=0.0),
     ] = None,
     ms: Annotated[
-        float | None, typer.Option(help="Limit on the peak of the sensitivity on every branch.", min=1.0)
+        float | None, typer.Option(help="Limit on the sensitivity peak Ms on every branch.", min=1.0)
     ] = None,
     delay_margin: Annotated[float | None, typer.Option(help="Least delay margin [s].", min=0.0)] = None,
     variation: Annotated[
@@ -99,21 +101,27 @@ def command(
         typer.Option(help="Limit on the error at the end of the run [% of the step].", min=0.0),
     ] = None,
     corners: Annotated[
-        str | None, typer.Option(help="Shares by which loop width, slopes and lag of the corners differ.")
+        str | None, typer.Option(help="Relative deviations of loop width, slopes and lag at the corners.")
     ] = None,
     points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 40,
     starts: Annotated[
         int, typer.Option(help="Local searches; 3 under the whole requirement.", min=1, max=100)
     ] = 5,
     robust: Annotated[bool, typer.Option("--robust", help="The default now.", hidden=True)] = False,
-    rounds: Annotated[int, typer.Option(help="Most rounds of tuning and search.", min=1, max=50)] = 15,
+    rounds: Annotated[
+        int, typer.Option(help="Maximum number of rounds of tuning and search.", min=1, max=50)
+    ] = 15,
     dead_time: Annotated[
         float | None,
-        typer.Option(help="Longest dead time beside the plant's own [s]; the rig's if not given.", min=0.0),
+        typer.Option(
+            help="Longest dead time in addition to the plant's own [s]; by default the rig's.", min=0.0
+        ),
     ] = None,
     load: Annotated[
         float | None,
-        typer.Option(help="Load to either side, a shift of the static angle [deg]; the rig's.", min=0.0),
+        typer.Option(
+            help="Load, as a shift of the static angle of either sign [deg]; by default the rig's.", min=0.0
+        ),
     ] = None,
     seed: SeedOption = 0,
     json: JsonOption = None,
@@ -212,7 +220,7 @@ def _requirement(
     no_noise: bool,
     no_box: bool,
 ) -> "Requirement":
-    """What the rig states, with what the options put in its place or take away."""
+    """The requirement of the rig, as changed by the options."""
     from design.robustness.box import Box
     from design.robustness.requirement import requirement
     from design.robustness.samples.conditions import Conditions
@@ -255,7 +263,7 @@ def lines(answered: "Answer") -> list[str]:
             if found.active
             else "none; the optimum lies inside all limits"
         ),
-        f"map of {region.points} x {region.points} gains, neighbours {apart} apart (Kp and Ki), "
+        f"map of {region.points} x {region.points} gains in steps of {apart} (Kp and Ki), "
         f"{found.map.feasible.sum()} within the limits; {near} of {len(found.searches)} local searches ended "
         f"within 1 % of the result, the others at higher costs",
     ]

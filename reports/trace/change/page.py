@@ -32,7 +32,7 @@ def write_change(folder: str | Path, change: CampaignChange, made: Made) -> Path
     }
     captions = {
         "differences": words.parameter_caption(),
-        "residual": f"{worst.recording.name}, of which the old plant leaves most. {CAPTION}",
+        "residual": f"{worst.recording.name}, with the largest residual of the old plant. {CAPTION}",
     }
     page = render(
         "change.html", made=made, title=words.title(change),
@@ -56,7 +56,7 @@ def draw_differences(change: CampaignChange) -> "Figure":
             at.plot(middle, place, "o", color=color, ms=4)
         at.axvline(0.0, color=GREY, lw=0.8)
         at.set_yticks(range(len(determined)), [p.name for p in determined])
-        at.set(xlabel="difference [% of the old value]", ylim=(len(determined) - 0.5, -0.5))
+        at.set(xlabel="Difference [% of the old value]", ylim=(len(determined) - 0.5, -0.5))
         at.grid(axis="y", visible=False)
     return figure
 
@@ -64,8 +64,8 @@ def draw_differences(change: CampaignChange) -> "Figure":
 def parameter_table(change: CampaignChange) -> Table:
     """Each parameter in both campaigns, and the interval of the difference."""
     columns = (
-        Column("parameter", number=False), Column("unit", number=False), Column("old"), Column("new"),
-        Column("difference, joint interval"),
+        Column("Parameter", number=False), Column("Unit", number=False), Column("Old"), Column("New"),
+        Column("Difference, joint interval"),
     )  # fmt: skip
     groups = []
     for stage in dict.fromkeys(p.stage for p in change.parameters):
@@ -77,15 +77,15 @@ def parameter_table(change: CampaignChange) -> Table:
 
 def effect_table(change: CampaignChange) -> Table:
     """Effects of either campaign, and of those that came their parameters."""
-    rows = [row(n, "in both", "–") for n in change.kept] + [row(n, "went", "–") for n in change.went]
+    rows = [row(n, "in both", "–") for n in change.kept] + [row(n, "disappeared", "–") for n in change.went]
     for e in change.came:
         values = ", ".join(f"{n} {with_error(v, s)} {unit}" for n, (v, unit, s) in e.parameters.items())
-        rows.append(row(e.name, "came", values))
-    columns = tuple(Column(h, number=False) for h in ("effect", "campaigns", "parameters of one that came"))
+        rows.append(row(e.name, "appeared", values))
+    columns = tuple(Column(h, number=False) for h in ("Effect", "Campaigns", "Parameters where it appeared"))
     return Table(columns, (Group("", tuple(rows) or (row("none", "–", "–"),)),))
 
 
 def channel_table(change: CampaignChange) -> Table:
-    """What the old plant leaves of each recording."""
+    """The residual of the old plant in each recording."""
     groups = tuple(Group(r.recording.name, channel_rows(r.channels)) for r in change.residuals)
     return Table(COLUMNS, groups)

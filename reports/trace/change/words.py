@@ -35,24 +35,24 @@ def names(change: CampaignChange) -> tuple[str, str]:
 
 
 def causes(change: CampaignChange) -> str:
-    """Effects that came or went and parameters that differ, in words."""
-    said = [came(e) for e in change.came] + [f"{n} went" for n in change.went]
+    """Effects that appeared or disappeared and parameters that differ, in words."""
+    said = [came(e) for e in change.came] + [f"{n} disappeared" for n in change.went]
     differ = differing(change)
     said += [parameter(p) for p in differ[:NAMED]]
     if len(differ) > NAMED:
         more = len(differ) - NAMED
         said.append(f"{more} more parameter{'s differ' if more > 1 else ' differs'}")
     if not said:
-        return "no parameter differs and no effect came or went that would explain it"
+        return "no parameter and no effect explains it"
     if change.unexplained:
         left = listed([c.split("_")[0] for c in change.unexplained])
-        said.append(f"but more is left of the {left} than before")
+        said.append(f"but the residual of the {left} is larger than before")
     return "; ".join(said)
 
 
 def came(effect: Named) -> str:
-    """An effect that came, and what it is not told from."""
-    return f"{effect.name} came" + (
+    """An effect that appeared, and what it is not distinguished from."""
+    return f"{effect.name} appeared" + (
         f" (or {' or '.join(effect.alternatives)})" if effect.alternatives else ""
     )
 
@@ -89,31 +89,31 @@ def summary(change: CampaignChange) -> list[str]:
     if not change.changed and differing(change):
         return [
             f"{title(change)}.",
-            "The old plant leaves so much of its own campaign that its residual hides what they do.",
-            f"Trace {new} by itself before gains are trusted that rest on the old plant.",
+            "The residual of the old plant on its own campaign is so large that it hides their influence.",
+            f"Trace {new} separately before you trust gains designed on the old plant.",
         ]
     if not change.changed:
         certain = sum(p.certain for p in change.parameters)
-        within = "all lie" if not certain else f"all but {certain}, of no effect beyond the noise, lie"
+        within = "All" if not certain else f"All but {certain}, without effect beyond the noise,"
         return [
             f"{title(change)}.",
-            f"Of the differences of {len(change.parameters)} parameters {within} within the intervals below; "
-            "a change that is smaller than these cannot be seen.",
-            "The plant and its gains stand.",
+            f"{within} of the {len(change.parameters)} parameter differences lie within the intervals below; "
+            "smaller changes cannot be detected.",
+            "The plant and its gains remain valid.",
         ]
     worst = most_off(change)
     sizes = listed([
-        f"{number(c.rms)} {c.channel.split('_')[1]} of the {c.channel.split('_')[0]} where at most "
-        f"{number(c.allowed)} was to be expected"
+        f"{number(c.rms)} {c.channel.split('_')[1]} in the {c.channel.split('_')[0]} (expected: at most "
+        f"{number(c.allowed)})"
         for c in worst.channels if c.new
     ])  # fmt: skip
     happens = [EFFECTS[e.name][0].HAPPENS for e in change.came]
     differ = listed([f"{p.name} {difference(p)}{_unit(p.unit)}" for p in differing(change)])
     return [
         f"Differences beyond their intervals: {differ}." if differ else f"{title(change)}.",
-        f"In {worst.recording.name} the old plant leaves {sizes}."
+        f"In {worst.recording.name} the residual of the old plant is {sizes}."
         + "".join(f" {words}." for words in happens),
-        f"Trace {new} by itself, and design again, before gains are trusted that rest on the old plant.",
+        f"Trace {new} separately and design again before you trust gains designed on the old plant.",
     ]
 
 
@@ -123,21 +123,21 @@ def most_off(change: CampaignChange) -> RecordingResidual:
 
 
 def remarks(change: CampaignChange) -> list[str]:
-    """What a reader has to know beside."""
+    """What a reader has to know besides the summary."""
     found = [
-        "A rig counts as changed where the old plant leaves more of a new recording than its residual, its "
-        "noise and the uncertainty of its parameters explain, by a margin of 30 %.",
+        "A rig counts as changed where the residual of a new recording exceeds, by 30 %, what the old "
+        "residual, the noise and the parameter uncertainty explain.",
     ]
     if change.undetermined:
         found.append(
-            "Without an interval, since not both campaigns determine them: "
+            "No interval, since one of the campaigns does not determine them: "
             f"{listed(list(change.undetermined))}."
         )
     ended = [s.new.stage.channel.split("_")[0] for s in change.stages if s.full]
     if ended:
         found.append(
-            f"No further effect was looked for in the {listed(ended)}: its plant has as many as a search "
-            "adds."
+            f"No further effect was searched for in the {listed(ended)}: its plant has the maximum number of "
+            "effects."
         )
     return [*found, *(f"Instrument: {r}" for r in change.instrument)]
 
@@ -145,8 +145,8 @@ def remarks(change: CampaignChange) -> list[str]:
 def parameter_caption() -> str:
     """Beneath the differences."""
     return (
-        "Differences of the parameters, new less old, in per cent of the old value, with intervals that hold "
-        f"for all together with a confidence of {100 * CONFIDENCE:.0f} %. Orange: those that differ."
+        "Parameter differences, new minus old, in per cent of the old value, with joint intervals of "
+        f"confidence {100 * CONFIDENCE:.0f} %. Orange: those that differ."
     )
 
 
@@ -155,7 +155,7 @@ def interval_words(p: Sequence[ParameterChange]) -> str:
     return (
         f"Intervals of the differences hold for all {len(p)} parameters together with a confidence of "
         f"{100 * CONFIDENCE:.0f} % (Bonferroni). Standard errors: sandwich over blocks of time; those of the "
-        "wrist include what the regulator's parameters are uncertain by. A parameter differs where its "
+        "wrist include the uncertainty of the regulator's parameters. A parameter differs where its "
         "interval excludes zero and its old value would raise the new campaign's chi-square by more than "
-        f"{number(WORTH)} per row: less is an imperfection of the model's form as often as a change."
+        f"{number(WORTH)} per row: smaller differences may be due to model error."
     )

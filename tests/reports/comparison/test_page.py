@@ -62,7 +62,7 @@ def page(folder):
 def test_the_figure_behind_dead_time_says_what_was_played(folder):
     text = (folder / "comparison.html").read_text(encoding="utf-8")
     assert text.count("Worst overshoot of every controller against added dead time") >= 1
-    assert "of an MPC from rest alone" in text
+    assert "for an MPC from rest only" in text
 
 
 def test_the_page_loads_nothing_from_elsewhere(page):
@@ -99,7 +99,7 @@ def test_the_page_tells_how_the_other_designs_were_found(page, compared):
     for (_, name), d in compared.comparison.designs.items():
         assert f"{name[:1].upper()}{name[1:]}:" in page.text
         assert number(float(d.at.cost[0])) in page.text
-    for words in ("convex programs", "active: ", "observer", "designed apart", "every limit met"):
+    for words in ("convex programs", "active: ", "observer", "designed separately", "every limit met"):
         assert words in page.text
 
 

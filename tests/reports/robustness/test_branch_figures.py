@@ -72,7 +72,7 @@ def test_sensitivities_without_limits_show_none_and_name_what_is_unstable():
 def test_the_describing_function_shows_cycles_where_the_curves_meet():
     figure = describing(FLEXION, PI(1.0, 40.0), predicted(FLEXION, PI(1.0, 40.0)))
     (axes,) = figure.axes
-    assert [w.split(":")[0] for w in legend(figure)[-2:]] == ["repels", "attracts"]
+    assert [w.split(":")[0] for w in legend(figure)[-2:]] == ["unstable", "stable"]
     inverse = axes.lines[0].get_xydata()
     marks = [line.get_xydata()[0] for line in axes.lines if line.get_marker() == "D"]
     assert len(marks) == 2

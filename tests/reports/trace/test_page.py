@@ -95,8 +95,8 @@ def test_it_shows_errors_evidence_parameters_and_provenance(page, bent):
         assert name in page.text
         assert p.unit in page.text
     for words in (
-        "On blocks left out",
-        f"Round 1, by blocks left out: {BENT} taken",
+        "On held-out blocks",
+        f"Round 1, by held-out blocks: {BENT} selected",
         "Held out",
         "sine.csv",
         "conditional mean",
@@ -128,14 +128,14 @@ def test_a_decision_in_what_looks_like_noise_is_told_by_its_likelihood(bent):
     assert not noise.examined.structured
     (group,) = decision_table((SearchRound(noise, (), (other,), None),)).groups
     assert group.heading == (
-        "Round 1, by likelihood, since the residual looks like noise: nothing more taken"
+        "Round 1, by likelihood, since the residual looks like noise: nothing more selected"
     )
     blocks, gained = (group.rows[1][i].text for i in (2, 3))
     assert blocks == "–"
     assert gained == fixed(other.log_likelihood - noise.log_likelihood, 1)
     (group,) = decision_table((SearchRound(other, (), (noise,), noise),)).groups
-    assert group.heading == f"Round 1, by blocks left out: {BENT} taken"
-    assert [cell.text for cell in group.rows[1][2:]] == [fixed(noise.held_out, 2), "–", "taken"]
+    assert group.heading == f"Round 1, by held-out blocks: {BENT} selected"
+    assert [cell.text for cell in group.rows[1][2:]] == [fixed(noise.held_out, 2), "–", "selected"]
 
 
 def test_what_is_open_is_said_where_nothing_is(bent, unexplained):
@@ -168,7 +168,7 @@ def test_what_no_effect_explains_is_described_and_not_called_a_cause(unexplained
     text = Page(trace_page(unexplained, made)).text
     assert "Unexplained: of the angle" in text
     assert "a description, not a cause" in text.lower()
-    assert "depends on the angle, and jumps now and then" in text
+    assert "depends on the angle, and jumps at times" in text
     assert "Tried & dropped." in text
     assert f"With what was tried ({BENT})" in text
 
@@ -225,7 +225,7 @@ def test_the_verdicts_read_well(bent, unexplained):
     assert left.startswith(
         "The residual has structure that none of the 17 effects explains: the angle error on "
     )
-    assert left.endswith("; the residual depends on the angle, and jumps now and then.")
+    assert left.endswith("; the residual depends on the angle, and jumps at times.")
     tied = replace(bent.effects[0], alternatives=("end-stop", "softening"))
     said = verdict_sentence(replace(bent, effects=(tied,)))
     assert said.endswith("; these recordings do not distinguish branch-curvature from end-stop or softening.")
