@@ -1,4 +1,4 @@
-"""What to do about the wrist: controllers, how they are judged, tuning, comparison.
+"""Controllers for the wrist: design, tuning, evaluation, robustness, comparison.
 
 >>> import design, plants
 >>> judged, _, _ = design.run(plants.Wrist.deviation(), design.PI(Kp=6.7, Ki=19.4), 15.0)

@@ -201,8 +201,9 @@ rows(
 draw_envelopes(envelopes(tuned.cases), STEP)
 
 # %% [markdown]
-# *What to see: nine tenths of the cases are within the band; its upper edge exceeds the limit on overshoot.* Is
-# the cause the dead time, or the rates of the regulator, which the corners of the tuning did not vary?
+# *What to see: nine tenths of the cases lie within the band; its upper edge exceeds the limit on
+# overshoot.* Is the cause the dead time, or the rates of the regulator, which the corners of the tuning
+# did not vary?
 
 # %% tags=["varies"]
 without = monte_carlo(box, tuned.controller, Conditions(dead_time=0.0))

@@ -1,4 +1,4 @@
-"""The pneumatic wrist, and what measurements say about it.
+"""Model of a pneumatic wrist with hysteresis, and its identification from measurements.
 
 >>> from plants import Wrist
 >>> Wrist.flexion().simulate([3.0] * 5000).angle[-1].round(2)

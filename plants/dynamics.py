@@ -16,7 +16,7 @@ Number = Any
 
 @remembers(pressure=("kPa", "pressure of the model"), angle=("deg", "angle of the model"))
 class State(NamedTuple):
-    """What the wrist remembers: pressure [kPa], the memory of its hysteresis, which has the static angle
+    """State of the wrist: pressure [kPa], the memory of its hysteresis, which has the static angle
     `h` [deg], angle [deg], and the state of each effect."""
 
     pressure: Number

@@ -11,4 +11,4 @@ class InputError(ValueError):
 
 
 class InputWarning(UserWarning):
-    """Input that loads but that is probably not what was meant."""
+    """Input that is valid but probably not intended."""

@@ -157,7 +157,7 @@ def break_even(
     duration: float = 10.0,
     jobs: int | None = None,
 ) -> BreakEven:
-    """The map of controllers, by name, that believe in `wrist`, against a plain PI.
+    """The map of controllers, by name, designed for `wrist`, against a plain PI.
 
     `grids` holds the errors of each kind that is wanted, ascending and with 0 among them; `GRIDS` where not
     given.  All cases of one controller run as lanes of one batch, those with a dead time of another.

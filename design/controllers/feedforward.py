@@ -161,9 +161,9 @@ class SampledFeedforward(NamedTuple):
 
 @dataclass(frozen=True)
 class FeedforwardPI(Feedforward):
-    """A feedforward and a PI on what the wrist lacks of its model: Kp [kPa/deg], Ki [kPa/(deg s)].
+    """A feedforward and a PI on the difference between model and wrist: Kp [kPa/deg], Ki [kPa/(deg s)].
 
-    dead_time [s]: by which the wrist is known to answer late; the PI sees the model late by as much.  Angle
+    dead_time [s]: known dead time of the wrist; the PI sees the model delayed by it.  Angle
     and pressure are measured: they tell the memory from which the model goes to each new reference.
     Raises ValueError as `Feedforward`, and for gains or a dead time that are negative.
     """

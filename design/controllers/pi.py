@@ -25,10 +25,11 @@ _PAPER = built_in("flexion").values
 
 @dataclass(frozen=True)
 class PI:
-    """Gains of the controller: Kp [kPa/deg], Ki [kPa/(deg s)]; floats or arrays of lanes.
+    """Gains of the controller: Kp [kPa/deg], Ki [kPa/(deg s)]; floats, or arrays with one entry per
+    simulation.
 
-    gain [kPa/V] and rest_pressure [kPa] are what the controller knows of the
-    regulator, those of the built-in wrist where not given; low and high [V] bound the
+    gain [kPa/V] and rest_pressure [kPa] are the controller's values of the regulator, by default those of the
+    built-in wrist; low and high [V] bound the
     command.  Raises ValueError for gains
     that are negative or not finite.
     """

@@ -22,7 +22,7 @@ Number = Any
 
 @dataclass(frozen=True)
 class Screened:
-    """A controller, and what its sensors can show."""
+    """A controller that holds its output on implausible samples of its sensors."""
 
     inner: Controller
     sensors: SensorLimits

@@ -31,8 +31,8 @@ def run(
     controller holding it, at the time `begin` [s], which matters to effects that
     depend on it alone.  Returns metrics with leaves of shape (lanes,), of the true
     angle, the last state, and where `record` is true the signals of every sample.
-    What is under way in a delay line is no part of the state: a loop that goes on
-    from the last state of another starts with its last command everywhere in the tube.
+    The content of a delay line is not part of the state: a loop continued from the last state of another
+    starts with its last command throughout the delay.
 
     >>> from plants import Wrist
     >>> from design.controllers.pi import PI

@@ -41,7 +41,7 @@ def run(
     begin: float = 0.0,
     memory: Any = None,
 ) -> Play:
-    """Step the reference [deg] at time 0 and play the loop for a duration [s], a whole number of periods.
+    """Step the reference [deg] at time 0 and run the loop for a duration [s], a whole number of periods.
 
     Metrics are those of `design.evaluation.steps.run`, leaves of shape (1,), and so is the trajectory.  The
     loop

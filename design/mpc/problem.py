@@ -216,7 +216,7 @@ def _for_rig(wrist: Wrist, **settings: Any) -> MPCProblem:
 
 
 def nominal(wrist: Wrist, **changes: Any) -> MPCProblem:
-    """The fast setting: for a plant that is as believed."""
+    """The fast setting, for a plant without model error."""
     return replace(_for_rig(wrist), **changes)
 
 

@@ -48,7 +48,8 @@ def gain_plane(
     progress: Callable[[str, float], None] | None = None,
     law: Callable[[Problem, Array, Array], PI] = controller,
 ) -> GainPlane:
-    """Evaluate a grid of gains on a problem's scenarios and branches, and try each rung of `rungs` on them.
+    """Evaluate a grid of gains on a problem's scenarios and branches, and try each certificate of `rungs` on
+    them.
 
     law: the controllers of gains (n,), PIs if not given.  Certificates are tried only where the linear loop
     is stable, since there are none elsewhere.

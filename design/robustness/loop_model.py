@@ -40,9 +40,9 @@ class LoopModel:
     """A PI and a wrist as a switched loop of three states.
 
     Kp [kPa/deg], Ki [kPa/(deg s)] as they act on the plant; slopes [deg/kPa] by branch; k_slow, k_fast
-    [1/s]; Tw [s]; dead_time [s]: of the plant's own tube, 0 for a declared wrist; left_out: effects of
-    the plant that this model knows nothing of, so that what is proved of it is not
-    proved of the plant; dt: sample time [s]; weight [1]: of the reference, which the loop does not see but a
+    [1/s]; Tw [s]; dead_time [s]: of the plant's own tube, 0 for a declared wrist; left_out: effects of the
+    plant that this model does not include, so that proofs do not cover the plant; dt: sample time [s]; weight
+    [1]: of the reference, which the loop does not see but a
     step's start does; other_law: what the controller has, in words, that this model has not, so that nothing
     that is proved of it is proved of the loop.
     """

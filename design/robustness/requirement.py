@@ -186,7 +186,7 @@ def requirement(
     sigmas: float = SIGMAS,
 ) -> Requirement:
     """The requirement that a plant's rig states: its limits, its box, its conditions; each may be given.
-    What the plant leaves of the angle disturbs every case.
+    The residual of the plant's angle is a disturbance in every case.
 
     >>> from plants.parameters.files import built_in
     >>> stated = requirement(built_in("flexion"))

@@ -75,8 +75,8 @@ def decide(
     jobs: int | None = None, progress: Tell | None = None, samples: int = SAMPLES, runs: int = RUNS,
     prove: bool = True,
 ) -> Decision:  # fmt: skip
-    """Judge candidates by a requirement and recommend the one that breaks it least: the first of those that
-    are never seen to break a limit, otherwise that with the smallest share of samples that do.
+    """Judge candidates by a requirement and recommend the first without a broken limit in samples and search;
+    otherwise the one with the smallest share of samples that break a limit.
 
     prove: ask for certificates, which takes a minute; without, everything is open.
     """

@@ -62,5 +62,5 @@ def study_of(assessment: Assessment, plane: GainPlane) -> RobustnessStudy:
 
 
 def worst_run(worst: Worst) -> PlayedSequence:
-    """A worst scenario played by the simulator, with its signals."""
+    """A worst scenario, simulated, with its signals."""
     return play([worst.sequence], worst.controller, record=True, task_band=True)

@@ -47,7 +47,7 @@ STARTS = 2
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked: which PI is best for each plant, and how it stands beside other designs.
+    """A comparison to make: the best PI for each plant, and how it compares with other designs.
 
     plants: a parameter set for each motion, in the order in which they are shown; fits: those that sets
     came from, of motions that were measured; points: of the map in each gain; samples: perturbed plants of
@@ -75,7 +75,7 @@ class Question:
 
 @dataclass(frozen=True)
 class Study:
-    """What came of a question.
+    """Result of a question.
 
     answers: of the tuning of each motion; comparison: of every controller; contest: on perturbed plants,
     None where none were asked for or can be drawn; break_even: how wrong the model of a feedforward may

@@ -29,13 +29,13 @@ _PAPER = built_in_rig().limits
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits that a tuned PI holds on every scenario and branch; None drops one.
+    """Limits that a tuned PI meets on every scenario and branch; None drops one.
 
     overshoot_percent: simulated, of the step.  Ms: peak of the sensitivity on
     {transit, line 1, line 2} x {slow, fast}.  delay_margin_s: dead time that may
     come on top; 60 ms, since rigs of this kind show about 50 ms of tube.
     total_variation_V: total variation of the command in one step.  steady_error_percent:
-    of the step, what may be left at the end of the run.  Mt: peak of the complementary sensitivity, on the
+    error at the end of the run, of the step.  Mt: peak of the complementary sensitivity, on the
     same branches as Ms.  settling_time_s: until the step is settled; a run's duration asks that it does so
     at all.  The defaults are those of the built-in rig.
     """
@@ -81,8 +81,8 @@ LIMIT_UNITS = {
 class Problem:
     """A plant, the scenarios to be tuned on, the cost and the limits.
 
-    adverse: sequences of references whose last step joins the scenarios in all that is simulated, put on
-    the footing of the task's step (`design.evaluation.sequence.PlayedSequence.values`); none by default.
+    adverse: sequences of references whose last step joins the scenarios in all that is simulated, scaled to
+    the task's step (`design.evaluation.sequence.PlayedSequence.values`); none by default.
     Of these only steps of the task (`Sequence.of_task`) count for the cost.  branches: where margins are
     judged.  guard: shares of limits that gains must stay below them by.  screened: gains that break a limit
     of the linear loop are not simulated: their cost is infinite and the rest of their values no number.

@@ -28,7 +28,8 @@ DECADES, GRID, ZOOMS = 4.0, 41, 6
 
 @dataclass(frozen=True)
 class MarginLimits:
-    """What every loop has to hold: largest sensitivity Ms and complementary sensitivity Mt, least gain
+    """Limits on the margins of every loop: largest sensitivity Ms and complementary sensitivity Mt, least
+    gain
     margin [1], phase margin [deg] and delay margin [s].
 
     Raises ValueError for limits that no loop can hold.
@@ -89,7 +90,7 @@ def tune_pi(
     limits: MarginLimits | None = None,
     dead_times: float | Sequence[float] = 0.0,
 ) -> TunedPI:
-    """The PI with the largest integral gain that holds limits on every one of some plants.
+    """The PI with the largest integral gain that meets limits on each of several plants.
 
     systems: single-input single-output systems of python-control, continuous or discrete, such as the
     branches of a hysteresis or operating points; dead_times [s]: of all, or of each, beside their own.

@@ -62,7 +62,7 @@ class LocalSearch:
 
 @dataclass(frozen=True)
 class Tuning:
-    """What tuning found.
+    """Result of a tuning.
 
     Kp, Ki: the gains, of least excess where no gains hold the limits.
     at: their evaluation, arrays of length 1.  map: the evaluation of the whole
@@ -196,8 +196,8 @@ def tune(
 ) -> Tuning:
     """Gains of least worst cost under the problem's limits.
 
-    `starts` is the number of local searches, from the valleys of the map and, where
-    these are fewer, from cells of it drawn with `seed`; `progress`, if given, is told the
+    `starts` is the number of local searches, from the minima of the map and, where these are fewer, from
+    cells of it drawn with `seed`; `progress`, if given, is told the
     stage and the share that is done; `scheduler` is the address of a Dask cluster that the
     map, cut into pieces that do not depend on it, is computed on, to the same bits.  The result
     says whether the limits are held (`Tuning.feasible`); it is for the caller to say no.

@@ -35,7 +35,7 @@ PIECE = 40
 
 
 class Tuner(anywidget.AnyWidget):
-    """Sliders for gains and plant beside what they lead to; shown as the last value of a cell.
+    """Sliders for gains and plant beside the resulting loop; shown as the last value of a cell.
 
     wrist: a wrist, a parameter set, ``flexion``, ``deviation`` or the path of a parameter set (TOML), with
     its effects if it has some.  limits: those that turn red when broken.  region: the gains that the

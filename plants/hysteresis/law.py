@@ -55,9 +55,9 @@ class HysteresisLaw(ABC):
     NAME: as in a plant's TOML; DEAD_ZONE: whether the law has an initial curve of slope 0, which is left
     once, for good; its memory then has a `virgin`, 1.0 until it is left, else 0.0.  Every law has a
     `rest_pressure` [kPa], at which h = 0 on the initial curve.  SHIFTS: whether only the rest pressure moves
-    the loop as a whole, so that it is fitted where a recording need not start there.  MONOTONE: whether of
-    two pressures over time the one that is never below the other gives an angle that is never below either,
-    from ordered memories; a play does, and the performance bound (`design.limit`) holds for such laws only.
+    the loop as a whole, so that it is fitted where a recording need not start there.  MONOTONE: whether a
+    pressure signal that is never below another gives an angle that is never below either, from ordered
+    memories; a play does, and the performance bound (`design.limit`) holds for such laws only.
     """
 
     NAME: ClassVar[str]

@@ -105,7 +105,7 @@ def fit_campaign(
     progress: Callable[[str, float], None] | None = None,
     apart: bool = True,
 ) -> Fit:
-    """Fit the declared wrist to the recordings of a campaign that may be fitted on.
+    """Fit the declared wrist to the fit recordings of a campaign.
 
     `start` gives the starting values, bounds and what is not fitted; `starts` is
     the number of starting points of each stage, the first being `start`, the

@@ -139,8 +139,8 @@ class ParameterSet:
     axis: ``flexion``, ``deviation`` or a user's own name; title: one line for
     reports; parameters: of the declared wrist, then of the effects, by their names
     in a wrist; effects: the forms of the effects, in the order of `plants.effects.EFFECTS`; rig: whose
-    motion it is; remainder: what the plant leaves, by channel (``angle_deg``, ``pressure_kPa``), where it was
-    held against recordings that chose nothing.
+    motion it is; remainder: residual of the plant on held-out recordings, by channel (``angle_deg``,
+    ``pressure_kPa``).
     """
 
     axis: str

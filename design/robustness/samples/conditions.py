@@ -26,7 +26,7 @@ class Conditions:
     load [deg]: shift of the static angle, drawn uniformly from -load to load, there from the start.
     noise [deg]: standard deviation of white noise of the sensor, normal, a new value every 10 ms, held
         in between.
-    quantum [deg]: step in which the sensor shows the angle.
+    quantum [deg]: resolution of the angle sensor.
 
     Raises InputError for a value that is negative or not finite, and a dead time beyond that of the effect.
     """

@@ -61,7 +61,7 @@ class _Creeping(Effect):
 
 @dataclass(frozen=True)
 class Creep(_Creeping):
-    """One time constant: in the end the angle has gone `gain` times the static angle further.
+    """One time constant: the angle finally moves further by `gain` times the static angle.
 
     >>> Creep(gain=0.1, time_constant=4.0).kinds()["time_constant"].unit
     's'

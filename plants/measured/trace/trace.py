@@ -50,7 +50,7 @@ def trace_campaign(
     seed: int = 0,
     progress: Callable[[str, float], None] | None = None,
 ) -> Trace:
-    """Find what the declared wrist lacks of a rig, from its recordings.
+    """Find the effects that the declared wrist lacks, from recordings of a rig.
 
     `start` gives starting values and bounds of the declared parameters; where it is not given they are those
     of the built-in motion of that name, or, for any other, guessed from the log, and the hysteresis law is

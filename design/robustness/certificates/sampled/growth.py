@@ -25,7 +25,7 @@ class Growth:
 
 
 def growth_of(model: LoopModel, word: Word, passes: int = 8) -> Growth:
-    """The growth of a loop under a word, from the direction that grows most under it."""
+    """Growth of the state under a switching sequence (a word), from the direction that grows most."""
     loops = vertices(model)
     letters = [(loops[n], round(d / model.dt)) for n, d in zip(word.names, word.dwells, strict=True)]
     samples = sum(count for _, count in letters)
