@@ -17,7 +17,7 @@ def refused(no: Refusal) -> str:
     """
     if isinstance(no, OutOfReach):
         if no.obstacle is not None:
-            return f"no: {no.obstacle} keeps the wrist from reaching {no.scenario}"
+            return f"no: {no.obstacle} keeps the wrist from holding {no.scenario}"
         return f"no: the command range is {no.volts:.3g} V too small to hold {no.scenario}"
     unit = "" if LIMIT_UNITS[no.limit] == "1" else f" {LIMIT_UNITS[no.limit]}"
     broken = f"{no.limit} is {no.value:.4g}{unit} against {no.bound:g} on {no.place}"

@@ -93,7 +93,9 @@ def test_people_read_the_verdict_first_then_errors_effects_and_what_is_open(answ
     _, _, said = answered
     words = " ".join(said.split())
     assert words.startswith("The pressure answers the command late: with dead-time (transport) added, ")
-    assert words.index("rms error of free runs") < words.index("s.e.") < words.index("cannot decide")
+    assert (
+        words.index("RMS error of open-loop simulations") < words.index("s.e.") < words.index("cannot decide")
+    )
     assert "cross-coupling: the other motion's pressure was not logged" in words
     assert "On the revised plant, since only data is at hand" in words
 

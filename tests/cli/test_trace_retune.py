@@ -76,7 +76,7 @@ def test_what_was_not_revised_is_tuned_once_and_stands():
     control = retune(plant, plant, region=Region(points=6), starts=1)
     assert control.same
     assert control.declared is control.revised
-    assert "stands" in control_sentence(control)
+    assert "remains" in control_sentence(control)
 
 
 def test_a_drift_of_the_sensor_is_left_out_of_the_tuning_but_not_of_the_judgement():

@@ -55,8 +55,8 @@ def test_nothing_is_said_where_they_agree():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"ladder": (rung(False), rung(False, 0.05))}, "no rung proves it"),
-        ({"ladder": (rung(True), rung(False, 0.05))}, "no rung certifies the loop with 50 ms"),
+        ({"ladder": (rung(False), rung(False, 0.05))}, "no certificate proves it"),
+        ({"ladder": (rung(True), rung(False, 0.05))}, "no certificate covers the loop with 50 ms"),
         ({"cases": SimpleNamespace(violations=(case("overshoot_percent", 70),))}, "70 of 1000 samples"),
         ({"worst": SimpleNamespace(violated=("overshoot_percent",))}, "the search found a scenario"),
         ({"cycles": (SimpleNamespace(confirmed=False),)}, "1 of 1 limit cycles"),
@@ -69,7 +69,7 @@ def test_each_kind_of_contradiction_is_told(changes, words):
 
 def test_a_word_says_why_no_rung_can():
     (said,) = disagreements(found(ladder=(rung(False),), word="1 s of a, then 2 s of b"))
-    assert "For arbitrarily switching slopes and rates none can: 1 s of a, then 2 s of b." in said
+    assert "For arbitrarily switching slopes and rates none exists: 1 s of a, then 2 s of b." in said
     assert "All 1000 samples settled." in said
 
 

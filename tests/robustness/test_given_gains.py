@@ -55,11 +55,11 @@ def test_the_cases_are_harder_than_those_of_chance(timid):
 def test_gains_that_break_a_limit_are_refused_as_they_are():
     bold = given_gains(asked(), TwoDofPI.of(Wrist.flexion(), 20.0, 100.0, 1.0, 0.0), COARSE)
     assert (bold.Kp, bold.Ki) == (20.0, 100.0)
-    assert refused(refusal(bold)).startswith("no: the gains that were given, Kp 20, Ki 100, break a limit: ")
+    assert refused(refusal(bold)).startswith("no: the given gains, Kp 20, Ki 100, break a limit: ")
 
 
 def test_the_words_say_that_nothing_was_searched(timid):
     told = answer(timid)
-    assert "They are a design's" in found(told)
-    assert "nearest to" in found(told)
-    assert evidence(told).startswith("Nothing was searched here: the map of 4 × 4 gains")
+    assert "The gains come from the design" in found(told)
+    assert "Nearest limit: " in found(told)
+    assert evidence(told).startswith("No search was made here: the map of 4 × 4 gains")

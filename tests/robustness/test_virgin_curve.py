@@ -83,7 +83,7 @@ def test_a_step_that_cannot_leave_says_why() -> None:
     stuck = time_on_virgin_curve(wrist, PI(1.0, 0.0), 15.0)
     assert not stuck.leaves
     assert math.isinf(stuck.earliest)
-    assert "no further than 15 kPa above rest" in virgin_words(stuck)
+    assert "at most 15 kPa above rest" in virgin_words(stuck)
     wide = time_on_virgin_curve(wrist.with_values(w2=40.0), PI(1.0, 5.0), -15.0)  # 111 kPa below rest
     assert not wide.leaves
     assert "below rest" in virgin_words(wide)

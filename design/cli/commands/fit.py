@@ -81,7 +81,7 @@ def chosen(found: "RigFit") -> list[str]:
 def tables(fit: "Fit") -> list[Any]:
     """What people read of a fit: parameters, errors, how the search went."""
     lines: list[Any] = [fit.fitted.title, _parameters(fit), ""]
-    lines += ["rms error of free runs from the command", _errors(fit), ""]
+    lines += ["RMS error of open-loop simulations", _errors(fit), ""]
     for stage, found in fit.stages.items():
         lines.append(
             f"{stage} stage: {found.agreeing} of {len(found.costs)} starts ended at the same minimum"

@@ -200,7 +200,7 @@ def lines(found: "Assessment") -> list[Any]:
         said += ["", Sheet(("result", "value", "statement", "branch"), rows, words, words=(0, 2, 3))]
     contradictions = disagreement_sentences(found)
     if contradictions:
-        said += ["", "Where they disagree"] + [f"- {d}" for d in contradictions]
+        said += ["", "Apparent contradictions"] + [f"- {d}" for d in contradictions]
     return said
 
 

@@ -177,7 +177,7 @@ def lines(trace: "Trace") -> list[Any]:
     from reports.trace.words import description, log_words, verdict_sentence
 
     said: list[Any] = [verdict_sentence(trace), ""]
-    said += ["rms error of free runs from the command, on the held-out recordings", _errors(trace)]
+    said += ["RMS error of open-loop simulations, on the held-out recordings", _errors(trace)]
     if trace.effects:
         said += ["", _effects(trace.effects)]
     words = [w for e in trace.effects for w in e.separations]

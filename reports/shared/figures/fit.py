@@ -144,6 +144,6 @@ def law_sentence(law: LawChoice) -> str:
     errors = sorted(law.held_out.items(), key=lambda e: e[1])
     told = listed([f"{number(e)} deg with {n}" for n, e in errors])
     return (
-        f"Hysteresis law: {law.name}, chosen on rows left out, where the angle error under the measured "
+        f"Hysteresis law: {law.name}, chosen on held-out blocks, where the angle error with the measured "
         f"pressure is {told}."
     )
