@@ -8,12 +8,15 @@ value and computes nothing.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
+from threading import Lock
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from design.cluster import each
 from design.controllers.pi import PI
 from design.robustness.box import Box
 from design.robustness.recommended import PLAIN, TWO_DOF, pays
@@ -27,6 +30,7 @@ from design.studies.proof import proof
 from design.studies.stages import Stages
 from design.synthesis.retune import in_sensor, without_sensor
 from design.synthesis.structure import with_gains
+from plants.kernel.batches import default_jobs
 from plants.measured.campaign import Campaign
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.files import dump, load
@@ -124,24 +128,38 @@ def design_study(
     """Design for campaigns, each with the set that its fit starts from, if one was given; stages are kept
     in `folder`/stages, and the revised plants as plant-MOTION.toml in `folder`.
 
+    jobs: threads, all processors where None.  Motions do not depend on each other and go on side by side:
+    while one searches in Python, another's simulations have the processors.
+
     Raises InputError as trace and box do.
     """
     effort, taken = effort or DesignEffort(), taken or Taken()
     stages = Stages(folder / "stages")
-    done: list[MotionDesign] = []
-    asked: dict[str, Mapping[str, Any]] = {}
-    for number, (motion, (data, start)) in enumerate(campaigns.items()):
+    tells = _together(list(campaigns), progress)
 
-        def tell(what: str, share: float, at: int = number, name: str = motion) -> None:
+    def designed(motion: str) -> tuple[MotionDesign, dict[str, Any]]:
+        data, start = campaigns[motion]
+        plant, traced = _traced(motion, data, start, folder, stages, seed, tells[motion])
+        required = required_of(without_sensor(plant), taken)
+        done = _designed(motion, plant, traced, required, stages, effort, seed, jobs, tells[motion])
+        return done, requirement_record(required)
+
+    found = each(designed, list(campaigns), jobs=jobs or default_jobs())
+    asked = {m.motion: about for m, about in found}
+    return DesignStudy(tuple(m for m, _ in found), asked, dict(GUARD), effort)
+
+
+def _together(motions: list[str], progress: Tell | None) -> dict[str, Tell]:
+    """Progress of each of the motions that go on side by side, as a share of them all."""
+    shares, lock = dict.fromkeys(motions, 0.0), Lock()
+
+    def tell(motion: str, what: str, share: float) -> None:
+        with lock:
+            shares[motion] = max(shares[motion], share)
             if progress:
-                progress(f"{name}, {what}", (at + share) / len(campaigns))
+                progress(f"{motion}, {what}", sum(shares.values()) / len(shares))
 
-        plant, traced = _traced(motion, data, start, folder, stages, seed, tell)
-        tuned = without_sensor(plant)
-        required = required_of(tuned, taken)
-        asked[motion] = requirement_record(required)
-        done.append(_designed(motion, plant, traced, required, stages, effort, seed, jobs, tell))
-    return DesignStudy(tuple(done), asked, dict(GUARD), effort)
+    return {m: partial(tell, m) for m in motions}
 
 
 def required_of(plant: ParameterSet, taken: Taken) -> Requirement:

@@ -1,6 +1,7 @@
 """Convex programs: solved by one solver, retried with another, and never trusted beyond their status."""
 
 import warnings
+from threading import Lock
 from typing import Any
 
 SOLVERS = ("CLARABEL", "SCS")
@@ -10,6 +11,10 @@ SETTINGS: dict[str, dict[str, Any]] = {
     "CLARABEL": {},
     "SCS": {"eps_abs": 1e-8, "eps_rel": 1e-8, "max_iters": 20_000},  # its defaults leave 1e-4
 }
+
+_FILTERS = Lock()
+"""Which warnings are shown is one for the whole process: of two threads that put it aside at once, one would
+put back what the other had set."""
 
 
 class Unsolved(Exception):
@@ -28,7 +33,7 @@ def solve(problem: Any, solvers: tuple[str, ...] = SOLVERS) -> str:
     said = []
     for name in solvers:
         try:
-            with warnings.catch_warnings():
+            with _FILTERS, warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # of inaccuracy, which the status tells too
                 problem.solve(solver=name, **SETTINGS.get(name, {}))
         except (cvxpy.error.SolverError, ArithmeticError, ValueError) as error:
