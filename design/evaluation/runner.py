@@ -40,7 +40,7 @@ class Lanes:
     reference profiles, judge, duration [s], the sensor and its noise of standard deviation 1 (rows, lanes), a
     row for every 10 samples; time of the start [s], for effects that depend on it; pressure of the other
     motion [kPa] (samples, lanes), at rest where not given; a reference that was logged [deg] (samples,), in
-    place of the profiles."""
+    place of the profiles; samples that each lane asks for, (lanes,), where they need not go on to the end."""
 
     wrist: Wrist
     state: State
@@ -52,6 +52,7 @@ class Lanes:
     begin: float = 0.0
     other_pressure: Array | None = None
     logged: Array | None = None
+    lasts: NDArray[np.intp] | None = None
 
     @property
     def dt(self) -> float:
@@ -129,7 +130,8 @@ def play(
         own["other_pressure"], hold = lanes.other_pressure - lanes.wrist.rig.rest_pressure, 1
     times = clock(lanes.wrist, lanes.samples, lanes.begin)
     times |= {} if lanes.logged is None else {"reference": lanes.logged}
-    last, rows = advance(first, c, lanes.samples, times, own, hold, every if names else 0, names, jobs)
+    samples = lanes.samples if lanes.lasts is None or names or own else lanes.lasts
+    last, rows = advance(first, c, samples, times, own, hold, every if names else 0, names, jobs)
     went = trajectory(rows, lanes.state, c.plant, lanes.dt, lanes.begin) if record else None
     return PlayedTask(c.judge.finish(last.judge, lanes.samples), last, last.controller, went, rows, [])
 

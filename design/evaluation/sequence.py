@@ -224,9 +224,10 @@ def play(
     if isinstance(controller, Periodic):  # to the end of the last period, which is judged no further
         samples += -samples % int(controller.problem.substeps)
     duration = samples * b.wrist.rig.sample_time
+    lasts = np.broadcast_to(b.switches[-1] + b.judged, (b.judged.size,)).astype(np.intp)
     done = runner.play(
-        runner.Lanes(b.wrist, b.state, profile, judge, duration, sensor, noise), controller, record=record,
-        jobs=jobs,
+        runner.Lanes(b.wrist, b.state, profile, judge, duration, sensor, noise, lasts=lasts), controller,
+        record=record, jobs=jobs,
     )  # fmt: skip
     start = done.last.judge.step.start
     played = PlayedSequence(

@@ -130,7 +130,7 @@ class Requirement:
         noise_seed: seed and number of the piece, where the sensor is noisy and counts in quanta.
         """
         found: dict[str, Array] = {}
-        for lanes in self._alike(x):
+        for lanes in self._alike(x, noise_seed is not None):
             c = _lanes_of(controller, lanes, x.shape[1])
             b = self.space.batch(x[:, lanes])
             seen: dict[str, Any] = {}
@@ -146,9 +146,12 @@ class Requirement:
                 found.setdefault(name, np.empty(x.shape[1]))[lanes] = v
         return found
 
-    def _alike(self, x: Array) -> list[NDArray[np.intp]]:
-        """Lanes by how long they last, so that short ones do not wait for long ones."""
+    def _alike(self, x: Array, noisy: bool) -> list[NDArray[np.intp]]:
+        """Lanes by how long they last, so that short ones do not wait for long ones; in groups where each
+        draws noise of its own."""
         lasts = self.space.asked(x)["holds"].sum(axis=0)
+        if not noisy:
+            return [np.argsort(lasts, kind="stable")] if lasts.size else []
         groups = np.digitize(lasts, (self.duration + 0.1, self.duration + 3.0, self.duration + 6.0))
         return [np.flatnonzero(groups == g) for g in np.unique(groups)]
 

@@ -62,7 +62,7 @@ def run_lanes(
     law: Callable[..., Any],
     state: Any,
     coefficients: Any,
-    steps: int,
+    steps: int | NDArray[np.intp],
     signals: dict[str, Any] | None = None,
     inputs: tuple[str, ...] = (),
     every: int = 0,
@@ -71,7 +71,8 @@ def run_lanes(
     held: dict[str, Array] | None = None,
     hold: int = 1,
 ) -> tuple[Any, Array]:
-    """Advance ``law(state, inputs, coefficients)`` by a number of steps in every lane.
+    """Advance ``law(state, inputs, coefficients)`` by a number of steps in every lane, or by at least so many
+    of each lane, (lanes,): those that are side by side, `LANES` of them, go on as long as the longest.
 
     Leaves of `state` and `coefficients` are floats (the same in every lane) or
     arrays of one length, the number of lanes.  `signals` are shared by the
@@ -81,8 +82,8 @@ def run_lanes(
     the last state, leaves of shape (lanes,), and the leaves named in `record` after
     every `every` steps, shape (len(record), rows, lanes), row 0 being the start.
     Lanes do not depend on each other: results are the same to the bit for any
-    number of threads.  Raises ValueError for numbers of lanes that differ and for a signal that is too
-    short.
+    number of threads.  Raises ValueError for numbers of lanes that differ, for a signal that is too
+    short, and for steps of each lane where something is recorded.
     """
     own = held or {}
     sizes = {np.size(x) for x in pytrees.leaves(state) + pytrees.leaves(coefficients) if np.ndim(x)}
@@ -92,6 +93,9 @@ def run_lanes(
         raise ValueError(f"lanes differ in number: {sorted(sizes)}")
     padded = -(-lanes // LANES) * LANES
     s, c = _stack(state, lanes, padded), _stack(coefficients, lanes, padded)
+    each, steps = steps if isinstance(steps, np.ndarray) else None, int(np.max(steps))
+    if each is not None and (every or own):
+        raise ValueError("lanes of lengths of their own are not recorded, and have no signals of their own")
     shared = [np.asarray((signals or {})[name], float) for name in inputs if name not in ("sample", *own)]
     if any(len(signal) < steps for signal in shared) or any(len(x) * hold < steps for x in own.values()):
         raise ValueError(f"a signal is shorter than the {steps} steps asked for")
@@ -101,6 +105,10 @@ def run_lanes(
 
     trees = pytrees.like(state, names), inputs, pytrees.like(coefficients, pytrees.names(coefficients))
     run = kernel(law, *trees, tuple(own))
+    if each is not None:
+        ends = np.pad(np.broadcast_to(each, (lanes,)), (0, padded - lanes), "edge")
+        _run_blocks(run, c, s, given, ends.reshape(-1, LANES).max(axis=1), jobs or default_jobs())
+        return pytrees.like(state, s[:, :lanes]), np.empty((0, 0, lanes))
     by_lane = _by_lane(own, lanes, padded)
     blocks, threads = padded // LANES, min(jobs or default_jobs(), padded // LANES)
     edges = np.linspace(0, blocks, threads + 1).astype(int) * LANES
@@ -121,6 +129,27 @@ def run_lanes(
         done = list(_pool(threads).map(work, pieces))
         last, rows = (np.concatenate(parts, axis=-1) for parts in zip(*done, strict=True))
     return pytrees.like(state, last[:, :lanes]), rows[:, :, :lanes]
+
+
+def _run_blocks(
+    run: Callable[..., None], c: Array, s: Array, given: Array, steps: NDArray[np.intp], jobs: int
+) -> None:
+    """Advance the state, (rows, lanes), each block by steps of its own, (blocks,), in place."""
+    nothing, rows = np.array([], np.int64), np.empty((0, 0, LANES))
+
+    def work(blocks: NDArray[np.intp]) -> None:
+        for i in blocks:
+            lanes = slice(i * LANES, (i + 1) * LANES)
+            part = np.ascontiguousarray(s[:, lanes])
+            run(np.ascontiguousarray(c[:, lanes]), part, given, int(steps[i]), 0, nothing, rows)
+            s[:, lanes] = part
+
+    threads = min(jobs, steps.size)
+    order = np.argsort(-steps, kind="stable")  # in turns, so that each thread has as much to do
+    if threads == 1:
+        work(order)
+    else:
+        list(_pool(threads).map(work, [order[i::threads] for i in range(threads)]))
 
 
 def _stack(values: Any, lanes: int, padded: int) -> Array:

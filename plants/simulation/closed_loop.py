@@ -101,7 +101,7 @@ def law(names: tuple[str, ...]) -> Callable[[ClosedLoop, tuple[Number, ...], Sam
 def advance(
     first: ClosedLoop,
     c: SampledClosedLoop,
-    samples: int,
+    samples: int | NDArray[np.intp],
     shared: dict[str, Array] | None = None,
     own: dict[str, Array] | None = None,
     hold: int = 1,
@@ -109,7 +109,8 @@ def advance(
     record: tuple[str, ...] = (),
     jobs: int | None = None,
 ) -> tuple[ClosedLoop, Array]:
-    """The loop after so many samples, and what was recorded on the way, as `plants.kernel.batches.run_lanes`.
+    """The loop after so many samples, of all lanes or of each, and what was recorded on the way, as
+    `plants.kernel.batches.run_lanes`.
 
     shared, own: signals by their names (`OutsideSignals`), (samples,) of all lanes, and (rows, lanes) of each
     lane's own, a row for every `hold` samples.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plants.kernel.batches import run_lanes
-from plants.kernel.templates import emit
+from plants.kernel.templates import LANES, emit
 
 
 class Pair(NamedTuple):
@@ -104,3 +104,23 @@ def test_an_operation_without_code_is_refused_by_name():
 
     with pytest.raises(ValueError, match="OP_ATAN2"):
         emit("law", law, Pair("a", "b"), (), Gain("k"))
+
+
+def count(s: Pair, _inputs: tuple[()], c: Gain) -> Pair:
+    return Pair(s.a + c.k, s.b + 1.0)
+
+
+@pytest.mark.parametrize("jobs", [1, 3])
+def test_lanes_go_on_for_as_long_as_the_longest_beside_them(jobs):
+    steps = np.repeat([5, 40, 0, 17], LANES)[: 4 * LANES - 3]
+    steps[3] = 2
+    last, rows = run_lanes(count, Pair(np.zeros(steps.size), 0.0), Gain(2.0), steps, jobs=jobs)
+    blocks = np.repeat([5.0, 40.0, 0.0, 17.0], LANES)[: steps.size]
+    np.testing.assert_array_equal(last.b, blocks)
+    np.testing.assert_array_equal(last.a, 2.0 * blocks)
+    assert rows.size == 0
+
+
+def test_lanes_of_lengths_of_their_own_are_not_recorded():
+    with pytest.raises(ValueError, match="lengths of their own"):
+        run_lanes(count, Pair(np.zeros(3), 0.0), Gain(2.0), np.array([1, 2, 3]), every=1, record=("a",))
