@@ -1,4 +1,4 @@
-"""Plays beside the loop, a play that engages smoothly, and curved transits are what their laws say; a wrist with
+"""Plays beside the loop, one that engages smoothly, and curved transits are what their laws say; a wrist with
 them rests where it says."""
 
 import numpy as np

@@ -1,6 +1,6 @@
 """Stick-slip: the joint sticks until its spring is off by a breakaway, then slides.
 
-All friction is told in degrees of the joint's own spring: the joint moves by Tw y' = h - y - friction, where
+All friction is in degrees of the joint's own spring: the joint moves by Tw y' = h - y - friction, where
 h is the static angle.  Friction of Stribeck's kind holds against more than it takes once sliding (Armstrong-
 Helouvry, Dupont & Canudas de Wit, Automatica 30 (1994) 1083); where asperities bend before they give way
 the joint creeps along with its load while it sticks (presliding: Dahl, 1968; LuGre, Canudas de Wit et al.,
@@ -22,7 +22,6 @@ LEVEL = 1e-12
 
 SHARES = (0.01, 0.03, 0.1)
 """Breakaways to try, as shares of the range of the angle."""
-
 
 TURNS = 2
 """How often the equation of the implicit midpoint rule is solved again for the speed of the joint."""
@@ -130,9 +129,9 @@ class _StickSlip(Effect):
     def rest(self, wrist: Any, pressure: Number, angle: Number) -> Any:
         return Contact(0.0)
 
-    def _coefficients(self, wrist: Any, dt: float, sliding: Number = 0.0) -> SampledStickSlip:
+    def _coefficients(self, wrist: Any, dt: float, again: Number, sliding: Number = 0.0) -> SampledStickSlip:
         friction = sliding * self.breakaway
-        residue = friction + self.residue * (self.breakaway - friction)
+        residue = friction + again * (self.breakaway - friction)
         return SampledStickSlip(self.breakaway, friction, residue, lag.sampled(wrist.Tw, dt))
 
 
@@ -146,7 +145,7 @@ class FreeSlip(_StickSlip):
     residue: Number = _RESIDUE
 
     def sampled(self, wrist: Any, dt: float) -> SampledStickSlip:
-        return self._coefficients(wrist, dt)
+        return self._coefficients(wrist, dt, self.residue)
 
 
 @dataclass(frozen=True)
@@ -160,7 +159,7 @@ class RubbingSlip(_StickSlip):
     residue: Number = _RESIDUE
 
     def sampled(self, wrist: Any, dt: float) -> SampledStickSlip:
-        return self._coefficients(wrist, dt, self.sliding)
+        return self._coefficients(wrist, dt, self.residue, self.sliding)
 
 
 @dataclass(frozen=True)
