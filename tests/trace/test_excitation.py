@@ -8,6 +8,7 @@ from plants.effects.sensor.gyro_drift import Drift
 from plants.effects.sensor.periodic import Hum
 from plants.effects.wrist.creep import Creep
 from plants.effects.wrist.load_step import LoadStep
+from plants.effects.wrist.loop_shape import OneMorePlay
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.trace.search.excitation import excitation, line
@@ -52,6 +53,12 @@ def test_a_drift_along_the_only_ramp_is_the_commands():
 def test_a_leak_along_the_only_ramp_is_the_regulators_gain():
     assert "ramp" in LaminarLeak(0.1).borrowed(asked(RAMP))
     assert LaminarLeak(0.1).borrowed(asked(SINE)) is None
+
+
+def test_without_minor_loops_their_shape_is_the_branches():
+    assert "no minor loops" in OneMorePlay(0.1).borrowed(asked(SINE))
+    assert "no minor loops" in OneMorePlay(0.1).borrowed(asked(RAMP))
+    assert OneMorePlay(0.1).borrowed(asked(STEPS)) is None
 
 
 def test_other_effects_borrow_nothing():
