@@ -261,8 +261,8 @@ shown(errors_before_and_after(arm.trace)) if outcomes else None
 
 # %% [markdown]
 # *What to see: the model moves when the pressure does, while the joint first sticks, then moves further;
-# below, errors scatter widely at every command.* No effect of the library describes stick-slip, none was
-# named, and the errors before and after are the same.
+# below, errors scatter widely at every command.* The library's `stick-slip` does not describe this joint, no
+# effect was named, and the errors before and after are the same.
 #
 # ## What follows, and what does not
 #
