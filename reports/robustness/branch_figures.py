@@ -1,4 +1,4 @@
-"""Figures of the loop with the branches overlaid: Nyquist curves, sensitivities, describing function."""
+"""Figures of the loop with the branches overlaid: Nyquist, Bode, sensitivities, describing function."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -118,6 +118,32 @@ def _around_minus_one(axes: "Axes") -> None:
     )  # fmt: skip
     axes.set(xlim=(-2.6, 1.2), ylim=(-2.8, 1.0), aspect="equal")
     axes.set(xticks=(-2, -1, 0, 1), yticks=(-2, -1, 0, 1))
+
+
+def bode(wrist: Wrist, controller: PI) -> "Figure":
+    """Magnitude and phase of the open loop, branches overlaid; dots: gain crossover, whose phase above -180
+    deg is the phase margin."""
+    with styled():
+        figure, (above, below) = new_figure(2, 1, height=5.2, sharex=True)
+        loops, omega = overlaid(wrist, controller), frequencies(wrist)
+        looks = _looks(list(loops))
+        for words, loop in loops.items():
+            L = loop.at(omega)
+            size, phase = np.abs(L), np.degrees(np.unwrap(np.angle(L)))
+            above.plot(omega, size, label=words, **looks[words])
+            below.plot(omega, phase, **looks[words])
+            for at in np.flatnonzero((size[:-1] >= 1.0) & (size[1:] < 1.0)):
+                for axes, value in ((above, 1.0), (below, phase[at])):
+                    axes.plot(omega[at], value, "o", color=looks[words]["color"], ms=4.5, zorder=4)
+        above.set(xscale="log", yscale="log", xlim=(0.1, 300.0), ylim=(1e-3, 1e2), ylabel="|L| [1]")
+        above.axhline(1.0, color=GREY, linewidth=0.8)
+        above.yaxis.set_major_formatter(lambda v, _: f"{v:g}")
+        below.axhline(-180.0, color=GREY, linewidth=0.8)
+        below.set(ylim=(-270.0, -60.0), yticks=(-270, -180, -90), ylabel="Phase of L [deg]")
+        below.set_xlabel("Frequency [rad/s]")
+        below.xaxis.set_major_formatter(lambda v, _: f"{v:g}")
+        figure.legend(*above.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
 
 
 def sensitivities(wrist: Wrist, controller: PI, limits: Limits) -> "Figure":

@@ -44,6 +44,12 @@ NYQUIST = (
 )
 
 
+BODE = (
+    "Bode plot of the open loop on all branches and rates. Dots: gain crossover; the phase there above "
+    "−180 deg is the phase margin."
+)
+
+
 SENSITIVITIES = (
     "Sensitivity |S| (disturbance to angle error) and complementary sensitivity |T| (noise to angle) on "
     "every branch and rate. Dashed: limits."

@@ -107,7 +107,7 @@ def left(stage: StageTrace, after_name: str) -> str:
 def remainder(stage: StageTrace, after_name: str) -> str:
     """What the figure of a residual shows."""
     both = stage.after is not stage.before
-    which = "the declared wrist" + (f" and by {after_name}" if both else "")
+    which = "the declared wrist" + (f" and of {after_name}" if both else "")
     latter = ", drawn for the latter" if both else ""
     return (
         f"Residual of {which}: mean over the most significant variables, autocorrelation and spectrum. Grey "

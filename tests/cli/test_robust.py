@@ -52,7 +52,7 @@ def test_the_page_and_its_companions_are_written(assessed):
     _, folder = assessed
     names = {p.name for p in folder.iterdir()}
     figures = {"gains.png", "nyquist.png", "sensitivities.png", "describing.png", "samples.png", "worst.png"}
-    figures |= {"signature.png", "dead-time.png"}
+    figures |= {"signature.png", "dead-time.png", "bode.png"}
     assert {"robust.html", "robust.json", "worst.toml"} | figures <= names
 
 

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
+from design.open_loops import by_python_control
 from design.robustness.predictions.limit_cycles import predicted
 from design.synthesis.requirements import Limits
 from plants import Wrist
 from plants.effects import DeadTime
-from reports.robustness.branch_figures import describing, nyquist, overlaid, sensitivities
+from reports.robustness.branch_figures import bode, describing, nyquist, overlaid, sensitivities
 from reports.shared.figures.style import save
 
 FLEXION, DEVIATION = Wrist.flexion(), Wrist.deviation()
@@ -45,6 +46,19 @@ def test_nyquist_has_a_panel_a_controller_with_its_loops_the_disc_and_the_point(
 def test_nyquist_of_no_controller_is_refused():
     with pytest.raises(ValueError, match="no controller"):
         nyquist(FLEXION, {})
+
+
+@pytest.mark.parametrize("wrist", [FLEXION, DEVIATION, FLEXION + DeadTime(0.05)])
+def test_the_phase_at_crossover_is_the_phase_margin_that_python_control_finds(wrist):
+    above, below = bode(wrist, TUNED).axes
+    dots = [line for line in below.lines if len(line.get_xdata()) == 1]
+    assert [line.get_xdata()[0] for line in above.lines if len(line.get_xdata()) == 1] == [
+        dot.get_xdata()[0] for dot in dots
+    ]
+    drawn = {round(float(dot.get_ydata()[0]) + 180.0, 0) for dot in dots}
+    margins = {round(row["phase_margin_deg"], 0) for row in by_python_control(wrist, TUNED)}
+    assert len(dots) == len(overlaid(wrist, TUNED))
+    assert all(min(abs(m - d) for d in drawn) <= 1.0 for m in margins)
 
 
 def test_sensitivities_peak_where_the_margins_say_and_show_their_limits():
