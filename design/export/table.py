@@ -23,7 +23,7 @@ from plants.files import write_atomically
 from plants.wrist import Wrist
 
 PAGE = Path("docs/targets.md")
-HEADING = "## How far each target is from Python"
+HEADING = "## Deviation from Python"
 HEAD = ("controller", "unit", "C, double", "C, single", "FMI 2.0", "FMI 3.0")
 
 

@@ -82,4 +82,4 @@ def test_a_solver_that_lies_is_not_believed(monkeypatch: pytest.MonkeyPatch) -> 
     found = search(LOOP, popov.RUNG)
     assert found.form is None
     assert isinstance(found.reason, NotConfirmed)
-    assert no_certificate(found.reason).startswith("not confirmed: LIAR claims one")
+    assert no_certificate(found.reason).startswith("not confirmed: LIAR reports one")

@@ -15,7 +15,7 @@ from design.export.table import exemplary, into_page, written
 from design.export.vectors import Vector, vector
 from plants.wrist import Wrist
 
-HEADING = "## What it takes on a Cortex-M4F"
+HEADING = "## Cost on a Cortex-M4F"
 HEAD = (
     "controller", "precision", "flash [B]", "RAM [B]", "stack, graph [B]", "stack, seen [B]",
     "instructions, mean", "instructions, most", "these at 168 MHz [us]", "off from Python",

@@ -70,7 +70,8 @@ class Bristles(NamedTuple):
 
 class SampledBristles(NamedTuple):
     """Breakaway and friction while sliding [deg]; speed [deg/s] at which the one becomes the other, inverted;
-    stiffness of the bristles over the joint's; time constant of the joint and half a step [s]."""
+    stiffness of the bristles over the joint's; time constant of the joint and half a step [s]; the lag of a
+    joint without friction."""
 
     breakaway: Number
     sliding: Number
@@ -78,6 +79,7 @@ class SampledBristles(NamedTuple):
     stiffness: Number
     Tw: Number
     half: Number
+    lag: lag.SampledLag
 
     def joint(
         self, s: Bristles, angle: Number, before: Number, after: Number, pressure: Number
@@ -87,8 +89,12 @@ class SampledBristles(NamedTuple):
         for _ in range(TURNS):
             give = 1.0 + self.stiffness * self.half * np.abs(speed) / self._most(speed)
             speed = (drawn - angle - pull / give) / (self.Tw + self.half * (1.0 + self.stiffness / give))
-        pull = 2.0 * (pull + self.stiffness * self.half * speed) / give - pull
-        return Bristles(pull, speed), angle + 2.0 * self.half * speed
+        # The joint's own lag is exact, so that without friction nothing is changed.
+        middle = (pull + self.stiffness * self.half * speed) / give
+        moved = lag.step(angle, before - middle, after - middle, self.lag)
+        speed = 0.5 * (moved - angle) / self.half
+        middle = (pull + self.stiffness * self.half * speed) / give
+        return Bristles(2.0 * middle - pull, speed), moved
 
     def _most(self, speed: Number) -> Number:
         """Friction [deg] of a joint that slides at a speed [deg/s]."""
@@ -182,5 +188,5 @@ class BristleFriction(_StickSlip):
         most = np.maximum(self.breakaway, LEVEL)
         return SampledBristles(
             most, self.sliding * most, 1.0 / np.asarray(self.stribeck, float), self.stiffness, wrist.Tw,
-            0.5 * dt,
+            0.5 * dt, lag.sampled(wrist.Tw, dt),
         )  # fmt: skip
