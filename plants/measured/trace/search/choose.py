@@ -29,7 +29,7 @@ TRIFLE = 0.002
 """Least share, of what chi-square fell by so far, that a further effect must bring: the form of a strong
 effect is never quite the rig's, and what it leaves invites others."""
 
-SHORTLIST, FORMS = 4, 2
+SHORTLIST, FORMS = 6, 2
 """Effects that are refitted in each round, and of how many of their forms."""
 
 MOST = 3
