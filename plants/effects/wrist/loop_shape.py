@@ -7,6 +7,7 @@ than a large one.  Or the transit between the lines is itself curved, as laws of
 Sprekels, Hysteresis and Phase Transitions, 1996).
 """
 
+from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -125,9 +126,9 @@ class _Plays(_Shape):
     """Plays beside the loop; at rest each is in the middle of its gap."""
 
     @property
+    @abstractmethod
     def weights(self) -> tuple[Number, ...]:
         """Weights of the plays [deg/kPa]."""
-        raise NotImplementedError
 
     def rest(self, wrist: Any, pressure: Number, angle: Number) -> Beside:
         added = self.beside(wrist, pressure)
@@ -138,7 +139,8 @@ class _Plays(_Shape):
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         """Between none of the plays engaged and all of them, whatever the signs of their weights."""
-        least, most = (float(sum(f(0.0, float(w)) for w in self.weights)) for f in (min, max))
+        weights = [float(w) for w in self.weights]
+        least, most = sum(w for w in weights if w < 0.0), sum(w for w in weights if w > 0.0)
         loop = wrist.hysteresis
         slopes: Mapping[Side, float] = dict(zip(SIDES, (*loop.steepness, loop.flattest), strict=True))
         steep = {side: max(float(slope), FLAT) for side, slope in slopes.items()}

@@ -55,7 +55,7 @@ class SampledStickSlip(NamedTuple):
         to = angle + np.where(slid, 1.0, 1.0 - late) * way
         left = np.abs(after - to)
         ends = np.where(pull < self.residue, angle, after - side * self.residue)
-        sticks = np.where(pull < self.residue, 1.0, np.where(left < self.residue, 1.0, 0.0))
+        sticks = np.where(np.minimum(pull, left) < self.residue, 1.0, 0.0)
         moves = np.where(slid, 1.0, np.where(pull >= self.breakaway, 1.0, 0.0))
         moved = np.where(sticks > 0.5, ends, to)
         return Contact(moves * (1.0 - sticks)), np.where(moves > 0.5, moved, angle)
