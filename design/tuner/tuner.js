@@ -60,17 +60,27 @@ function render({ model, el }) {
 
   // The newest wins: while Python computes, later positions replace each other, and the last is asked for.
   let wanted = {}, busy = false, patience = 0, rest = 0;
+  let keeping; // name of the file for the gains, until Python has them
+  const waiting = () => {
+    const late = Object.keys(wanted).length || model.get("answered") !== model.get("asked");
+    root.setAttribute("aria-busy", String(Boolean(late)));
+    if (late || keeping === undefined) return;
+    model.send({ keep: keeping });
+    keeping = undefined;
+  };
   const send = (values) => {
     busy = true;
     for (const [name, value] of Object.entries(values)) model.set(name, value);
     model.set("asked", model.get("asked") + 1);
     model.save_changes();
+    waiting();
     patience = setTimeout(() => free(), PATIENCE);
   };
   const free = () => {
     clearTimeout(patience);
     busy = false;
     clearTimeout(rest);
+    waiting();
     if (Object.keys(wanted).length) {
       const values = wanted;
       wanted = {};
@@ -81,6 +91,7 @@ function render({ model, el }) {
   };
   const ask = (values) => {
     Object.assign(wanted, values);
+    waiting();
     if (!busy) free();
   };
 
@@ -106,7 +117,8 @@ function render({ model, el }) {
   );
   keep.addEventListener("submit", (event) => {
     event.preventDefault();
-    model.send({ keep: name.value });
+    keeping = name.value;
+    waiting();
   });
 
   const steps = node("svg:svg", { class: "steps", role: "img" });

@@ -128,6 +128,10 @@ class Shown(NamedTuple):
     folder: Path
     errors: list[str]
 
+    def settle(self) -> None:
+        """Wait until it shows all that it was asked for."""
+        self.page.locator(".wrist-tuner[aria-busy='false']").wait_for()
+
 
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:
@@ -175,6 +179,7 @@ def shown(lab: Shown, put: Callable[[str, str], None]) -> Iterator[Shown]:
     page.get_by_role("button", name="Reset plant").click()
     put("Kp in kPa/deg", "1.2")
     put("Ki in kPa/(deg s)", "2.2")
+    lab.settle()
     page.get_by_text("Every limit is held").wait_for()
     yield lab
     assert lab.errors == []
