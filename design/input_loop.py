@@ -18,7 +18,7 @@ from design.controllers.pi import PI
 from design.controllers.state_space import linearised
 from design.margins import BranchResponse, Margins, branch_responses, margins
 from design.open_loops import by_python_control
-from plants.linearisation import RATES, branch_slopes, branch_ss, slope_factors
+from plants.linearisation import RATES, branch_slopes, branch_ss
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -47,24 +47,6 @@ def worst_pole(wrist: Wrist, controller: Controller) -> tuple[float, str]:
     return max(found)
 
 
-def pressure_responses(wrist: Wrist, omega: Array) -> list[Complex]:
-    """Responses of the pressure [kPa/V] that belong to `design.margins.branch_responses`, in its order."""
-    z = np.exp(1j * omega * wrist.rig.sample_time)
-    p = wrist.regulator
-    reach = (p.gain * wrist.rig.command_range[0], p.gain * wrist.rig.command_range[1])
-    parts = [e.linear(wrist, z, wrist.rig.sample_time, reach) for e in wrist.effects]
-    speeds = list(dict.fromkeys(float(np.prod(x)) for x in product(*(x.rates for x in parts))))
-    before = p.gain * np.prod([np.broadcast_to(x.command, z.shape) for x in parts], axis=0)
-    found = []
-    for branch in branch_slopes(wrist):
-        sides = wrist.hysteresis.sides(branch)
-        factors = {float(np.prod(x)) for x in product(*(slope_factors(x.slopes, sides) for x in parts))}
-        for _, rate, speed in product({min(factors), max(factors)}, RATES, speeds):
-            share = -np.expm1(-speed * (p.k_fast if rate == "fast" else p.k_slow) * wrist.rig.sample_time)
-            found.append(np.asarray(before * (share / (z - 1.0 + share)), complex))
-    return found
-
-
 @dataclass(frozen=True)
 class InputLoop:
     """Open loops, broken at the command: response of the controller from angle [deg] to command [V], (n,),
@@ -74,14 +56,11 @@ class InputLoop:
     open: Complex
 
     @classmethod
-    def at_command(
-        cls, wrist: Wrist, controller: Controller, branches: Sequence[BranchResponse]
-    ) -> "InputLoop":
+    def at_command(cls, controller: Controller, branches: Sequence[BranchResponse]) -> "InputLoop":
         """What comes back of a command by way of angle and pressure, with its sign turned."""
-        omega = branches[0].omega
-        angle, pressure = linearised(controller, wrist.rig.sample_time).responses(omega)
-        of = zip(branches, pressure_responses(wrist, omega), strict=True)
-        return cls(angle, np.array([-(angle * b.response + pressure * air) for b, air in of]))
+        of = branches[0]
+        angle, pressure = linearised(controller, of.dt).responses(of.omega)
+        return cls(angle, np.array([-(angle * b.response + pressure * b.pressure) for b in branches]))
 
     @property
     def noise_gain(self) -> float:
@@ -99,7 +78,8 @@ class InputLoop:
         integrator, beside = PI(0.0, 1.0 / dt, gain=1.0), np.exp(1j * branches[0].omega * dt) - 1.0
         found = zip(branches, self.open, strict=True)
         return margins(
-            [BranchResponse(b.branch, b.rate, b.omega, x * beside, dt=dt) for b, x in found], integrator
+            [BranchResponse(b.branch, b.rate, b.omega, x * beside, b.pressure, dt=dt) for b, x in found],
+            integrator,
         )
 
 
@@ -116,5 +96,5 @@ def command_margins(wrist: Wrist, controller: Any) -> tuple[float, float]:
     if not hasattr(controller, "sampled"):
         return float("nan"), float("nan")
     branches = branch_responses(wrist, POINTS)
-    found = InputLoop.at_command(wrist, controller, branches).margins(branches)
+    found = InputLoop.at_command(controller, branches).margins(branches)
     return float(found.Ms), float(found.delay_margin_s)

@@ -22,7 +22,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class BranchResponse:
-    """Frequency response of one branch at one rate: omega [rad/s], response [deg/V], both (n,);
+    """Frequency response of one branch at one rate: omega [rad/s], response of the angle [deg/V] and of the
+    pressure [kPa/V], (n,) each;
     a (2, 2) and b (2,) are its state matrices, from command [V] to pressure and angle, None for a
     wrist with effects; dt: sample time [s]."""
 
@@ -30,6 +31,7 @@ class BranchResponse:
     rate: str
     omega: Array
     response: NDArray[np.complex128]
+    pressure: NDArray[np.complex128]
     a: Array | None = None
     b: Array | None = None
     dt: float = SAMPLE_TIME
@@ -87,14 +89,18 @@ def branch_responses(wrist: Wrist, points: int = 800) -> list[BranchResponse]:
     dt = wrist.rig.sample_time
     omega = frequencies(points, dt)
     if wrist.effects:
-        return [BranchResponse(r.branch, r.rate, omega, r.response, dt=dt) for r in responses(wrist, omega)]
+        return [
+            BranchResponse(r.branch, r.rate, omega, r.response, r.pressure, dt=dt)
+            for r in responses(wrist, omega)
+        ]
     found = []
     for branch in branch_slopes(wrist):
         for rate in RATES:
             system = branch_ss(wrist, branch, rate)
-            response = control.frequency_response(system, omega).complex
-            plain = np.array(np.ravel(response))  # python-control's own array type is slow to index
-            found.append(BranchResponse(branch, rate, omega, plain, system.A, system.B[:, 0], dt))
+            both = control.ss(system.A, system.B, np.eye(2), 0.0, dt)  # pressure and angle
+            # python-control's own array type is slow to index
+            pressure, angle = np.array(control.frequency_response(both, omega).complex).reshape(2, -1)
+            found.append(BranchResponse(branch, rate, omega, angle, pressure, system.A, system.B[:, 0], dt))
     return found
 
 

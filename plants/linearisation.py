@@ -138,12 +138,14 @@ def branch_ss(wrist: "Wrist", branch: str, rate: str = "fast") -> Any:
 
 @dataclass(frozen=True)
 class FrequencyResponse:
-    """Frequency response [deg/V] of one branch at one regulator rate, shape of omega, with their
-    names; a branch that bends has its least and its largest slope, a rate its factors."""
+    """Frequency responses of the angle [deg/V] and of the pressure [kPa/V] on one branch at one regulator
+    rate, shape of omega, with their names; a branch that bends has its least and its largest slope, a rate
+    its factors."""
 
     branch: str
     rate: str
     response: NDArray[np.complex128]
+    pressure: NDArray[np.complex128]
 
 
 def responses(wrist: "Wrist", omega: Any) -> list[FrequencyResponse]:
@@ -164,9 +166,9 @@ def responses(wrist: "Wrist", omega: Any) -> list[FrequencyResponse]:
     parts = [e.linear(wrist, z, wrist.rig.sample_time, reach) for e in wrist.effects]
     c = lag.sampled(wrist.Tw, wrist.rig.sample_time)
     joint = next((x.joint for x in parts if x.joint is not None), (c.before + c.after * z) / (z - c.keep))
-    common = p.gain * joint
+    before, after = np.full(z.shape, p.gain, complex), joint
     for part in parts:
-        common = common * part.command * part.static
+        before, after = before * part.command, after * part.static
     speeds = _products([x.rates for x in parts])
     found = []
     for branch, straight in branch_slopes(wrist).items():
@@ -174,10 +176,11 @@ def responses(wrist: "Wrist", omega: Any) -> list[FrequencyResponse]:
         slopes = _products([slope_factors(x.slopes, sides) for x in parts])
         for slope, rate, speed in product(sorted({min(slopes), max(slopes)}), RATES, speeds):
             share = -np.expm1(-speed * (p.k_fast if rate == "fast" else p.k_slow) * wrist.rig.sample_time)
-            air = share / (z - 1.0 + share)
+            pressure = before * (share / (z - 1.0 + share))
             bent = "" if len(set(slopes)) == 1 else f", slope x {slope:.3g}"
             quick = rate if speed == 1.0 else f"{rate} x {speed:.3g}"
-            found.append(FrequencyResponse(branch + bent, quick, common * air * (slope * straight)))
+            angle = pressure * after * (slope * straight)
+            found.append(FrequencyResponse(branch + bent, quick, angle, pressure))
     return found
 
 

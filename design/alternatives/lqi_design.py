@@ -1,18 +1,17 @@
-"""A robust LQI tuned under the limits of the PI: guaranteed-cost feedback, an observer, a small search.
+"""A robust LQI tuned under the limits of the PI: guaranteed-cost feedback, an observer, a search.
 
 For each choice of weights the feedback comes from the semidefinite program (`alternatives.lqi_synthesis`), is
-completed by an observer of some bandwidth, and is judged as a PI is in `design.synthesis.requirements`:
-simulated
-on the same scenarios, with the margins at the command on every branch and rate.  The least worst cost
-that meets every limit is kept; where none holds them all, the nearest.
+completed by an observer of some bandwidth and a jump at steps of the reference, and is judged as a PI is in
+`design.synthesis.requirements`: simulated on the same scenarios, with the margins at the command on every
+branch and rate.  The least worst cost that meets every limit is kept; where none holds them all, the nearest.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import qmc
 
 from design.alternatives.convex_concave import NOISE_GAIN
 from design.alternatives.lqi_synthesis import Feedback, LQIWeights, synthesise
@@ -20,25 +19,37 @@ from design.controllers.controller import stacked
 from design.controllers.lqi import LQI
 from design.input_loop import InputLoop, worst_pole
 from design.synthesis.convex import Unsolved
-from design.synthesis.evaluate import judged
-from design.synthesis.requirements import Problem, excesses
+from design.synthesis.evaluate import screened
+from design.synthesis.requirements import Problem
+from design.synthesis.tuning import ACTIVE
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 
 FAMILY = {
-    "damping": (0.3, 3.0, 10.0),
-    "lack": (1e-3, 4e-3, 1.6e-2),
-    "effort": (2e-5, 1e-4, 5e-4),
-    "bandwidth": (15.0, 30.0, 60.0),
+    "damping": (0.03, 100.0),
+    "lack": (1e-4, 0.2),
+    "effort": (1e-6, 1e-2),
+    "bandwidth": (4.0, 120.0),
+    "jump": (0.2, 1.5),
 }
-"""Weights, and bandwidths [rad/s] of the observer, that are tried first."""
+"""The family that is searched: weights, bandwidth of the observer [rad/s], and the jump of the command at a
+step as a share of that for which the guaranteed cost is least, as the reference weight of a PI."""
 
-WASHOUT = 0.3
-"""Rate [rad/s] at which the controller unlearns what the regulator's gain is off by.  Assumed."""
+GAINS = ("Ke", "Kd", "Kq", "jump", "bandwidth")
+"""What the design finds of a controller; the rest of it is the wrist's."""
 
-ROUNDS, DRAWS = 3, 60
-"""Rounds of refinement around the best, and how many weights are drawn in each."""
+DIGITS = 4
+"""Significant digits of gains, so that what is judged is what is printed."""
+
+MEMBERS, GENERATIONS = 32, 16
+"""Members of a generation, and how many generations there are; a third of them from a known design on."""
+
+NEAR = 0.4
+"""Standard deviation of the logarithms of the first generation around a known design."""
+
+NOWHERE = 1e9
+"""Merit of a place without a feedback."""
 
 PENALTY = 20.0
 """Price of an excess over a limit while none holds, a share of the cost per share of the limit."""
@@ -46,10 +57,11 @@ PENALTY = 20.0
 
 @dataclass(frozen=True)
 class Choice:
-    """A place in the family: weights and bandwidth [rad/s], and the controller that they make."""
+    """A place in the family (5,), as the logarithms of what `FAMILY` names, and the controller that it
+    makes."""
 
+    place: Array
     weights: LQIWeights
-    bandwidth: float
     feedback: Feedback
     controller: LQI
 
@@ -68,6 +80,15 @@ class JudgedLQI:
         """Largest excess over all limits, (n,)."""
         worst: Array = np.max(list(self.excess.values()), axis=0)
         return worst
+
+    def only(self, n: int) -> "JudgedLQI":
+        """The n-th alone, arrays of length 1."""
+        one = slice(n, n + 1)
+        return JudgedLQI(
+            self.cost[one],
+            {k: v[one] for k, v in self.values.items()},
+            {k: v[one] for k, v in self.excess.items()},
+        )
 
     @property
     def merit(self) -> Array:
@@ -94,88 +115,101 @@ class RobustLQI:
         return self.choice.controller
 
     @property
+    def gains(self) -> dict[str, float]:
+        """Its gains by name: Ke, Kd [kPa/(deg s)], Kq [1/s], jump [kPa/deg], bandwidth [rad/s]."""
+        return {n: float(getattr(self.controller, n)) for n in GAINS}
+
+    @property
     def breaks(self) -> tuple[str, ...]:
         """Names of the limits that are broken all the same."""
         return tuple(n for n, e in self.at.excess.items() if e[0] > 0.0)
 
+    @property
+    def feasible(self) -> bool:
+        """Whether the gains meet every limit."""
+        return not self.breaks
 
-def complete(wrist: Wrist, weights: LQIWeights, bandwidth: float, feedback: Feedback) -> LQI:
-    """A feedback as a controller: with an observer that takes every branch for the mean of the lines."""
-    p, k = wrist.hysteresis, feedback.gains
-    return LQI(
-        float(k[0]), float(k[1]), float(k[2]), feedback.jump, 0.5 * float(sum(p.steepness)), float(wrist.Tw),
-        bandwidth, WASHOUT, float(wrist.regulator.gain), *wrist.rig.command_range,
-    )  # fmt: skip
+    @property
+    def active(self) -> str | None:
+        """The limit that the gains run into first, or None for an optimum inside all limits."""
+        name = max(self.at.excess, key=lambda n: float(self.at.excess[n][0]))
+        return name if self.at.excess[name][0] > -ACTIVE else None
+
+
+def chosen(wrist: Wrist, place: Array) -> Choice | None:
+    """The controller of a place in the family, its gains as they are printed; None where no feedback is
+    confirmed there."""
+    damping, lack, effort, bandwidth, jump = np.exp(place).tolist()
+    weights = LQIWeights(damping, lack, effort)
+    try:
+        feedback = synthesise(wrist, weights)
+    except Unsolved:
+        return None
+    if not feedback.holds:
+        return None
+    own = (*feedback.gains, jump * feedback.jump, bandwidth)
+    gains = {n: float(f"{g:.{DIGITS}g}") for n, g in zip(GAINS, own, strict=True)}
+    return Choice(place, weights, feedback, LQI.of(wrist, **gains))
 
 
 def judge(problem: Problem, controllers: Sequence[LQI], noise_limit: float | None = NOISE_GAIN) -> JudgedLQI:
-    """Cost and limits of controllers on every scenario and branch of a problem, and their noise gain."""
-    cost, of_run = judged(problem, stacked(controllers), len(controllers))
-    broken = [InputLoop.at_command(problem.wrist, c, problem.branches) for c in controllers]
+    """Cost and limits of controllers on every scenario and branch of a problem, and their noise gain; those
+    that break a limit of the linear loop are not simulated where the problem is screened."""
+    broken = [InputLoop.at_command(c, problem.branches) for c in controllers]
     linear = [x.margins(problem.branches) for x in broken]
-    values = {name: v.max(axis=1) for name, v in of_run.items()}
-    values |= {
-        "Ms": np.array([float(x.Ms) for x in linear]),
-        "Mt": np.array([float(x.Mt) for x in linear]),
-        "delay_margin_s": np.array([float(x.delay_margin_s) for x in linear]),
-        "noise_gain": np.array([x.noise_gain for x in broken]),
-    }
-    limits = problem.limits.named | ({} if noise_limit is None else {"noise_gain": noise_limit})
-    return JudgedLQI(cost.max(axis=1), values, excesses(values, limits))
+    values = {n: np.array([float(getattr(x, n)) for x in linear]) for n in ("Ms", "Mt", "delay_margin_s")}
+    values["noise_gain"] = np.array([x.noise_gain for x in broken])
+    limits = problem.held_to | ({} if noise_limit is None else {"noise_gain": noise_limit})
+    cost, of_run, excess = screened(problem, stacked(controllers), values, limits)
+    values |= {name: v.max(axis=1) for name, v in of_run.items()}
+    return JudgedLQI(cost.max(axis=1), values, excess)
 
 
-def design_lqi(problem: Problem, seed: int = 0) -> RobustLQI:
+def design_lqi(problem: Problem, seed: int = 0, known: RobustLQI | None = None) -> RobustLQI:
     """The member of the family with the least worst cost under the limits, else the nearest to them.
 
-    The grid of `FAMILY` first, then draws around the best, ever nearer to it.  Raises
-    design.synthesis.convex.Unsolved where no member of the family has a feedback.
+    By differential evolution (scipy) over the whole family, or from a design of an easier problem that is
+    `known`.  Raises design.synthesis.convex.Unsolved where no member has a feedback.
     """
-    grid = [
-        (LQIWeights(*w), FAMILY["bandwidth"])
-        for w in product(FAMILY["damping"], FAMILY["lack"], FAMILY["effort"])
-    ]
-    chosen, at, tried = _best(problem, grid, None)
-    draw = np.random.default_rng(seed)
-    for number in range(ROUNDS):
-        spread = 0.8 * 0.5**number
-        around = []
-        for _ in range(DRAWS):
-            w = chosen.weights
-            factors, wider = np.exp(spread * draw.standard_normal((2, 3))).tolist()
-            near = (x * f for x, f in zip((w.damping, w.lack, w.effort), factors, strict=True))
-            around.append((LQIWeights(*near), tuple(chosen.bandwidth * f for f in wider)))
-        chosen, at, more = _best(problem, around, (chosen, at))
-        tried += more
-    pole = None if problem.wrist.effects else worst_pole(problem.wrist, chosen.controller)
-    return RobustLQI(problem, chosen, at, pole, tried)
+    from scipy.optimize import differential_evolution
+
+    bounds = np.log(list(FAMILY.values()))
+    begin: Array = _begin(bounds, seed, known)
+    best: list[tuple[Choice, JudgedLQI]] = []
+    tried = 0
+
+    def merits(places: Array) -> Array:
+        nonlocal tried
+        found = [chosen(problem.wrist, place) for place in np.atleast_2d(places.T)]
+        some = [c for c in found if c is not None]
+        tried += len(some)
+        heights = np.full(len(found), NOWHERE)
+        if some:
+            at = judge(problem, [c.controller for c in some])
+            heights[[c is not None for c in found]] = at.merit
+            least = int(np.argmin(at.merit))
+            if not best or at.merit[least] < best[0][1].merit[0]:
+                best[:] = [(some[least], at.only(least))]
+        return heights
+
+    generations = GENERATIONS if known is None else GENERATIONS // 3
+    differential_evolution(
+        merits, bounds, init=begin, maxiter=generations, rng=seed, vectorized=True, updating="deferred",
+        polish=False, tol=0.0,
+    )  # fmt: skip
+    if not best:
+        raise Unsolved("no state feedback for this plant: none was confirmed")
+    choice, at = best[0]
+    pole = None if problem.wrist.effects else worst_pole(problem.wrist, choice.controller)
+    return RobustLQI(problem, choice, at, pole, tried)
 
 
-def _best(
-    problem: Problem,
-    places: Sequence[tuple[LQIWeights, tuple[float, ...]]],
-    known: tuple[Choice, JudgedLQI] | None,
-) -> tuple[Choice, JudgedLQI, int]:
-    """The best of places in the family, and of one that is known; how many were judged."""
-    choices, why = [], ""
-    for weights, bandwidths in places:
-        try:
-            feedback = synthesise(problem.wrist, weights)
-        except Unsolved as error:
-            why = str(error)
-            continue
-        if feedback.holds:
-            for b in bandwidths:
-                choices.append(Choice(weights, b, feedback, complete(problem.wrist, weights, b, feedback)))
-    if not choices:
-        if known is None:
-            raise Unsolved(f"no state feedback for this plant: {why or 'none was confirmed'}")
-        return *known, 0
-    at = judge(problem, [c.controller for c in choices])
-    best = int(np.argmin(at.merit))
-    one = slice(best, best + 1)
-    only = JudgedLQI(
-        at.cost[one], {n: v[one] for n, v in at.values.items()}, {n: v[one] for n, v in at.excess.items()}
-    )
-    if known is not None and known[1].merit[0] <= only.merit[0]:
-        return *known, len(choices)
-    return choices[best], only, len(choices)
+def _begin(bounds: Array, seed: int, known: RobustLQI | None) -> Array:
+    """The first generation: spread over the family, or around a known design, which is in it."""
+    low, high = bounds.T
+    if known is None:
+        cube = qmc.Sobol(len(bounds), rng=seed).random(MEMBERS)
+        return np.asarray(low + cube * (high - low))
+    draw = np.random.default_rng(seed).standard_normal((MEMBERS, len(bounds)))
+    draw[0] = 0.0
+    return np.clip(known.choice.place + NEAR * draw, low, high)

@@ -20,6 +20,7 @@ Inequalities in System and Control Theory (SIAM, 1994), doi 10.1137/1.9781611970
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from threading import Lock
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,6 +38,9 @@ a little of the others, without which the bound from a step alone would leave th
 
 INTO = np.array([[0.0], [0.0], [1.0]])
 """B: the speed of the command moves q."""
+
+_ONE = Lock()
+"""The program is one for the whole process, and motions are designed side by side."""
 
 SLACK = 1e-6
 """How far inside its inequalities the program is solved, so that rounding does not leave them."""
@@ -106,15 +110,16 @@ def synthesise(wrist: Wrist, weights: LQIWeights) -> Feedback:
     corners, Tw = tuple(vertices(wrist)), float(wrist.Tw)
     root = _scale(corners, Tw, weights)
     back = np.linalg.inv(root.T)
-    problem, given, (Q, Y) = _program(len(corners))
-    for place, corner in zip(given.moves, corners, strict=True):
-        place.value = root.T @ plant(*corner, Tw) @ back
-    given.into.value = root.T @ INTO / np.sqrt(weights.effort)
-    given.price.value = np.sqrt(weights.matrix) @ back
-    given.starts.value = root.T @ np.diag(STARTS) @ root
-    solver = solve(problem)
-    scaled = np.linalg.inv(Q.value)
-    gains = (Y.value @ scaled @ root.T)[0] / np.sqrt(weights.effort)
+    with _ONE:
+        problem, given, (Q, Y) = _program(len(corners))
+        for place, corner in zip(given.moves, corners, strict=True):
+            place.value = root.T @ plant(*corner, Tw) @ back
+        given.into.value = root.T @ INTO / np.sqrt(weights.effort)
+        given.price.value = np.sqrt(weights.matrix) @ back
+        given.starts.value = root.T @ np.diag(STARTS) @ root
+        solver = solve(problem)
+        scaled, solved = np.linalg.inv(Q.value), Y.value
+    gains = (solved @ scaled @ root.T)[0] / np.sqrt(weights.effort)
     bound = root @ (0.5 * (scaled + scaled.T)) @ root.T
     return checked(corners, Tw, weights, gains, bound, solver)
 

@@ -30,10 +30,13 @@ from design.controllers.controller import Measured, remembers
 from design.controllers.double_pole import double_pole
 from plants import lag
 from plants.parameters.files import built_in
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
+from plants.wrist import COMMAND_RANGE, SAMPLE_TIME, Wrist
 
 Number = Any
 _PAPER = built_in("flexion").values
+
+WASHOUT = 0.3
+"""Rate [rad/s] at which the controller unlearns what the regulator's gain is off by.  Assumed."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +55,7 @@ class LQI:
     slope: Number
     Tw: Number
     bandwidth: Number
-    washout: Number = 0.3
+    washout: Number = WASHOUT
     gain: Number = _PAPER["gain"]
     low: Number = COMMAND_RANGE[0]
     high: Number = COMMAND_RANGE[1]
@@ -64,6 +67,20 @@ class LQI:
             raise ValueError("settings of a state feedback must be finite")
         if not all((values[n] > 0.0).all() for n in positive):
             raise ValueError(f"{', '.join(positive)} must be positive")
+
+    @classmethod
+    def of(cls, wrist: Wrist, Ke: Number, Kd: Number, Kq: Number, jump: Number, bandwidth: Number) -> "LQI":
+        """The controller of a wrist, with an observer that takes every branch for the mean of the lines.
+
+        >>> round(LQI.of(Wrist.flexion(), 600.0, -640.0, -70.0, 8.0, 45.0).slope, 3)
+        0.36
+        """
+        slope = 0.5 * float(sum(wrist.hysteresis.steepness))
+        low, high = wrist.rig.command_range
+        return cls(
+            Ke, Kd, Kq, jump, slope, float(wrist.Tw), bandwidth, gain=float(wrist.regulator.gain), low=low,
+            high=high,
+        )  # fmt: skip
 
     def sampled(self, dt: float = SAMPLE_TIME) -> "SampledLQI":
         """Coefficients for a sample time `dt` [s]."""

@@ -52,22 +52,7 @@ def _pi_two_dof(wrist: Wrist, g: Numbers) -> Controller:
 
 
 def _lqi(wrist: Wrist, g: Numbers) -> Controller:
-    p = wrist.hysteresis
-    Ke, Kd, Kq, jump, bandwidth = g
-    slope = 0.5 * float(sum(p.steepness))  # as `design.alternatives.lqi_design` completes a feedback
-    low, high = wrist.rig.command_range
-    return LQI(
-        Ke,
-        Kd,
-        Kq,
-        jump,
-        slope,
-        float(wrist.Tw),
-        bandwidth,
-        gain=float(wrist.regulator.gain),
-        low=low,
-        high=high,
-    )
+    return LQI.of(wrist, *g)
 
 
 def _feedforward(wrist: Wrist, g: Numbers) -> Controller:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from design.robustness.requirement import Requirement
 from design.robustness.robust_tuning import RobustTuning, tune_robustly
 from design.synthesis.structure import PLAIN_PI, TWO_DOF_PI
-from design.synthesis.tuning import Region
+from design.synthesis.tuning import Region, Tuning
 
 Tell = Callable[[str, float], None]
 
@@ -19,11 +19,11 @@ PAYS = 0.05
 class Candidates:
     """Both tunings under one requirement; two_dof: None where the task is out of the plant's reach."""
 
-    plain: RobustTuning
-    two_dof: RobustTuning | None
+    plain: RobustTuning[Tuning]
+    two_dof: RobustTuning[Tuning] | None
 
     @property
-    def best(self) -> RobustTuning:
+    def best(self) -> RobustTuning[Tuning]:
         """The one that is recommended."""
         if self.two_dof is None:
             return self.plain

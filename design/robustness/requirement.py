@@ -85,9 +85,9 @@ class Requirement:
         found: dict[Any, BranchResponse] = {}
         for wrist in wrists:
             for b in branch_responses(wrist, POINTS):
-                key = np.round(b.response[:: POINTS // 4] / np.abs(b.response[:: POINTS // 4]), 9).tobytes()
-                size = np.round(np.log(np.abs(b.response[:: POINTS // 4])), 9).tobytes()
-                found.setdefault((key, size), b)
+                few = [x[:: POINTS // 4] for x in (b.response, b.pressure)]
+                key = tuple(np.round([x / np.abs(x), np.log(np.abs(x))], 9).tobytes() for x in few)
+                found.setdefault(key, b)
         return tuple(found.values())
 
     def _corners(self) -> list[Wrist]:

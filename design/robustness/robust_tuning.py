@@ -13,7 +13,7 @@ limits.  Gains are rounded before anything judges them (`gain_search`).
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Generic, Literal, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +23,9 @@ from design.robustness.checks import Check, check, worst_of
 from design.robustness.gain_search import solved, with_evidence
 from design.robustness.requirement import Requirement
 from design.robustness.samples.hunt import Hunted
-from design.synthesis.answer import Refusal, out_of_reach, refusal
-from design.synthesis.evaluate import Evaluation, evaluate
-from design.synthesis.requirements import COSTS
+from design.synthesis.answer import out_of_reach
+from design.synthesis.evaluate import evaluate
+from design.synthesis.requirements import COSTS, Problem
 from design.synthesis.structure import PLAIN_PI, Structure
 from design.synthesis.tuning import Region, Tuning
 
@@ -61,12 +61,53 @@ Ended = Literal[
 ]  # fmt: skip
 
 
+class Cost(Protocol):
+    """What gains cost."""
+
+    @property
+    def cost(self) -> Array:
+        """The worst cost over the set, (1,)."""
+        ...
+
+
+class Candidate(Protocol):
+    """Gains of least cost on a set of cases, of any kind of controller."""
+
+    @property
+    def problem(self) -> Problem:
+        """The set, its limits and branches."""
+        ...
+
+    @property
+    def controller(self) -> Any:
+        """The controller with the gains."""
+        ...
+
+    @property
+    def gains(self) -> dict[str, float]:
+        """Gains and settings by name."""
+        ...
+
+    @property
+    def at(self) -> Cost:
+        """What they do on the set."""
+        ...
+
+    @property
+    def feasible(self) -> bool:
+        """Whether they meet every limit there."""
+        ...
+
+
+T = TypeVar("T", bound=Candidate)
+
+
 @dataclass(frozen=True)
-class Round:
+class Round(Generic[T]):
     """One round: the tuning on the set so far, the largest excess over the limits, guard not counted, that
     was found of its gains, by whom, in how many runs, and the cases that were added to the set."""
 
-    tuning: Tuning
+    tuning: T
     excess: float
     by: Literal["pool", "search", "samples"]
     runs: int
@@ -74,29 +115,24 @@ class Round:
 
 
 @dataclass(frozen=True)
-class RobustTuning:
+class RobustTuning(Generic[T]):
     """What was found: the rounds, why it ended, the fresh samples of the last gains (None where no gains were
     found)."""
 
     requirement: Requirement
-    rounds: tuple[Round, ...]
+    rounds: tuple[Round[T], ...]
     ended: Ended
     fresh: Check | None
 
     @property
-    def final(self) -> Tuning:
+    def final(self) -> T:
         """The last tuning, on the set grown so far; its gains are the result."""
         return self.rounds[-1].tuning
 
     @property
-    def refusal(self) -> Refusal | None:
-        """Why no gains hold the limits on the grown set, or None where they do."""
-        return refusal(self.final)
-
-    @property
     def holds(self) -> bool:
         """Whether the gains hold the grown set and no worse case was found."""
-        return self.ended == "no worse case found" and self.refusal is None
+        return self.ended == "no worse case found" and self.final.feasible
 
 
 def tune_robustly(
@@ -109,7 +145,7 @@ def tune_robustly(
     progress: Tell | None = None,
     structure: Structure = PLAIN_PI,
     base: Tuning | None = None,
-) -> RobustTuning:
+) -> RobustTuning[Tuning]:
     """Gains of least worst cost that hold a requirement, as far as pool, search and fresh samples can tell.
 
     structure: of the controller; base: a tuning, such as of the PI, whose gains and cases to begin with;
@@ -125,17 +161,48 @@ def tune_robustly(
         at = evaluate(replace(problem, screened=False), region.grid[0][:1], region.grid[1][:1])
         nothing = Tuning(problem, region, at, at, ())
         return RobustTuning(requirement, (Round(nothing, 0.0, "pool", 0, ()),), "out of reach", None)
+    first = None if base is None else base.at
+
+    def design(problem: Problem, known: Tuning | None) -> Tuning:
+        at = solved(problem, region, first if known is None else known.at, structure)
+        return Tuning(problem, region, at, at, ())
+
+    grown = grow(requirement, problem, design, seed, rounds, jobs, tell)
+    tell("map", 0.9)
+    if starts > 0:
+        last = grown.rounds[-1]
+        shown = replace(last, tuning=with_evidence(last.tuning, starts))
+        grown = replace(grown, rounds=(*grown.rounds[:-1], shown))
+    tell("done", 1.0)
+    return grown
+
+
+def grow(
+    requirement: Requirement,
+    problem: Problem,
+    design: Callable[[Problem, T | None], T],
+    seed: int = 0,
+    rounds: int = 15,
+    jobs: int | None = None,
+    progress: Tell | None = None,
+) -> RobustTuning[T]:
+    """Design on a problem, look for worse cases of the requirement, add them, design again, until none is
+    found, for any kind of controller.
+
+    design: the gains of least cost on a problem, from those of the round before; the problem of its result is
+    what cases are added to.
+    """
+    tell = progress or (lambda stage, share: None)
     pool = pool_of(requirement)
-    done: list[Round] = []
-    known: Evaluation | None = None if base is None else base.at
+    done: list[Round[T]] = []
+    found: T | None = None
     fresh: Check | None = None
     ended: Ended = "rounds used up"
     for number in range(max(rounds, 1)):
         share = 1.0 - 0.8**number
         tell(f"round {number + 1}: gains", share)
-        known = here = solved(problem, region, known, structure)
-        found = Tuning(problem, region, here, here, ())
-        if not here.feasible[0]:
+        found = design(problem, found)
+        if not found.feasible:
             ended = "no gains hold the grown set"
             done.append(Round(found, 0.0, "pool", 0, ()))
             break
@@ -146,7 +213,7 @@ def tune_robustly(
         said("pool")
         values = requirement.run(pool, found.controller, jobs=jobs)
         worse, fresh = _worse(requirement, found, (pool, values), seed + number, jobs, said)
-        done.append(replace(worse, tuning=found))
+        done.append(worse)
         if number == 0:  # what is mild under the boldest gains is milder under any later
             pool = pool[:, _harshest(requirement, pool, values)]
         if not worse.added:
@@ -155,16 +222,11 @@ def tune_robustly(
         if _noise_alone(done):
             ended = "noise breaks a limit"
             break
-        problem = replace(problem, adverse=(*problem.adverse, *worse.added))
-    tell("map", 0.9)
-    last = done[-1]
-    if starts > 0:
-        done[-1] = replace(last, tuning=with_evidence(last.tuning, starts))
-    tell("done", 1.0)
+        problem = replace(found.problem, adverse=(*found.problem.adverse, *worse.added))
     return RobustTuning(requirement, tuple(done), ended, fresh)
 
 
-def _noise_alone(done: list[Round]) -> bool:
+def _noise_alone(done: list[Round[T]]) -> bool:
     """Whether samples broke a limit of the same gains twice: the cases that were added after the first time
     hold without the noise that samples have, so that no further round will tell more."""
     last = done[-2:]
@@ -198,12 +260,12 @@ def _harshest(requirement: Requirement, pool: Array, values: dict[str, Array]) -
 
 def _worse(
     requirement: Requirement,
-    found: Tuning,
+    found: T,
     at_places: tuple[Array, dict[str, Array]],
     seed: int,
     jobs: int | None,
     tell: Callable[[str], None],
-) -> tuple[Round, Check | None]:
+) -> tuple[Round[T], Check | None]:
     """What breaks a limit of gains, its guard half counted, or costs more than the set: of the pool, whose
     places and values are given, else of a search, else of fresh samples; the round, and the samples where
     they were asked."""

@@ -1,19 +1,23 @@
 """The tuning stage of a design: every controller that is offered, each under the same requirement.
 
-A PI, one with two degrees of freedom, and a feedforward around the loop of one of these; where the plant
-leaves a residual also the PI of a plant that leaves none; where neither PI holds, the part of the requirement
-that would have to go.
+A PI, one with two degrees of freedom, a feedforward around the loop of one of these, and an LQI; where the
+plant leaves a residual also the PI of a plant that leaves none; where neither PI holds, the part of the
+requirement that would have to go.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+from design.alternatives.designs import LQI_NAME
 from design.robustness.box import Box
 from design.robustness.checks import worst_found
 from design.robustness.recommended import PLAIN, TWO_DOF, tune_candidates
 from design.robustness.requirement import Requirement
+from design.robustness.robust_lqi import tune_lqi
 from design.robustness.robust_tuning import RobustTuning, tune_robustly
+from design.synthesis.answer import LimitBroken, OutOfReach
+from design.synthesis.convex import Unsolved
 from design.synthesis.structure import FORWARD_PI, forward_pi
 from design.synthesis.tuning import Region, Tuning
 from plants.effects.effect import dead_time_of
@@ -48,7 +52,15 @@ def tuned_designs(
     if both.two_dof is not None:
         loops = [both.best.final] + ([both.plain.final] if both.best is both.two_dof else [])
         found |= _forward(
-            required, loops, seed, effort, jobs, lambda s, h: tell(f"{FORWARD}: {s}", 0.6 + 0.4 * h)
+            required, loops, seed, effort, jobs, lambda s, h: tell(f"{FORWARD}: {s}", 0.6 + 0.2 * h)
+        )
+        found |= _lqi(
+            required,
+            both.best.final,
+            seed,
+            effort,
+            jobs,
+            lambda s, h: tell(f"{LQI_NAME}: {s}", 0.8 + 0.2 * h),
         )
     if required.box.remainder is not None:
         bare = replace(required, box=required.box.leaving(None))
@@ -69,8 +81,7 @@ def _forward(
     """A feedforward around the first of some PI loops with which it holds the requirement, else around the
     first; none for a plant that has no inverse.
 
-    Its worst cases are rare: a model on another branch than the wrist, after a step that was taken back.  So
-    what holds is searched once more, in half as many runs as the recommended gains.
+    Its worst cases are rare: a model on another branch than the wrist, after a step that was taken back.
     """
     known = dead_time_of(required.wrist.effects)
     structure = forward_pi(known + 0.5 * required.space.dead_time)  # the middle of the interval
@@ -81,17 +92,42 @@ def _forward(
     found: list[dict[str, Any]] = []
     for base in loops:
         tuned = tune_robustly(required, None, 0, seed, effort.rounds, jobs, tell, structure, base)
-        found.append(_tuning_record(tuned))
-        if tuned.holds:
-            tell("search for the worst case", 0.9)
-            worst = worst_found(required, tuned.final.controller, effort.runs // 2, seed + 78, jobs)
-            found[-1] |= {
-                "holds": worst.broken == 0, "worst_excess": worst.excess, "worst_excess_of": worst.excess_of,
-                "worst_case": worst.sequence.name,
-            }  # fmt: skip
+        found.append(_searched(required, tuned, seed, effort, jobs, tell))
         if found[-1]["holds"]:
             return {FORWARD: found[-1]}
     return {FORWARD: found[0]}
+
+
+def _lqi(
+    required: Requirement, base: Tuning, seed: int, effort: DesignEffort, jobs: int | None, tell: Tell
+) -> dict[str, dict[str, Any]]:
+    """An LQI under the same requirement, from the cases of a PI; none for a plant without such a feedback."""
+    try:
+        tuned = tune_lqi(required, base, seed, effort.rounds, jobs, tell)
+    except (Unsolved, InputError, ValueError):
+        return {}
+    return {LQI_NAME: _searched(required, tuned, seed, effort, jobs, tell)}
+
+
+def _searched(
+    required: Requirement,
+    tuned: RobustTuning[Any],
+    seed: int,
+    effort: DesignEffort,
+    jobs: int | None,
+    tell: Tell,
+) -> dict[str, Any]:
+    """The record of an alternative to a PI, which holds only what one search more does not break, in half as
+    many runs as the recommended gains."""
+    found = _tuning_record(tuned)
+    if tuned.holds:
+        tell("search for the worst case", 0.9)
+        worst = worst_found(required, tuned.final.controller, effort.runs // 2, seed + 78, jobs)
+        found |= {
+            "holds": worst.broken == 0, "worst_excess": worst.excess, "worst_excess_of": worst.excess_of,
+            "worst_case": worst.sequence.name,
+        }  # fmt: skip
+    return found
 
 
 def _would_have_to_go(required: Requirement, seed: int, jobs: int | None, tell: Tell) -> str | None:
@@ -114,9 +150,13 @@ def _would_have_to_go(required: Requirement, seed: int, jobs: int | None, tell: 
     return None
 
 
-def _tuning_record(found: RobustTuning) -> dict[str, Any]:
+def _tuning_record(found: RobustTuning[Any]) -> dict[str, Any]:
     t = found.final
-    nearest = None if found.refusal is None else {"limit": t.active, "words": type(found.refusal).__name__}
+    nearest = None
+    if found.ended == "out of reach":
+        nearest = {"limit": t.active, "words": OutOfReach.__name__}
+    elif not t.feasible:
+        nearest = {"limit": t.active, "words": LimitBroken.__name__}
     return {
         "gains": t.gains, "cost": float(t.at.cost[0]),
         "holds": found.holds, "ended": found.ended, "active": t.active, "nearest": nearest,

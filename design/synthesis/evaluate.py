@@ -1,5 +1,6 @@
 """Cost and limits of gains under a problem, for many gains at once: every scenario and adverse sequence."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -140,21 +141,35 @@ def evaluate_with(problem: Problem, many: Controller, Kp: Array, Ki: Array) -> E
     linear = margins(problem.branches, many if isinstance(many, PI) else controller(problem, Kp, Ki))
     values = {"Ms": linear.Ms, "Mt": linear.Mt, "delay_margin_s": linear.delay_margin_s}
     at = {"Ms": linear.Ms_at, "Mt": linear.Mt_at, "delay_margin_s": linear.delay_at}
-    excess = excesses(values, {n: v for n, v in problem.held_to.items() if n in values})
     own = {n: np.broadcast_to(getattr(many, n), Kp.shape) for n in getattr(many, "TUNED", ())}
-    run_at = np.arange(Kp.size)
-    if problem.screened and excess:
-        run_at = np.flatnonzero(np.max(list(excess.values()), axis=0) <= SCREEN)
-    if run_at.size == Kp.size:
-        cost, of_run = judged(problem, many, Kp.size)
-    else:
-        cost, of_run = _judged_where(problem, many, run_at, Kp.size)
+    cost, of_run, excess = screened(problem, many, values, problem.held_to)
     values |= {n: v.max(axis=1) for n, v in of_run.items()}
     at |= {n: v.argmax(axis=1) for n, v in of_run.items()}
-    excess = excesses(values, problem.held_to)
-    if run_at.size < Kp.size:
-        excess = {n: np.where(np.isnan(v), -1.0, v) for n, v in excess.items()}
     return Evaluation(Kp, Ki, cost.max(axis=1), cost.argmax(axis=1), values, at, excess, own)
+
+
+def screened(
+    problem: Problem, many: Any, linear: Mapping[str, Array], limits: Mapping[str, float]
+) -> tuple[Array, dict[str, Array], dict[str, Array]]:
+    """Cost and values of runs as of `judged`, and the excess over limits of these and of the linear loop's
+    values (n,).
+
+    Of a screened problem, controllers that break a limit of the linear loop are not simulated: infinite
+    costs, no numbers, and no excess but that of the loop.
+    """
+    n = next(iter(linear.values())).size
+    excess = excesses(linear, {name: v for name, v in limits.items() if name in linear})
+    missed = np.zeros(n, bool)
+    if problem.screened and excess:
+        missed = np.max(list(excess.values()), axis=0) > SCREEN
+    if missed.any():
+        cost, of_run = _judged_where(problem, many, np.flatnonzero(~missed), n)
+    else:
+        cost, of_run = judged(problem, many, n)
+    worst = {name: v.max(axis=1) for name, v in of_run.items()}
+    runs = excesses(worst, {name: v for name, v in limits.items() if name in worst})
+    excess |= {name: np.where(missed, -1.0, v) for name, v in runs.items()}
+    return cost, of_run, {k: excess[k] for k in limits}
 
 
 def _judged_where(

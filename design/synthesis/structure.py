@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from design.controllers.feedforward import FeedforwardPI
+from design.controllers.lqi import LQI
 from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
 from plants.wrist import Wrist
@@ -64,8 +65,8 @@ def forward_pi(dead_time: float) -> Structure:
 
 
 def with_gains(wrist: Wrist, gains: Mapping[str, Any]) -> Any:
-    """The controller of a wrist with gains and settings by name: a plain PI where weight and filter are those
-    of one.
+    """The controller of a wrist with gains and settings by name: an LQI, a PI with feedforward, one with two
+    degrees of freedom, or a plain PI where weight and filter are those of one.
 
     >>> type(with_gains(Wrist.flexion(), {"Kp": 2.0, "Ki": 5.0, "b": 1.0, "Tf": 0.0})).__name__
     'PI'
@@ -74,6 +75,8 @@ def with_gains(wrist: Wrist, gains: Mapping[str, Any]) -> Any:
 
     Raises InputError for a feedforward of a wrist that has no inverse.
     """
+    if "Ke" in gains:
+        return LQI.of(wrist, **gains)
     if "speed" in gains:
         return FORWARD_PI.of(wrist, **gains)
     if gains.get("b", 1.0) == 1.0 and gains.get("Tf", 0.0) == 0.0:

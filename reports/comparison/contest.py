@@ -49,9 +49,10 @@ def _table(found: Contest, keys: list[tuple[str, str, str]], overshoot: float | 
             f"{'Both motions at once' if motion == BOTH else title_of(motion)}: {field}, {family} ({plants})"
         )
         lasting = lasts("side by side", found.rig)
-        rows = tuple(_row(s, overshoot, lasting) for s in scores)
+        shown = _not_above(found, (motion, field, family), scores)
+        rows = tuple(_row(s, overshoot, lasting) for s in shown)
         groups.append(
-            Group(heading, rows, tuple(i for i, s in enumerate(scores) if s.controller == found.reference))
+            Group(heading, rows, tuple(i for i, s in enumerate(shown) if s.controller == found.reference))
         )
     columns = (
         Column("Controller", number=False), Column("IAE", "deg s"),
@@ -61,6 +62,17 @@ def _table(found: Contest, keys: list[tuple[str, str, str]], overshoot: float | 
         Column("Overshoot", "%"), Column("Total variation", "V"), Column("Pressure travel", "kPa"),
     )  # fmt: skip
     return Table(columns, tuple(groups))
+
+
+def _not_above(found: Contest, key: tuple[str, str, str], scores: list[Score]) -> list[Score]:
+    """The scores that a table shows: on the few plants of the MPCs, these and the reference alone, since the
+    table above has the others on all plants."""
+    motion, field, family = key
+    above = (motion, field.removesuffix(BESIDE), family)
+    if not field.endswith(BESIDE) or above not in found.tables:
+        return scores
+    others = {s.controller for s in found.of(*above)} - {found.reference}
+    return [s for s in scores if s.controller not in others]
 
 
 def _row(s: Score, overshoot: float | None, lasting: float) -> tuple[Cell, ...]:
@@ -147,5 +159,6 @@ def how(found: Contest) -> list[str]:
         f"within ±{band} counts as {lasting}. Paired {100 * LEVEL:g} % intervals: bootstrap over the plants "
         f"(BCa); fewer than {FEWEST} plants give neither interval nor rank.",
         f"“{BESIDE.strip(', ')}”: the MPCs are slow to simulate and run on the first plants only. Their "
-        "weights are not tuned on scenarios.",
+        "weights are not tuned on scenarios. Ranks are among all controllers on these plants, which "
+        "contest.csv lists.",
     ]

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from math import isfinite
 
 from design.alternatives.convex_concave import NOISE_GAIN
-from design.alternatives.lqi_design import WASHOUT
 from design.comparison.compare import TUNED, Comparison
 from design.comparison.tolerated import DURATION
 from design.contest.plants import RIGS
 from design.contest.scores import BESIDE, Contest, Score
 from design.contest.statistics import FEWEST, LEVEL
+from design.controllers.lqi import WASHOUT
 from design.evaluation.scenarios import HEADROOM
 from design.status import Status
 from design.studies.decision import Decision

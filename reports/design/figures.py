@@ -18,7 +18,8 @@ WHOLE = ("worst case found", "proved")
 def draw_prices(study: DesignStudy) -> "Figure":
     """Worst IAE of each row of the price list, a panel a motion; a row without gains is open."""
     with styled():
-        figure, axes = new_figure(1, len(study.motions), 3.0)
+        rows = max(len(m.prices) for m in study.motions)
+        figure, axes = new_figure(1, len(study.motions), 0.6 + 0.38 * rows)
         for at, m in zip(axes, study.motions, strict=True):
             names = [f"{r['guarantee']}\n{r['controller']}" for r in m.prices]
             heights = [r["worst_iae_deg_s"] or 0.0 for r in m.prices]

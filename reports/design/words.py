@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+from design.alternatives.designs import LQI_NAME
 from design.robustness.recommended import PLAIN
 from design.studies.design_study import DesignStudy, MotionDesign
 from design.studies.designs import BARE, FORWARD
@@ -97,6 +98,7 @@ def remarks(study: DesignStudy) -> list[str]:
     ]
     found += [remainder_words(m, study.requirements[m.motion]["remainder"]) for m in study.motions]
     found += [feedforward_words(m) for m in study.motions]
+    found += [lqi_words(m) for m in study.motions]
     found = [words for words in found if words]
     found += [
         f"{m.motion}: the design leaves out {listed(list(m.left_out))}, which acts in the sensor alone."
@@ -147,12 +149,34 @@ def feedforward_words(m: MotionDesign) -> str:
     if found["holds"]:
         return f"{words} No broken limit was found."
     excess = number(100 * found["worst_excess"], 2)
-    limit = limit_name(found["worst_excess_of"])
-    limit = limit if limit in ("Ms", "Mt") else limit.lower()
+    limit = limit_in_text(found["worst_excess_of"])
     return (
         f"{words} It is not recommended: the search found a case that breaks the limit on {limit} "
         f"by {excess} % ({found['worst_case']})."
     )
+
+
+def lqi_words(m: MotionDesign) -> str:
+    """What an LQI would change under the same requirement, and which limit it breaks; nothing where there is
+    none."""
+    found = m.designs.get(LQI_NAME)
+    if found is None:
+        return ""
+    values = ", ".join(f"{n} = {number(v)}" for n, v in found["gains"].items())
+    share = 100 * (1 - found["cost"] / m.designs[m.recommended]["cost"])
+    lower = f"{number(abs(share), 2)} % {'lower' if share > 0.0 else 'higher'}"
+    words = f"{m.motion}: a robust LQI ({values}) needs the measured pressure, and no certificate covers it."
+    if found["holds"]:
+        return f"{words} Its worst IAE is {lower}; no broken limit was found."
+    broken = found.get("worst_excess_of") or found["active"]
+    limit = "a limit" if broken is None else f"the limit on {limit_in_text(broken)}"
+    return f"{words} It breaks {limit} in a case that was found; its worst IAE is {lower}."
+
+
+def limit_in_text(name: str) -> str:
+    """The name of a limit within a sentence."""
+    limit = limit_name(name)
+    return limit if limit in ("Ms", "Mt") else limit.lower()
 
 
 def controller_words(m: MotionDesign) -> str:

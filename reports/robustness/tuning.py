@@ -5,10 +5,11 @@ from typing import Any
 from design.robustness.requirement import Requirement, requirement_record
 from design.robustness.robust_tuning import GUARD, RobustTuning
 from design.synthesis.answer import refusal
+from design.synthesis.tuning import Tuning
 from reports.shared.tuning import refused
 
 
-def lines(found: RobustTuning) -> list[str]:
+def lines(found: RobustTuning[Tuning]) -> list[str]:
     """Lines of a robust tuning for people, besides the gains."""
     said = [requirement_words(found.requirement)]
     for number, r in enumerate(found.rounds, 1):
@@ -59,15 +60,15 @@ def _excess_words(excess: float) -> str:
     return f"the nearest limit is {100 * -excess:.2g} % away"
 
 
-def record(found: RobustTuning) -> dict[str, Any]:
+def record(found: RobustTuning[Tuning]) -> dict[str, Any]:
     """A robust tuning as dictionaries, lists, numbers and text, for JSON."""
-    fresh = found.fresh
+    fresh, no = found.fresh, refusal(found.final)
     return {
         "Kp": found.final.Kp,
         "Ki": found.final.Ki,
         "holds": found.holds,
         "ended": found.ended,
-        "refusal": None if found.refusal is None else refused(found.refusal),
+        "refusal": None if no is None else refused(no),
         "requirement": requirement_record(found.requirement),
         "guard": dict(GUARD),
         "samples": None

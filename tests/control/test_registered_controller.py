@@ -125,7 +125,7 @@ def test_the_law_of_a_PI_has_the_margins_of_python_control(gains):
     branches = branch_responses(WRIST, POINTS)
     rows = by_python_control(WRIST, PI(*gains))
     for controller in (PI(*gains), FeedforwardPI.of(WRIST, Kp=gains[0], Ki=gains[1])):
-        found = InputLoop.at_command(WRIST, controller, branches).margins(branches)
+        found = InputLoop.at_command(controller, branches).margins(branches)
         assert float(found.Ms) == pytest.approx(max(r["Ms"] for r in rows), rel=1e-5)
         assert float(found.delay_margin_s) == pytest.approx(min(r["delay_margin_s"] for r in rows), rel=1e-4)
 

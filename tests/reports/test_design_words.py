@@ -5,10 +5,11 @@ from dataclasses import replace
 
 import pytest
 
+from design.alternatives.designs import LQI_NAME
 from design.studies.design_study import DesignStudy, MotionDesign
 from design.studies.designs import FORWARD, DesignEffort
 from reports.design import tables
-from reports.design.words import feedforward_words, last_line, summary, title
+from reports.design.words import feedforward_words, last_line, lqi_words, summary, title
 
 GAINS = {"Kp": 2.89, "Ki": 7.39, "b": 1.0, "Tf": 0.0}
 
@@ -87,3 +88,17 @@ def test_a_feedforward_whose_worst_case_breaks_a_limit_is_told_with_the_case():
     assert "0, +15, +10, +5 deg" in words
     untold = {n: v for n, v in broken.items() if not n.startswith("worst")}  # broke a case of its tuning
     assert feedforward_words(replace(with_one, designs={**with_one.designs, FORWARD: untold})) == ""
+
+
+def test_an_lqi_is_told_with_the_limit_that_it_breaks_or_that_none_was_found():
+    with_one = motion("flexion", 0, "proved")
+    gains = {"Ke": 600.0, "Kd": -640.0, "Kq": -70.0, "jump": 8.0, "bandwidth": 45.0}
+    one = {"gains": gains, "holds": False, "cost": 9.0, "active": "overshoot_percent"}
+    words = lqi_words(replace(with_one, designs={**with_one.designs, LQI_NAME: one}))
+    assert "breaks the limit on overshoot" in words
+    assert "10 % lower" in words
+    held = {**one, "holds": True, "cost": 12.0}
+    words = lqi_words(replace(with_one, designs={**with_one.designs, LQI_NAME: held}))
+    assert "no broken limit was found" in words
+    assert "20 % higher" in words
+    assert lqi_words(with_one) == ""

@@ -117,7 +117,7 @@ def test_a_first_order_lag_in_closed_form():
     """Against G = 1/(1 + s T) a bound of the noise gain alone lets Kp approach it, as |C S| tends to Kp at
     high frequency; that of the PI is never exceeded at low, where |C S| is 1/|G| = 1."""
     omega = np.geomspace(1e-2, 3000.0, 600)
-    lag = BranchResponse("lag", "one", omega, 1.0 / (1.0 + 0.5j * omega))
+    lag = BranchResponse("lag", "one", omega, 1.0 / (1.0 + 0.5j * omega), np.ones(omega.shape, complex))
     found = largest_Ki([lag], 1.0, Shape(None, None, 3.0, None))
     # C S = (Kp s + Ki) (1 + s T) / (s (1 + s T) + Kp s + Ki), whose peak lies where |.|^2 is stationary.
     s = 1j * np.geomspace(1e-3, 1e4, 200_001)

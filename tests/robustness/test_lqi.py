@@ -84,9 +84,10 @@ def test_where_the_observer_knows_the_slope_its_poles_stand_by_themselves():
         assert bool((near < 1e-5).all()) == known
 
 
-def continuous(c: LQI, slope: float, rate: float) -> tuple[object, object]:
+def continuous(c: LQI, slope: float, rate: float, Tw: float | None = None) -> tuple[object, object]:
     """The equations of the module as continuous systems of python-control: the controller from angle
-    and pressure to the command [kPa], written down from the text, and the plant."""
+    and pressure to the command [kPa], written down from the text, and the plant, whose lag is the
+    controller's where none is given."""
     import control
 
     b, T, g = c.bandwidth, c.Tw, c.washout
@@ -105,8 +106,12 @@ def continuous(c: LQI, slope: float, rate: float) -> tuple[object, object]:
         [-c.Ke, c.Kd * c.slope - c.Kq],
     ])  # fmt: skip
     controller = control.ss(a, into, np.eye(4)[3:], np.zeros((1, 2)))
+    lag = T if Tw is None else Tw
     air_and_lag = control.ss(
-        [[-rate, 0.0], [slope / T, -1.0 / T]], [[rate], [0.0]], [[0.0, 1.0], [1.0, 0.0]], np.zeros((2, 1))
+        [[-rate, 0.0], [slope / lag, -1.0 / lag]],
+        [[rate], [0.0]],
+        [[0.0, 1.0], [1.0, 0.0]],
+        np.zeros((2, 1)),
     )
     return controller, air_and_lag
 
@@ -116,7 +121,7 @@ def test_margins_and_poles_are_those_of_python_control(controller):
     import control
 
     branches = branch_responses(WRIST)
-    broken = InputLoop.at_command(WRIST, controller, branches)
+    broken = InputLoop.at_command(controller, branches)
     slopes = {"transit": 0.0803, "line1": 0.36, "line2": 0.36}
     rates = {"slow": WRIST.regulator.k_slow, "fast": WRIST.regulator.k_fast}
     Ms, delay, pole, noise = 0.0, np.inf, -np.inf, 0.0
@@ -147,14 +152,14 @@ def test_an_unstable_loop_has_no_margins():
     backwards = LQI(600.0, 640.0, -1.0, 8.0, 0.36, 0.16, 45.0)
     branches = branch_responses(WRIST)
     assert worst_pole(WRIST, backwards)[0] > 1.0
-    found = InputLoop.at_command(WRIST, backwards, branches).margins(branches)
+    found = InputLoop.at_command(backwards, branches).margins(branches)
     assert (float(found.Ms), float(found.delay_margin_s)) == (np.inf, 0.0)
 
 
 def test_dead_time_of_the_tube_comes_off_the_delay_margin_and_absent_effects_change_nothing():
     def delay(wrist: Wrist) -> float:
         branches = branch_responses(wrist)
-        return float(InputLoop.at_command(wrist, TYPICAL, branches).margins(branches).delay_margin_s)
+        return float(InputLoop.at_command(TYPICAL, branches).margins(branches).delay_margin_s)
 
     plain = delay(WRIST)
     assert delay(WRIST + Creep(gain=0.0, time_constant=3.0)) == pytest.approx(plain, rel=1e-6)

@@ -17,6 +17,7 @@ from design.robustness.gain_search import law_with, printed, zoomed
 from design.robustness.requirement import requirement
 from design.robustness.robust_tuning import GUARD, tune_robustly
 from design.robustness.samples.conditions import Conditions
+from design.synthesis.answer import refusal
 from design.synthesis.evaluate import evaluate
 from design.synthesis.requirements import COSTS, Limits, Problem
 from design.synthesis.structure import PLAIN_PI, TWO_DOF_PI
@@ -159,7 +160,7 @@ def test_a_requirement_that_no_gains_hold_ends_with_the_nearest():
     found = tune_robustly(hard, COARSE, 0)
     assert found.ended == "no gains hold the grown set"
     assert not found.holds
-    assert refused(found.refusal).startswith("no: no gains in Kp")
+    assert refused(refusal(found.final)).startswith("no: no gains in Kp")
 
 
 def test_rounds_that_are_used_up_are_told():
