@@ -52,12 +52,13 @@ def write_comparison(folder: str | Path, study: Study, made: Made) -> Path:
     from plants.files import json_text, write_atomically
 
     folder = Path(folder)
+    # Numbers first: a place that cannot be written to is told before anything is drawn.
+    write_atomically(folder / "comparison.json", json_text(comparison_record(study, made)))
+    write_atomically(folder / "comparison.csv", csv_text(study.comparison))
     drawn = main_figures(study)
     page = _page(study, made, drawn)
     for name, figure in drawn.items():
         save(figure, folder / f"{name}.png")
-    write_atomically(folder / "comparison.json", json_text(comparison_record(study, made)))
-    write_atomically(folder / "comparison.csv", csv_text(study.comparison))
     if study.contest:
         write_atomically(folder / "contest.csv", contest_csv_text(study.contest))
     if study.redrawn:

@@ -102,10 +102,13 @@ def _around(point: Array) -> Array:
 
 
 def _segments(axes: "Axes", to_points: float, corner: Array) -> Array:
-    """The straight parts (x, y, x, y) [pt] of all lines of a panel."""
+    """The straight parts (x, y, x, y) [pt] of all lines of a panel, as few as draw the same."""
+    from matplotlib.path import Path
+
     found = [np.empty((0, 4))]
     for line in axes.lines:
-        corners = line.get_transform().transform(line.get_xydata()) * to_points - corner
+        drawn = line.get_path().cleaned(line.get_transform(), simplify=True)
+        corners = np.asarray(drawn.vertices)[np.asarray(drawn.codes) != Path.STOP] * to_points - corner
         found.append(np.concatenate([corners[:-1], corners[1:]], axis=1))
     return np.concatenate(found)
 
