@@ -5,7 +5,7 @@ a robust LQI (`alternatives.lqi_design`), which sees the pressure as well, and a
 inverse (`alternatives.feedforward_design`).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -30,14 +30,16 @@ MAKERS: dict[str, Callable[[Problem], Design]] = {
 
 
 def design_others(
-    problem: Problem, progress: Callable[[str, float], None] | None = None
+    problem: Problem,
+    progress: Callable[[str, float], None] | None = None,
+    makers: Mapping[str, Callable[[Problem], Design]] = MAKERS,
 ) -> dict[str, Design | str]:
     """The other designs for a tuning problem, by name; of one that cannot be made, the reason.  `progress` is
-    told which is being made, and the share that is done."""
+    told which is being made, and the share that is done; makers: of each by name."""
     found: dict[str, Design | str] = {}
-    for place, (name, design) in enumerate(MAKERS.items()):
+    for place, (name, design) in enumerate(makers.items()):
         if progress:
-            progress(name, place / len(MAKERS))
+            progress(name, place / len(makers))
         try:
             found[name] = design(problem)
         except (Unsolved, ValueError) as error:

@@ -165,11 +165,14 @@ def judge(problem: Problem, controllers: Sequence[LQI], noise_limit: float | Non
     return JudgedLQI(cost.max(axis=1), values, excess)
 
 
-def design_lqi(problem: Problem, seed: int = 0, known: RobustLQI | None = None) -> RobustLQI:
+def design_lqi(
+    problem: Problem, seed: int = 0, known: RobustLQI | None = None, generations: int = GENERATIONS
+) -> RobustLQI:
     """The member of the family with the least worst cost under the limits, else the nearest to them.
 
-    By differential evolution (scipy) over the whole family, or from a design of an easier problem that is
-    `known`.  Raises design.synthesis.convex.Unsolved where no member has a feedback.
+    By differential evolution (scipy) over the whole family, or in a third of the generations from a design of
+    an easier problem that is `known`.  Raises design.synthesis.convex.Unsolved where no member has a
+    feedback.
     """
     from scipy.optimize import differential_evolution
 
@@ -192,9 +195,9 @@ def design_lqi(problem: Problem, seed: int = 0, known: RobustLQI | None = None) 
                 best[:] = [(some[least], at.only(least))]
         return heights
 
-    generations = GENERATIONS if known is None else GENERATIONS // 3
+    most = generations if known is None else generations // 3
     differential_evolution(
-        merits, bounds, init=begin, maxiter=generations, rng=seed, vectorized=True, updating="deferred",
+        merits, bounds, init=begin, maxiter=most, rng=seed, vectorized=True, updating="deferred",
         polish=False, tol=0.0,
     )  # fmt: skip
     if not best:

@@ -32,6 +32,7 @@ from design.synthesis.requirements import Limits, Problem
 from design.synthesis.tuning_rules import baselines, paper_range
 from plants import Wrist
 from plants.effects import Creep, DeadTime
+from tests.reports.report_samples import QUICK
 
 WRISTS = {"flexion": Wrist.flexion(), "deviation": Wrist.deviation()}
 GAINS = {"flexion": PI(3.0, 9.0), "deviation": PI(6.0, 18.0)}
@@ -42,7 +43,10 @@ DESIGNS = (CONVEX, LQI_NAME, FORWARD_PI)
 @cache
 def designs() -> dict[str, dict]:
     """The other designs of both motions, made on the tasks alone."""
-    return {m: design_others(Problem.of(w, task_scenarios(w), duration=5.0)) for m, w in WRISTS.items()}
+    return {
+        m: design_others(Problem.of(w, task_scenarios(w), duration=5.0), makers=QUICK)
+        for m, w in WRISTS.items()
+    }
 
 
 @cache
@@ -240,7 +244,7 @@ def test_the_other_designs_stand_in_the_table_with_the_settings_that_they_have(c
 def test_a_design_that_cannot_be_made_is_lacking_with_its_reason():
     w = WRISTS["flexion"]
     strict = Limits(Ms=0.9)
-    others = design_others(Problem.of(w, task_scenarios(w)[:2], strict, duration=3.0))
+    others = design_others(Problem.of(w, task_scenarios(w)[:2], strict, duration=3.0), makers=QUICK)
     assert others[CONVEX] == "Ms = 0.9: a peak of a sensitivity is limited to more than 1"
     assert design_record(others[CONVEX]) == {"none": others[CONVEX]}
     found = compare({"flexion": w}, {"flexion": GAINS["flexion"]}, strict, designs={"flexion": others})

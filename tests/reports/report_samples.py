@@ -1,13 +1,14 @@
 """One small comparison, and the fit of a small synthetic campaign, for all tests of the reports."""
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from design.alternatives.designs import design_others
+from design.alternatives.designs import LQI_NAME, MAKERS, design_others
+from design.alternatives.lqi_design import design_lqi
 from design.comparison.behind_dead_time import behind_dead_time
 from design.comparison.break_even import BreakEven, break_even
 from design.comparison.compare import compare
@@ -38,6 +39,9 @@ from plants.measured.free_run import FreeRun
 from plants.measured.recording import Recording
 from plants.measured.trace.trace import Trace, trace_campaign
 from tests.rig.campaign import make_campaign
+
+QUICK = {**MAKERS, LQI_NAME: partial(design_lqi, generations=3)}
+"""The other designs, of which one takes its time."""
 
 
 def small_fit(motion: str) -> Fit:
@@ -121,7 +125,7 @@ def small_study() -> Study:
     wrists = {m: Wrist.from_values(s.values) for m, s in sets.items()}
     problems = {m: Problem.of(w, tuning_scenarios(w)[:10], duration=6.0) for m, w in wrists.items()}
     tuned = {"flexion": PI(3.0, 10.0), "deviation": PI(6.5, 19.0)}
-    designs = {m: design_others(p) for m, p in problems.items()}
+    designs = {m: design_others(p, makers=QUICK) for m, p in problems.items()}
     comparison = compare(wrists, tuned, designs=designs)
     problem = problems["flexion"]
     tunings = {"flexion": tune(problem, Region(points=8), starts=2)}
