@@ -30,6 +30,11 @@ def gains_file(folder: Path, motion: str) -> Path:
     return folder / f"gains-{motion}.toml"
 
 
+def stages(folder: Path) -> Path:
+    """Where the stages of a design lie."""
+    return folder / "stages"
+
+
 def recommended(folder: Path, plant: "ParameterSet") -> "PI":
     """The recommended controller of a plant's motion.  Raises InputError for a file of gains that is missing
     or wrong."""

@@ -12,7 +12,8 @@ from design.controllers.pi import PI
 from design.robustness.checks import check, worst_found
 from design.robustness.requirement import Requirement
 from design.studies.limits_matrix import matrix, step_band
-from design.studies.proof import not_asked, proof
+from design.studies.proof import kept_proof, not_asked
+from design.studies.stages import NOTHING_KEPT, Stages
 
 Tell = Callable[[str, float], None]
 SAMPLES, RUNS = 2000, 5000
@@ -73,12 +74,13 @@ def checked(
 def decide(
     motion: str, required: Requirement, candidates: Mapping[str, PI], seed: int = 0,
     jobs: int | None = None, progress: Tell | None = None, samples: int = SAMPLES, runs: int = RUNS,
-    prove: bool = True,
+    prove: bool = True, stages: Stages = NOTHING_KEPT,
 ) -> Decision:  # fmt: skip
     """Judge candidates by a requirement and recommend the first without a broken limit in samples and search;
     otherwise the one with the smallest share of samples that break a limit.
 
-    prove: ask for certificates, which takes a minute; without, everything is open.
+    prove: ask for certificates, which takes a minute, unless the stages of a design have them; without,
+    everything is open.
     """
     tell = progress or (lambda stage, share: None)
     found = {}
@@ -97,9 +99,7 @@ def decide(
     tell(f"proof of {best}", 0.8)
     evidence, controller = found[best], candidates[best]
     late = required.space.dead_time
-    evidence["proved"] = (
-        proof(required.wrist, controller, late, required.box.leaving(None)) if prove else not_asked(late)
-    )
+    evidence["proved"] = kept_proof(stages, motion, required, controller, late) if prove else not_asked(late)
     gains = {
         "Kp": float(controller.Kp), "Ki": float(controller.Ki),
         "b": float(getattr(controller, "b", 1.0)), "Tf": float(getattr(controller, "Tf", 0.0)),

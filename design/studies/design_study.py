@@ -26,7 +26,7 @@ from design.studies.decision import checked
 from design.studies.designs import BARE, DesignEffort, tuned_designs
 from design.studies.limits_matrix import matrix, step_band
 from design.studies.prices import Tasks, price_rows
-from design.studies.proof import proof
+from design.studies.proof import kept_proof
 from design.studies.stages import Stages
 from design.synthesis.retune import in_sensor, without_sensor
 from design.synthesis.structure import with_gains
@@ -235,10 +235,7 @@ def _designed(
         lambda: checked(required, controller, effort.samples, effort.runs, seed, jobs, _at("check", tell)),
     )
     _at("proof", tell)("proof", 0.0)
-    evidence["proved"] = stages.done(
-        f"proof-{motion}", mine,
-        lambda: proof(wrist, controller, about["dead_time_s"][1], required.box.leaving(None)),
-    )  # fmt: skip
+    evidence["proved"] = kept_proof(stages, motion, required, controller, about["dead_time_s"][1])
     prices = stages.done(
         f"prices-{motion}", {**mine, "designs": designs},
         lambda: {"rows": _priced(required, designs, best, evidence["proved"], jobs, _at("prices", tell))},

@@ -8,9 +8,27 @@ from design.robustness.box import Box
 from design.robustness.certificates.certificate import Certificate
 from design.robustness.certificates.rungs import certify_everything
 from design.robustness.loop_model import LoopModel
+from design.robustness.requirement import Requirement, requirement_record
 from design.status import Status
+from design.studies.stages import Stages
 from plants.errors import InputError
 from plants.wrist import Wrist
+
+
+def kept_proof(
+    stages: Stages, motion: str, required: Requirement, controller: PI, dead_time: float
+) -> dict[str, Any]:
+    """`proof` of a motion's gains on the plant of a requirement, behind a dead time [s] and on the box of
+    parameters; taken from the stages of a design where these have it of the same gains and plant."""
+    wrist = required.wrist
+    asked = {
+        "law": type(wrist.hysteresis).__name__, "plant": {n: float(v) for n, v in wrist.values.items()},
+        "requirement": requirement_record(required), "dead_time_s": dead_time,
+        "controller": {n: float(v) for n, v in vars(controller).items()},
+    }  # fmt: skip
+    return stages.done(
+        f"proof-{motion}", asked, lambda: proof(wrist, controller, dead_time, required.box.leaving(None))
+    )
 
 
 def proof(wrist: Wrist, controller: PI, dead_time: float, box: Box | None = None) -> dict[str, Any]:

@@ -21,9 +21,11 @@ VERSION = 2
 
 @dataclass(frozen=True)
 class Stages:
-    """The stages of a study in a folder; None keeps nothing."""
+    """The stages of a study in a folder; None keeps nothing.  read_only: what is found there is taken, and
+    nothing is added."""
 
     folder: Path | None
+    read_only: bool = False
 
     def done(self, name: str, asked: Mapping[str, Any], work: Callable[[], dict[str, Any]]) -> dict[str, Any]:
         """The result of a stage: what was kept under this name of this question, or what `work` gives.
@@ -42,8 +44,14 @@ class Stages:
         except (OSError, ValueError, KeyError):
             pass  # never done, or cut off: done now
         result = _plain(work())
+        if self.read_only:
+            return result
         write_atomically(path, json_text({"key": key, "asked": dict(asked), "result": result}))
         return result
+
+
+NOTHING_KEPT = Stages(None)
+"""Every stage is done."""
 
 
 def _plain(result: dict[str, Any]) -> dict[str, Any]:

@@ -30,6 +30,7 @@ from design.studies.cell_steps import CellSteps, map_steps
 from design.studies.decision import Decision, decide
 from design.studies.panels import Panel
 from design.studies.paper import redrawn
+from design.studies.stages import NOTHING_KEPT, Stages
 from design.studies.verdict import Verdict, verdicts
 from design.synthesis.answer import Answer, OutOfReach, Refusal, answer
 from design.synthesis.requirements import default_problem
@@ -53,7 +54,8 @@ class Question:
     came from, of motions that were measured; points: of the map in each gain; samples: perturbed plants of
     each motion, 0 for none; mpc_plants: of these, plants that the MPCs meet too; plain: tune for the steps
     alone; more: further controllers
-    by motion and name; jobs: threads, all processors where None.
+    by motion and name; jobs: threads, all processors where None; stages: of the design that the gains are of,
+    whose proofs need not be found again.
     """
 
     plants: Mapping[str, ParameterSet]
@@ -66,6 +68,7 @@ class Question:
     more: Mapping[str, Mapping[str, Controller]] = field(default_factory=dict)
     seed: int = 0
     jobs: int | None = None
+    stages: Stages = NOTHING_KEPT
 
     @cached_property
     def wrists(self) -> dict[str, Wrist]:
@@ -258,7 +261,9 @@ def _decided(question: Question, motion: str, alone: Mapping[str, Controller], t
     named = (TUNED, WITHOUT_DEAD_TIME, *question.more.get(motion, {}))
     candidates = {n: c for n, c in alone.items() if n in named and isinstance(c, PI)}
     plant = without_sensor(question.plants[motion])
-    return decide(motion, requirement(plant), candidates, question.seed, question.jobs, tell)
+    return decide(
+        motion, requirement(plant), candidates, question.seed, question.jobs, tell, stages=question.stages
+    )
 
 
 def _contest(

@@ -18,6 +18,7 @@ from design.cli.common import (
 )
 from design.cli.completion import files
 from design.cli.design_folder import gains_file, motions, plant_file, recommended
+from design.cli.design_folder import stages as design_stages
 from design.cli.places import check_places
 from design.cli.terminal.screen import console, progress
 
@@ -90,6 +91,7 @@ def command(
     from design.cli.commands.compare_tables import contest_table, table
     from design.comparison.compare import TUNED
     from design.contest.statistics import FEWEST
+    from design.studies.stages import Stages
     from design.studies.study import Question, study
     from plants.errors import InputError
     from plants.measured.campaign import shipped
@@ -118,7 +120,8 @@ def command(
     else:
         fits, sets = _plants(list(campaigns or []) + (shipped() if example else []), plant or [], seed, said)
     more = robust(robust_gains or [], {name: Wrist.of(s) for name, s in sets.items()})
-    question = Question(sets, fits, points, samples, mpc_plants, plain, given, more, seed, jobs)
+    stages = Stages(None if design is None else design_stages(design), read_only=True)
+    question = Question(sets, fits, points, samples, mpc_plants, plain, given, more, seed, jobs, stages)
     with progress("compare") as tell:
         found = study(question, tell)
     if found.without_mpc:
