@@ -6,7 +6,7 @@ inverse (`alternatives.feedforward_design`).
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from design.alternatives.convex_concave import ConvexConcave, convex_concave
@@ -21,7 +21,37 @@ CONVEX = "convex-concave PI"
 LQI_NAME = "robust LQI"
 FORWARD_PI = structure.FORWARD_PI.name
 
-Design = ConvexConcave | RobustLQI | FeedforwardDesign
+
+@dataclass(frozen=True)
+class RequirementDesign:
+    """What ``wrist design`` tuned under the whole requirement of a rig, as the recommended PI.
+
+    gains by name; cost: worst cost over its cases [deg s]; holds: whether no broken limit was found; limit:
+    the one that is broken or nearest, None where none is near; cases: adverse cases of its tuning.
+    """
+
+    controller: Any
+    gains: Mapping[str, float]
+    cost: float
+    holds: bool
+    limit: str | None
+    cases: int
+
+    @classmethod
+    def of(cls, wrist: Wrist, record: Mapping[str, Any]) -> "RequirementDesign":
+        """The design of a wrist that a design's JSON tells of."""
+        return cls(
+            structure.with_gains(wrist, record["gains"]), record["gains"], record["cost"], record["holds"],
+            record.get("worst_excess_of") or record["active"], record["cases"],
+        )  # fmt: skip
+
+    @property
+    def breaks(self) -> tuple[str, ...]:
+        """The limit that is broken in some case of the requirement."""
+        return () if self.holds or self.limit is None else (self.limit,)
+
+
+Design = ConvexConcave | RobustLQI | FeedforwardDesign | RequirementDesign
 MAKERS: dict[str, Callable[[Problem], Design]] = {
     CONVEX: convex_concave,
     LQI_NAME: design_lqi,
@@ -71,6 +101,11 @@ def design_record(design: Design | str) -> dict[str, Any]:
     scenarios that it was made on, and which limits it breaks there."""
     if isinstance(design, str):
         return {"none": design}
+    if isinstance(design, RequirementDesign):
+        return {
+            "worst_iae_deg_s": design.cost, "gains": dict(design.gains), "breaks": list(design.breaks),
+            "cases": design.cases,
+        }  # fmt: skip
     record: dict[str, Any] = {
         "worst_iae_deg_s" if design.problem.cost == "iae" else "worst_cost": float(design.at.cost[0]),
         "values": {n: float(v[0]) for n, v in design.at.values.items()},

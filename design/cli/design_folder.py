@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from design.alternatives.designs import RequirementDesign
     from design.controllers.pi import PI
     from plants.parameters.quantities import ParameterSet
 
@@ -46,3 +47,23 @@ def recommended(folder: Path, plant: "ParameterSet") -> "PI":
     (Kp, Ki), (b, Tf) = read(path), read_more(path)
     found: PI = with_gains(Wrist.of(plant), {"Kp": Kp, "Ki": Ki, "b": b, "Tf": Tf})
     return found
+
+
+def alternatives(folder: Path, plant: "ParameterSet") -> "dict[str, RequirementDesign]":
+    """The LQI and the feedforward that a design tuned for a plant under the same requirement, by name; those
+    that it has."""
+    import json
+
+    from design.alternatives.designs import FORWARD_PI, LQI_NAME, RequirementDesign
+    from plants.errors import InputError
+    from plants.wrist import Wrist
+
+    path = folder / "design.json"
+    try:
+        records = json.loads(path.read_text(encoding="utf-8"))["designs"].get(plant.axis, {})
+        of = {n: records[n] for n in (LQI_NAME, FORWARD_PI) if n in records}
+        return {n: RequirementDesign.of(Wrist.of(plant), record) for n, record in of.items()}
+    except FileNotFoundError:
+        return {}
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise InputError(f"{path}: no record of a design ({error}); run `wrist design` again") from None

@@ -12,7 +12,14 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from design.alternatives.designs import FORWARD_PI, Design, design_mpcs, design_others
+from design.alternatives.designs import (
+    FORWARD_PI,
+    MAKERS,
+    Design,
+    RequirementDesign,
+    design_mpcs,
+    design_others,
+)
 from design.comparison.behind_dead_time import DeadTimeSweep, behind_dead_time
 from design.comparison.break_even import BreakEven, break_even
 from design.comparison.compare import FORWARD, TUNED, Comparison, compare, controllers
@@ -33,7 +40,7 @@ from design.studies.paper import redrawn
 from design.studies.stages import NOTHING_KEPT, Stages
 from design.studies.verdict import Verdict, verdicts
 from design.synthesis.answer import Answer, OutOfReach, Refusal, answer
-from design.synthesis.requirements import default_problem
+from design.synthesis.requirements import Problem, default_problem
 from design.synthesis.retune import without_sensor
 from design.synthesis.tuning import Region, Tuning, tune
 from plants.errors import InputError
@@ -54,7 +61,8 @@ class Question:
     came from, of motions that were measured; points: of the map in each gain; samples: perturbed plants of
     each motion, 0 for none; mpc_plants: of these, plants that the MPCs meet too; plain: tune for the steps
     alone; more: further controllers
-    by motion and name; jobs: threads, all processors where None; stages: of the design that the gains are of,
+    by motion and name; others: designs beside the PI that are there already, by motion and name;
+    jobs: threads, all processors where None; stages: of the design that the gains are of,
     whose proofs need not be found again.
     """
 
@@ -69,6 +77,7 @@ class Question:
     seed: int = 0
     jobs: int | None = None
     stages: Stages = NOTHING_KEPT
+    others: Mapping[str, Mapping[str, RequirementDesign]] = field(default_factory=dict)
 
     @cached_property
     def wrists(self) -> dict[str, Wrist]:
@@ -158,7 +167,7 @@ def study(question: Question, progress: Tell | None = None) -> Study:
     tuned = {m: t.controller for m, t in tunings.items()}
     tell("MPCs", 0.0)
     mpcs, without_mpc = _mpcs(wrists)
-    designs = {m: design_others(t.problem, _part(tell, f"{m}, other designs")) for m, t in simple.items()}
+    designs = {m: _others(question, m, t.problem, tell) for m, t in simple.items()}
     comparison = compare(
         wrists, tuned, designs=designs, more=more, periodic=mpcs,
         progress=_part(tell, "compare"),
@@ -192,6 +201,14 @@ def study(question: Question, progress: Tell | None = None) -> Study:
         late,
         cells,
     )
+
+
+def _others(question: Question, motion: str, problem: Problem, tell: Tell) -> dict[str, Design | str]:
+    """The other designs of a motion, in their order: those that are given, the rest made on a problem."""
+    given = question.others.get(motion, {})
+    left = {n: make for n, make in MAKERS.items() if n not in given}
+    made = design_others(problem, _part(tell, f"{motion}, other designs"), left)
+    return {n: given.get(n) or made[n] for n in MAKERS}
 
 
 def _part(tell: Tell, what: str) -> Tell:

@@ -4,13 +4,13 @@ from collections.abc import Mapping
 from math import log
 
 from design.alternatives.convex_concave import ConvexConcave
-from design.alternatives.designs import Design
+from design.alternatives.designs import Design, RequirementDesign
 from design.alternatives.feedforward_design import FeedforwardDesign
 from design.alternatives.lqi_design import RobustLQI
 from design.comparison.compare import TUNED, Comparison
 from design.synthesis.tuning import Tuning
 from reports.shared.names import COST_WORDS, limit_name, name_of
-from reports.shared.tables import number
+from reports.shared.tables import listed, number
 
 NAMES = {"noise_gain": "the noise gain", "Mt": "Mt", "delay_margin_s": "the delay margin"}
 """What a sentence calls limits that only these designs have, or that are not called as in tables."""
@@ -34,8 +34,10 @@ def budgets(comparison: Comparison, tunings: Mapping[str, Tuning]) -> str:
         if isinstance(d, RobustLQI | FeedforwardDesign):
             tried[name] = max(tried.get(name, 0), d.tried)
     counts = ", ".join(f"{name_of(n)} {count}" for n, count in tried.items() if count)
+    alike = dict.fromkeys(n for (_, n), d in comparison.designs.items() if isinstance(d, RequirementDesign))
+    said = f"{listed([name_of(n) for n in alike])}: the requirement of the tuned PI. " if alike else ""
     return (
-        f"Candidates simulated on all tuning scenarios: {counts} (of the "
+        f"{said}Candidates simulated on all tuning scenarios: {counts} (of the "
         "tuned PI, its map alone); the convex-concave PI is the result of convex programs; textbook rules, "
         "feedforward alone and MPCs were not tuned on scenarios at all. The budgets differ."
     )
@@ -43,6 +45,8 @@ def budgets(comparison: Comparison, tunings: Mapping[str, Tuning]) -> str:
 
 def _design(d: Design) -> str:
     """How a design was found, what it costs, and which limits it breaks on the tuning scenarios."""
+    if isinstance(d, RequirementDesign):
+        return _under_requirement(d)
     unit = COST_WORDS.get(d.problem.cost, "").partition("[")[2].rstrip("]")
     cost = f"Worst cost over the tuning scenarios {number(float(d.at.cost[0]))} {unit}".rstrip()
     broken = " and ".join(_named(n) for n in d.breaks)
@@ -52,6 +56,20 @@ def _design(d: Design) -> str:
     else:
         words = _forward(d) if isinstance(d, FeedforwardDesign) else _lqi(d)
     return f"{words} {cost}; {held}."
+
+
+def _under_requirement(d: RequirementDesign) -> str:
+    gains = ", ".join(f"{n} = {number(v)}" for n, v in d.gains.items())
+    broken = " and ".join(_named(n) for n in d.breaks) or "a limit"
+    held = (
+        "no broken limit was found"
+        if d.holds
+        else f"nearest to the limits, it breaks {broken} in one of them"
+    )
+    return (
+        f"{gains}. Tuned by `wrist design` under the whole requirement, as the tuned PI, with {d.cases} adverse "
+        f"cases. Worst cost over these {number(d.cost)}; {held}."
+    )
 
 
 def _forward(d: FeedforwardDesign) -> str:

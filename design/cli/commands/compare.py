@@ -17,12 +17,13 @@ from design.cli.common import (
     write_json,
 )
 from design.cli.completion import files
-from design.cli.design_folder import gains_file, motions, plant_file, recommended
+from design.cli.design_folder import alternatives, gains_file, motions, plant_file, recommended
 from design.cli.design_folder import stages as design_stages
 from design.cli.places import check_places
 from design.cli.terminal.screen import console, progress
 
 if TYPE_CHECKING:
+    from design.alternatives.designs import RequirementDesign
     from design.controllers.controller import Controller
     from design.controllers.pi import PI
     from plants.measured.fit import Fit
@@ -115,13 +116,17 @@ def command(
     said = console(json)
     fits: dict[str, Fit] = {}
     given: dict[str, PI] = {}
+    others: dict[str, dict[str, RequirementDesign]] = {}
     if design is not None:
         sets, given = _designed(design, said)
+        others = {m: alternatives(design, plant) for m, plant in sets.items()}
     else:
         fits, sets = _plants(list(campaigns or []) + (shipped() if example else []), plant or [], seed, said)
     more = robust(robust_gains or [], {name: Wrist.of(s) for name, s in sets.items()})
     stages = Stages(None if design is None else design_stages(design), read_only=True)
-    question = Question(sets, fits, points, samples, mpc_plants, plain, given, more, seed, jobs, stages)
+    question = Question(
+        sets, fits, points, samples, mpc_plants, plain, given, more, seed, jobs, stages, others
+    )
     with progress("compare") as tell:
         found = study(question, tell)
     if found.without_mpc:
