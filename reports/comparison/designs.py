@@ -61,14 +61,10 @@ def _design(d: Design) -> str:
 def _under_requirement(d: RequirementDesign) -> str:
     gains = ", ".join(f"{n} = {number(v)}" for n, v in d.gains.items())
     broken = " and ".join(_named(n) for n in d.breaks) or "a limit"
-    held = (
-        "no broken limit was found"
-        if d.holds
-        else f"nearest to the limits, it breaks {broken} in one of them"
-    )
+    held = "no broken limit was found" if d.holds else f"in one of them it breaks {broken}"
     return (
-        f"{gains}. Tuned by `wrist design` under the whole requirement, as the tuned PI, with {d.cases} adverse "
-        f"cases. Worst cost over these {number(d.cost)}; {held}."
+        f"{gains}. Tuned by wrist design under the whole requirement, as the tuned PI, with {d.cases} "
+        f"adverse cases. Worst cost over these {number(d.cost)}; {held}."
     )
 
 
