@@ -1,10 +1,12 @@
 """`wrist compare --design` plays the plants and the gains of a design as they are, or says what is wrong."""
 
+import json
 import shutil
 from pathlib import Path
 
 import pytest
 
+from design.alternatives.designs import design_record
 from design.tuner.gains_file import write
 from plants.errors import InputError
 
@@ -41,6 +43,29 @@ def test_the_designs_own_plants_and_gains_are_asked_for(wrist, folder, monkeypat
     assert question.fits == {}
     c = question.given["deviation"]
     assert {"Kp": c.Kp, "Ki": c.Ki, "b": c.b, "Tf": c.Tf} == GAINS
+
+
+def test_the_lqi_and_the_feedforward_of_the_design_are_asked_for(wrist, folder, monkeypatch):
+    asked = []
+
+    def study(question, tell):
+        asked.append(question)
+        raise InputError("asked")
+
+    monkeypatch.setattr("design.studies.study.study", study)
+    gains = {"Ke": 536.0, "Kd": -774.0, "Kq": -65.7, "jump": 3.2, "bandwidth": 7.47}
+    told = {"gains": gains, "cost": 8.7, "holds": False, "active": "overshoot_percent", "cases": 58}
+    record = {"designs": {"deviation": {"PI": {}, "robust LQI": told}}}
+    (folder / "design.json").write_text(json.dumps(record))
+    wrist("compare", "--design", folder)
+    (found,) = asked[0].others["deviation"].values()
+    assert list(asked[0].others["deviation"]) == ["robust LQI"]
+    assert {n: getattr(found.controller, n) for n in gains} == gains
+    assert found.controller.Tw == float(asked[0].wrists["deviation"].Tw)
+    assert found.breaks == ("overshoot_percent",)
+    assert design_record(found)["breaks"] == ["overshoot_percent"]
+    (folder / "design.json").write_text('{"designs": {"deviation": {"robust LQI": {}}}}')
+    refused(wrist("compare", "--design", folder), "design.json: no record of a design")
 
 
 @pytest.mark.parametrize(

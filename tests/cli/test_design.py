@@ -66,6 +66,10 @@ def test_a_stage_is_done_once_for_a_question(tmp_path):
     assert stages.done("b", {"x": 2}, work) == {"n": 3}
     (tmp_path / "b.json").write_text("{")
     assert stages.done("b", {"x": 2}, work) == {"n": 4}
+    reader = Stages(tmp_path, read_only=True)
+    assert reader.done("b", {"x": 2}, work) == {"n": 4}
+    assert reader.done("b", {"x": 3}, work) == {"n": 5}
+    assert stages.done("b", {"x": 2}, work) == {"n": 4}  # as it was
 
 
 def test_bad_campaigns_are_told_before_anything_is_done(wrist, tmp_path):

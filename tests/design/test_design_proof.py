@@ -4,7 +4,10 @@ import pytest
 
 from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
-from design.studies.proof import proof
+from design.robustness.requirement import requirement
+from design.studies.proof import kept_proof, proof
+from design.studies.stages import Stages
+from plants.parameters.files import built_in
 from plants.wrist import Wrist
 
 
@@ -36,3 +39,17 @@ def test_a_filter_of_the_angle_makes_another_loop():
 def test_a_loop_with_a_limit_cycle_is_not_proved():
     found = proof(Wrist.flexion(), PI.of(Wrist.flexion(), 1.0, 40.0), 0.05)
     assert (found["status"], found["covers_task"]) == ("open", False)
+
+
+def test_a_proof_is_kept_for_exactly_its_gains_plant_and_dead_time(tmp_path, monkeypatch):
+    asked = []
+    monkeypatch.setattr("design.studies.proof.proof", lambda *a: asked.append(a) or {"n": len(asked)})
+    stages, stated = Stages(tmp_path), requirement(built_in("flexion"))
+    gains = PI.of(stated.wrist, 2.0, 6.0)
+    assert kept_proof(stages, "flexion", stated, gains, 0.05) == {"n": 1}
+    assert kept_proof(Stages(tmp_path, read_only=True), "flexion", stated, gains, 0.05) == {"n": 1}
+    other = requirement(built_in("flexion"), given={"Tw": (0.13, 0.19)})
+    reader = Stages(tmp_path, read_only=True)
+    assert kept_proof(reader, "flexion", stated, PI.of(stated.wrist, 2.0, 6.1), 0.05) == {"n": 2}
+    assert kept_proof(reader, "flexion", stated, gains, 0.04) == {"n": 3}
+    assert kept_proof(reader, "flexion", other, gains, 0.05) == {"n": 4}
