@@ -9,11 +9,15 @@ from design.alternatives.feedforward_design import FeedforwardDesign
 from design.alternatives.lqi_design import RobustLQI
 from design.comparison.compare import TUNED, Comparison
 from design.synthesis.tuning import Tuning
-from reports.shared.names import COST_WORDS, limit_name, name_of
+from reports.shared.names import COST_WORDS, limit_in_text, limit_name, name_of
 from reports.shared.tables import listed, number
 
 NAMES = {"noise_gain": "the noise gain", "Mt": "Mt", "delay_margin_s": "the delay margin"}
 """What a sentence calls limits that only these designs have, or that are not called as in tables."""
+
+
+SETTINGS = {"speed": "filter of the reference {} 1/s", "dead_time": "model delayed by {} s"}
+"""What a sentence calls settings of a controller that are no gains."""
 
 
 def designs(comparison: Comparison, motion: str) -> list[str]:
@@ -35,11 +39,11 @@ def budgets(comparison: Comparison, tunings: Mapping[str, Tuning]) -> str:
             tried[name] = max(tried.get(name, 0), d.tried)
     counts = ", ".join(f"{name_of(n)} {count}" for n, count in tried.items() if count)
     alike = dict.fromkeys(n for (_, n), d in comparison.designs.items() if isinstance(d, RequirementDesign))
-    said = f"{listed([name_of(n) for n in alike])}: the requirement of the tuned PI. " if alike else ""
+    said = f" {listed([name_of(n) for n in alike])} were tuned under its requirement." if alike else ""
     return (
-        f"{said}Candidates simulated on all tuning scenarios: {counts} (of the "
+        f"Candidates simulated on all tuning scenarios: {counts} (of the "
         "tuned PI, its map alone); the convex-concave PI is the result of convex programs; textbook rules, "
-        "feedforward alone and MPCs were not tuned on scenarios at all. The budgets differ."
+        f"feedforward alone and MPCs were not tuned on scenarios at all. The budgets differ.{said}"
     )
 
 
@@ -59,8 +63,8 @@ def _design(d: Design) -> str:
 
 
 def _under_requirement(d: RequirementDesign) -> str:
-    gains = ", ".join(f"{n} = {number(v)}" for n, v in d.gains.items())
-    broken = " and ".join(_named(n) for n in d.breaks) or "a limit"
+    gains = ", ".join(SETTINGS.get(n, f"{n} = {{}}").format(number(v)) for n, v in d.gains.items())
+    broken = listed([f"the limit on {limit_in_text(n)}" for n in d.breaks]) or "a limit"
     held = "no broken limit was found" if d.holds else f"in one of them it breaks {broken}"
     return (
         f"{gains}. Tuned by wrist design under the whole requirement, as the tuned PI, with {d.cases} "

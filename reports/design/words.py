@@ -7,7 +7,7 @@ from design.robustness.recommended import PLAIN
 from design.studies.design_study import DesignStudy, MotionDesign
 from design.studies.designs import BARE, FORWARD
 from reports.shared.card import gains_words
-from reports.shared.names import limit_name
+from reports.shared.names import limit_in_text
 from reports.shared.tables import listed, number
 
 
@@ -171,12 +171,6 @@ def lqi_words(m: MotionDesign) -> str:
     broken = found.get("worst_excess_of") or found["active"]
     limit = "a limit" if broken is None else f"the limit on {limit_in_text(broken)}"
     return f"{words} It breaks {limit} in a case that was found; its worst IAE is {lower}."
-
-
-def limit_in_text(name: str) -> str:
-    """The name of a limit within a sentence."""
-    limit = limit_name(name)
-    return limit if limit in ("Ms", "Mt") else limit.lower()
 
 
 def controller_words(m: MotionDesign) -> str:

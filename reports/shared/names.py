@@ -45,3 +45,13 @@ def title_of(motion: str) -> str:
 def limit_name(name: str) -> str:
     """What a page calls a limit."""
     return LIMITS[name][0] if name in LIMITS else name
+
+
+def limit_in_text(name: str) -> str:
+    """The name of a limit within a sentence.
+
+    >>> limit_in_text("overshoot_percent"), limit_in_text("Ms")
+    ('overshoot', 'Ms')
+    """
+    limit = limit_name(name)
+    return limit if limit in ("Ms", "Mt") else limit.lower()
