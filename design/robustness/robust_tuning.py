@@ -70,7 +70,7 @@ class Cost(Protocol):
         ...
 
 
-class Candidate(Protocol):
+class TunedController(Protocol):
     """Gains of least cost on a set of cases, of any kind of controller."""
 
     @property
@@ -99,7 +99,7 @@ class Candidate(Protocol):
         ...
 
 
-T = TypeVar("T", bound=Candidate)
+T = TypeVar("T", bound=TunedController)
 
 
 @dataclass(frozen=True)
