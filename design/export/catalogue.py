@@ -153,7 +153,7 @@ def part(kind: str, axis: str, wrist: Wrist, gains: Numbers | None = None) -> Pa
     }
     known = {**CATALOGUE, **own}
     if kind not in known:
-        raise InputError(f"no controller {kind!r} to export; one of {', '.join(known)}")
+        raise InputError(f"no controller {kind!r} to export; one of {', '.join(known)}, or plant")
     entry = known[kind]
     given = entry.default if gains is None else gains
     wanted = (

@@ -17,7 +17,7 @@ from design.controllers.memory_estimator import step as observe
 from design.controllers.plausible import Channel, SensorLimits
 from design.export.fields import ANGLE, COMMAND, PRESSURE, REFERENCE, Quantity, described, lines_of
 from design.export.precision import TOLERANCE, Precision
-from plants.actuator.delay import SampledDelay
+from design.export.rings import DelayRing, kept, rings, samples_of
 from plants.kernel import pytrees
 from plants.kernel.graphs import baked, c_source, graph, used
 from plants.wrist import SAMPLE_TIME
@@ -35,44 +35,6 @@ class Seen(NamedTuple):
 
 
 SEEN = (REFERENCE, ANGLE, PRESSURE)
-
-
-class DelayRing(NamedTuple):
-    """A delay line on the target: a ring.  Place of its first leaf in the state, numbers that it holds, and
-    what it holds."""
-
-    near: int
-    size: int
-    holds: Quantity
-
-    @property
-    def far(self) -> int:
-        """Place of what was put in one sample before `near`."""
-        return self.near + 1
-
-    @property
-    def newest(self) -> int:
-        """Place of what is put in."""
-        return self.near + 2
-
-    @property
-    def fields(self) -> tuple[Quantity, Quantity]:
-        """Members that keep it: the ring, and the place of the oldest in it."""
-        name = self.holds.name.removesuffix("_near")
-        return (
-            Quantity(f"{name}_line", self.holds.unit, "what the delay holds, a ring", self.size),
-            Quantity(f"{name}_oldest", "", "place of the oldest in the ring", counts=True),
-        )
-
-    @property
-    def ring(self) -> str:
-        """The ring's member; one of a single number is declared without brackets."""
-        return self.fields[0].member
-
-    @property
-    def oldest(self) -> str:
-        """The member that counts."""
-        return self.fields[1].member
 
 
 class Watched(NamedTuple):
@@ -153,8 +115,7 @@ class Part:
     def kept(self) -> list[tuple[int, Quantity]]:
         """Leaves of the state that the struct keeps, with their places: of a delay line not what is read
         from it anew in every sample."""
-        read = {row + i for row, _ in self.delays for i in (0, 1)}
-        return [(i, f) for i, f in enumerate(self.state) if i not in read]
+        return kept(self.state, self.delays)
 
     @property
     def read(self) -> list[tuple[int, Quantity]]:
@@ -176,7 +137,7 @@ class Part:
     @property
     def lines(self) -> list["DelayRing"]:
         """The delay lines."""
-        return [DelayRing(row, samples + 1, self.state[row]) for row, samples in self.delays]
+        return rings(self.state, self.delays)
 
     @property
     def members(self) -> list[Quantity]:
@@ -272,15 +233,9 @@ def _part(
     init_law = baked(f"{name}_init_law", graph(started, (0.0, 0.0)))
     step_law = baked(f"{name}_step_law", graph(law, example, seen, c), c)
     read = used(step_law, 1)
-    delays = tuple(zip(lines_of(example), _samples(c), strict=True))
+    delays = tuple(zip(lines_of(example), samples_of(c), strict=True))
     return Part(
         name, title, period, tuple(f for f, wanted in zip(SEEN, read, strict=True) if wanted),
         described(example), output, low, high, settings,
         c_source(f"{name}_law", init_law, step_law), python_begin, python_step, sensors, delays,
     )  # fmt: skip
-
-
-def _samples(c: Any) -> list[int]:
-    """Whole samples of each delay among coefficients."""
-    flat = pytrees.leaves(c)
-    return [int(np.rint(flat[i])) for i in pytrees.places(c, SampledDelay)]

@@ -1,9 +1,9 @@
-"""``wrist export``: a controller as C99 for the target, with a test vector."""
+"""``wrist export``: a controller, or the plant, for its target, with a test vector."""
 
 import math
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -21,9 +21,13 @@ from design.cli.places import check_places
 from design.cli.strict import LARGEST
 from design.cli.terminal.screen import console, progress
 
+if TYPE_CHECKING:
+    from plants.wrist import Wrist
+
 NAME = "export"
 HELP = (
-    "Write a controller for its target: C99 with a test vector, functional mock-up units, or structured text."
+    "Write a controller, or the plant, for its target: C99 with a test vector, functional mock-up units, or "
+    "structured text."
 )
 EXAMPLE = "Example: wrist export pi --gains 3.1,10.4 --out build/c"
 NEXT = "make -C OUT check"
@@ -48,7 +52,8 @@ def command(
     controller: Annotated[
         str,
         typer.Argument(
-            help="pi, pi-2dof, lqi, feedforward, feedforward-pi, observer, mpc or mpc-robust.",
+            help="pi, pi-2dof, lqi, feedforward, feedforward-pi, observer, mpc or mpc-robust; or plant, "
+            "the plant itself with all its effects, as C or FMU.",
             autocompletion=controllers,
         ),
     ],
@@ -80,12 +85,15 @@ def command(
     json: JsonOption = None,
 ) -> None:
     from design.export.catalogue import part, record
+    from design.export.plant.files import PLANT
     from design.export.targets import TARGETS
     from plants.wrist import Wrist
 
     check_places({"--json": json}, out)
     chosen = parameter_set(axis, plant)
     wrist = Wrist.of(chosen)
+    if controller == PLANT:
+        return _plant(chosen.axis, wrist, target, out, gains, precision, json)
     with progress("export") as tell:
         made = part(controller, chosen.axis, wrist, None if gains is None else numbers(gains))
         made = made.at(precision.value)
@@ -98,6 +106,35 @@ def command(
     if target is Target.c:
         said.print(f"replay the test vector with: make -C {out} check", soft_wrap=True)
     write_json(json, record(made, controller, [p.name for p in written]))
+
+
+def _plant(
+    axis: str,
+    wrist: "Wrist",
+    target: Target,
+    out: Path,
+    gains: str | None,
+    precision: PrecisionName,
+    json: Path | None,
+) -> None:
+    from design.export.plant.files import plant_part, plant_record, write_plant
+    from plants.errors import InputError
+
+    if gains is not None:
+        raise InputError("--gains: a plant has none; leave it out")
+    if precision is not PrecisionName.double:
+        raise InputError("--precision: a plant is written in double precision; leave it out")
+    with progress("export") as tell:
+        made = plant_part(axis, wrist)
+        tell("test vector", 0.0)
+        written = write_plant(made, wrist, target.value, out)
+    said = console(json)
+    said.print(f"{made.title}: {made.name}_init and {made.name}_step, every {1000 * made.period:g} ms")
+    for path in written:
+        said.print(f"  {path}", soft_wrap=True)
+    if target is Target.c:
+        said.print(f"replay the test vector with: make -C {out} check", soft_wrap=True)
+    write_json(json, plant_record(made, [p.name for p in written]))
 
 
 def numbers(text: str) -> tuple[float, ...]:
