@@ -49,6 +49,9 @@ class Quantity(NamedTuple):
 REFERENCE = Quantity("reference", "deg", "angle that is asked for")
 ANGLE = Quantity("angle", "deg", "angle that the sensor shows")
 PRESSURE = Quantity("pressure", "kPa", "pressure that the sensor shows")
+MANUAL = Quantity("manual", "", "above 0.5: the command is given by hand")
+MANUAL_COMMAND = Quantity("manual_command", "V", "command by hand")
+BY_HAND = (MANUAL, MANUAL_COMMAND)
 COMMAND = Quantity("command", "V", "command to the regulator, within its range")
 
 

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from design.export.fields import MANUAL, MANUAL_COMMAND, PRESSURE
 from design.export.part import Part
 from design.export.rendering import render
 from plants.errors import InputError
@@ -66,19 +67,17 @@ class UnitVariable:
 def variables(part: Part) -> list[UnitVariable]:
     """Time, where the law starts from, its inputs, its output and its return code."""
     rest = part.sensors.rest_pressure, part.sensors.rest_angle
+    held = part.within(part.begin(*rest)[1])
+    at_rest = {PRESSURE: rest[0], MANUAL: 0.0, MANUAL_COMMAND: held}
     rows: list[tuple[str, str, str, str, str, float | None]] = [
         ("time", "s", "time of the simulation", "independent", "continuous", None),
         ("start_pressure_kPa", "kPa", "pressure at which it starts from rest", "parameter", "fixed", rest[0]),
         ("start_angle_deg", "deg", "angle at which it starts from rest", "parameter", "fixed", rest[1]),
-        *((f.member, f.unit, f.meaning, "input", "discrete", _at_rest(f.member, rest)) for f in part.inputs),
+        *((f.member, f.unit, f.meaning, "input", "discrete", at_rest.get(f, rest[1])) for f in part.inputs),
         (part.output.member, part.output.unit, part.output.meaning, "output", "discrete", None),
         ("code", "", "return code of the last sample: 0 where all was believed", "output", "discrete", None),
     ]
     return [UnitVariable(i, *row) for i, row in enumerate(rows)]
-
-
-def _at_rest(member: str, rest: tuple[float, float]) -> float:
-    return rest[0] if member == "pressure_kPa" else rest[1]
 
 
 def sources(part: Part, files: dict[str, str], fmi: FMI) -> dict[str, str]:

@@ -95,7 +95,7 @@ def difference_in_unit(made: Part, found: Vector, fmi: FMI) -> float:
         for k, seen in enumerate(found.rows):
             put([at[f.member] for _, f in made.read], [float(seen[i]) for i, _ in made.read])
             loaded.doStep(k * made.period, made.period)
-            worst = max(worst, abs(get([at[made.output.member]])[0] - float(seen[3])))
+            worst = max(worst, abs(get([at[made.output.member]])[0] - float(seen[-1])))
         loaded.terminate()
         loaded.freeInstance()
     return worst

@@ -60,6 +60,9 @@ def test_the_folder_replays_its_vector(wrist, tmp_path, words):
         (["pi", "--gains", "1,2,3"], "3 given"),
         (["pi", "--gains", "1,2", "--plant", "nowhere.toml"], "nowhere.toml"),
         (["plant", "--gains", "1,2"], "--gains: a plant has none"),
+        (["plant", "--hand-over"], "--hand-over: a plant has none"),
+        (["observer", "--hand-over"], "--hand-over: observer has none; choose pi or pi-2dof"),
+        (["pi", "--gains", "1,2", "--rate-limit", "0"], "--rate-limit: 0 V/s is no rate"),
         (["plant", "--precision", "single"], "--precision: a plant is written in double"),
         (["plant", "--target", "st"], "--target st: a plant is written as c or fmu"),
     ],
@@ -112,6 +115,15 @@ def test_a_target_that_cannot_be_is_refused(wrist, tmp_path, words, said):
     assert told.code == 2
     assert said in told.err
     assert not (tmp_path / "x").exists()
+
+
+def test_a_pi_that_takes_over_has_inputs_for_it(wrist, tmp_path, quick):
+    words = ["export", "pi", "--gains", "3.1,10.4", "--hand-over", "--rate-limit", "20", "--out", tmp_path]
+    told = wrist(*words, "--json", "-")
+    assert told.code == 0, told.err
+    inputs = [m["name"] for m in told.json["measured"]]
+    assert inputs == ["reference_deg", "angle_deg", "manual", "manual_command_V"]
+    assert told.json["settings"]["rate limit"] == 20.0
 
 
 @pytest.mark.skipif(not CC, reason="no C compiler or make on this machine")

@@ -1,6 +1,7 @@
 """``wrist export``: a controller, or the plant, for its target, with a test vector."""
 
 import math
+from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -80,6 +81,17 @@ def command(
     precision: Annotated[
         PrecisionName, typer.Option(help="double, or single: float throughout, for a target without double.")
     ] = PrecisionName.double,
+    hand_over: Annotated[
+        bool,
+        typer.Option(
+            "--hand-over",
+            help="pi, pi-2dof: inputs for a command by hand, from which the controller takes over without a "
+            "jump at any error.",
+        ),
+    ] = False,
+    rate_limit: Annotated[
+        float | None, typer.Option(help="pi, pi-2dof: most that the command may move, V/s.", metavar="V/S")
+    ] = None,
     axis: AxisOption = Axis.flexion,
     plant: PlantOption = None,
     json: JsonOption = None,
@@ -93,9 +105,11 @@ def command(
     chosen = parameter_set(axis, plant)
     wrist = Wrist.of(chosen)
     if controller == PLANT:
-        return _plant(chosen.axis, wrist, target, out, gains, precision, json)
+        refused = {"--gains": gains, "--rate-limit": rate_limit, "--hand-over": hand_over or None}
+        return _plant(chosen.axis, wrist, target, out, refused, precision, json)
     with progress("export") as tell:
-        made = part(controller, chosen.axis, wrist, None if gains is None else numbers(gains))
+        own = None if gains is None else numbers(gains)
+        made = part(controller, chosen.axis, wrist, own, hand_over, rate_limit)
         made = made.at(precision.value)
         tell("test vector", 0.0)
         written = TARGETS[target.value](made, wrist, out)
@@ -113,15 +127,16 @@ def _plant(
     wrist: "Wrist",
     target: Target,
     out: Path,
-    gains: str | None,
+    refused: Mapping[str, object],
     precision: PrecisionName,
     json: Path | None,
 ) -> None:
     from design.export.plant.files import plant_part, plant_record, write_plant
     from plants.errors import InputError
 
-    if gains is not None:
-        raise InputError("--gains: a plant has none; leave it out")
+    for option, given in refused.items():
+        if given is not None:
+            raise InputError(f"{option}: a plant has none; leave it out")
     if precision is not PrecisionName.double:
         raise InputError("--precision: a plant is written in double precision; leave it out")
     with progress("export") as tell:
