@@ -178,7 +178,7 @@ def part(
     }
     known = {**CATALOGUE, **own}
     if kind not in known:
-        raise InputError(f"no controller {kind!r} to export; one of {', '.join(known)}, or plant")
+        raise InputError(f"no controller {kind!r} to export; plant, or one of {', '.join(known)}")
     entry = known[kind]
     if by_hand or rate is not None:
         entry = _handed_over(kind, entry, by_hand, rate)

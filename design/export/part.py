@@ -201,7 +201,10 @@ def of_hand_over(
     period: float = SAMPLE_TIME,
     by_hand: bool = True,
 ) -> Part:
-    """A PI with a rate limit and, where it may be commanded by hand, without a jump when it takes over."""
+    """A PI with a rate limit and, where it may be commanded by hand, without a jump when it takes over.
+
+    sensors, period [s]: as of `of_controller`.
+    """
     if not by_hand:
         return of_controller(name, title, controller, sensors, period)
 
