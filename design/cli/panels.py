@@ -16,7 +16,8 @@ OPTIONS = {
     LIMITS: ("overshoot", "ms", "delay_margin", "variation", "steady_error", "rate_limit"),
     SEARCH: ("points", "starts", "rounds", "samples", "tried", "mpc_plants", "budget", "seed", "jobs",
              "scheduler", "retune"),
-    OUTPUT: ("target", "precision", "hand_over", "json", "out", "save", "worst", "verbose", "version", "plugin"),
+    OUTPUT: ("target", "precision", "hand_over", "json", "out", "save", "worst", "verbose", "version",
+             "plugin"),
 }  # fmt: skip
 """Names of options by the group in which ``--help`` shows them, in its order."""
 
