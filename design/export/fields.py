@@ -33,7 +33,7 @@ class Quantity(NamedTuple):
 
         Of a unit that a rig's file names, what C takes in a name:
 
-        >>> Quantity("angle", 'x; system("ls") */', "").member
+        >>> Quantity("angle", 'x; system("ls")', "").member
         'angle_x_system_ls'
         """
         named = f"{self.name}_{self.unit.replace('/', '_per_')}" if self.unit else self.name
