@@ -25,8 +25,10 @@ def starts(incomplete: str) -> list[str]:
 
 def controllers(incomplete: str) -> list[tuple[str, str]]:
     from design.export.catalogue import CATALOGUE
+    from design.export.plant.files import PLANT
 
-    return [(n, _short(CATALOGUE[n].title)) for n in _begun(CATALOGUE, incomplete)]
+    titles = {n: _short(entry.title) for n, entry in CATALOGUE.items()} | {PLANT: "The plant itself"}
+    return [(n, titles[n]) for n in _begun(titles, incomplete)]
 
 
 def figures(incomplete: str) -> list[tuple[str, str]]:

@@ -106,6 +106,10 @@ class SampledPI(NamedTuple):
         """The law of `step`, for a loop that shows a controller more than the error."""
         return step(state, seen.error, self)
 
+    def following(self, state: "PIState", seen: Measured, command: Number) -> "PIState":
+        """The state from which the law gives a command [V] within its range at what is seen."""
+        return PIState(command / self.volts_per_kPa - self.rest_pressure - self.Kp * seen.error)
+
 
 @remembers(
     integral=("kPa", "integral part of the command, gain included"),

@@ -116,6 +116,13 @@ class SampledTwoDofPI(NamedTuple):
         """The law of `step`."""
         return step(state, seen, self)
 
+    def following(self, state: "TwoDofPIState", seen: Measured, command: Number) -> "TwoDofPIState":
+        """The state from which the law gives a command [V] within its range at what is seen; its filter goes
+        on."""
+        angle = state.angle + self.share * (seen.angle - state.angle)
+        proportional = self.Kp * (self.b * (seen.error + seen.angle) - angle)
+        return TwoDofPIState(command / self.volts_per_kPa - self.rest_pressure - proportional, state.angle)
+
 
 @remembers(
     integral=("kPa", "integral part of the command, gain included"),

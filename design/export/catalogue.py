@@ -1,5 +1,6 @@
 """What can be exported, by the names of the command, and what each one needs to be told."""
 
+import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -7,6 +8,7 @@ from typing import Any
 
 from design.controllers.controller import Controller
 from design.controllers.feedforward import Feedforward, FeedforwardPI
+from design.controllers.hand_over import HandOver
 from design.controllers.lqi import LQI
 from design.controllers.memory_estimator import MemoryObserver
 from design.controllers.pi import PI
@@ -14,7 +16,7 @@ from design.controllers.pi_two_dof import TwoDofPI
 from design.controllers.plausible import SensorLimits
 from design.controllers.registry import REGISTERED
 from design.export.mpc import of_linear_mpc
-from design.export.part import Part, of_controller, of_observer
+from design.export.part import Part, of_controller, of_hand_over, of_observer
 from design.mpc.problem import MPCProblem, nominal, robust
 from plants.actuator.delay import LONGEST
 from plants.errors import InputError
@@ -37,18 +39,22 @@ class Entry:
     at_the_ends: str
 
 
-def _pi(wrist: Wrist, g: Numbers) -> Controller:
+def _pi(wrist: Wrist, g: Numbers) -> PI:
     Kp, Ki = g
     if Kp == Ki == 0.0:
         raise ValueError("Kp and Ki are both 0, which controls nothing")
     return PI.of(wrist, Kp, Ki)
 
 
-def _pi_two_dof(wrist: Wrist, g: Numbers) -> Controller:
+def _pi_two_dof(wrist: Wrist, g: Numbers) -> PI:
     Kp, Ki, b, Tf = g
     if Kp == Ki == 0.0:
         raise ValueError("Kp and Ki are both 0, which controls nothing")
     return TwoDofPI.of(wrist, Kp, Ki, b, Tf)
+
+
+HAND_OVER: Mapping[str, Callable[[Wrist, Numbers], PI]] = {"pi": _pi, "pi-2dof": _pi_two_dof}
+"""Controllers that take over from a command by hand, and whose command may have a rate limit."""
 
 
 def _lqi(wrist: Wrist, g: Numbers) -> Controller:
@@ -138,8 +144,27 @@ CATALOGUE: Mapping[str, Entry] = {
 }  # fmt: skip
 
 
-def part(kind: str, axis: str, wrist: Wrist, gains: Numbers | None = None) -> Part:
-    """The part of C of a controller of the catalogue, or one that is registered, for a wrist.
+HANDED = (
+    "By hand (`manual` above 0.5) the command is `manual_command_V`, within its range and rate limit, also "
+    "where no sensor is believed. The integral follows it, so that the first automatic command is the last "
+    "one by hand, at any error and with any gains."
+)
+LIMITED = (
+    "The command never moves faster than the rate limit; the integrator stands still while it would, unless "
+    "the error drives it back."
+)
+
+
+def part(
+    kind: str,
+    axis: str,
+    wrist: Wrist,
+    gains: Numbers | None = None,
+    by_hand: bool = False,
+    rate: float | None = None,
+) -> Part:
+    """The part of C of a controller of the catalogue, or one that is registered, for a wrist; of a PI and one
+    with two degrees of freedom also with inputs for commands by hand, and a rate limit of the command [V/s].
 
     Raises InputError for an unknown controller, gains that it cannot have, and a wrist that it cannot
     control.
@@ -153,8 +178,10 @@ def part(kind: str, axis: str, wrist: Wrist, gains: Numbers | None = None) -> Pa
     }
     known = {**CATALOGUE, **own}
     if kind not in known:
-        raise InputError(f"no controller {kind!r} to export; one of {', '.join(known)}")
+        raise InputError(f"no controller {kind!r} to export; plant, or one of {', '.join(known)}")
     entry = known[kind]
+    if by_hand or rate is not None:
+        entry = _handed_over(kind, entry, by_hand, rate)
     given = entry.default if gains is None else gains
     wanted = (
         f"{kind} takes {', '.join(entry.gains)}, such as --gains {entry.example}"
@@ -172,6 +199,22 @@ def part(kind: str, axis: str, wrist: Wrist, gains: Numbers | None = None) -> Pa
     except ValueError as error:
         raise InputError(f"--gains: {error}; {wanted}") from None
     return replace(made, notes=(*made.notes, *filter(None, [entry.at_the_ends])))
+
+
+def _handed_over(kind: str, entry: Entry, by_hand: bool, rate: float | None) -> Entry:
+    option = "--hand-over" if by_hand else "--rate-limit"
+    if kind not in HAND_OVER:
+        raise InputError(f"{option}: {kind} has none; choose {' or '.join(HAND_OVER)}, or leave it out")
+    if rate is not None and not 0.0 < rate < math.inf:
+        raise InputError(f"--rate-limit: {rate:g} V/s is no rate; give a positive number")
+    build, limit = HAND_OVER[kind], math.inf if rate is None else rate
+
+    def make(name: str, title: str, wrist: Wrist, gains: Numbers) -> Part:
+        made = HandOver(build(wrist, gains), limit)
+        return of_hand_over(name, title, made, SensorLimits.of(wrist), wrist.rig.sample_time, by_hand)
+
+    notes = [entry.at_the_ends, *([LIMITED] if rate is not None else []), *([HANDED] if by_hand else [])]
+    return replace(entry, make=make, at_the_ends=" ".join(notes))
 
 
 def identifier(text: str) -> str:

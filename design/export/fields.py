@@ -5,6 +5,7 @@ A state is a tree of NamedTuples without units; plant, hysteresis law and contro
 exported, since a struct of numbers that nobody can name helps no one.
 """
 
+import re
 from typing import Any, NamedTuple
 
 from plants.actuator.delay import DelayLine
@@ -29,8 +30,14 @@ class Quantity(NamedTuple):
 
         >>> Quantity("angle", "deg", "").member, Quantity("late", "deg", "", 3).member
         ('angle_deg', 'late_deg')
+
+        Of a unit that a rig's file names, what C takes in a name:
+
+        >>> Quantity("angle", 'x; system("ls")', "").member
+        'angle_x_system_ls'
         """
-        return f"{self.name}_{self.unit.replace('/', '_per_')}" if self.unit else self.name
+        named = f"{self.name}_{self.unit.replace('/', '_per_')}" if self.unit else self.name
+        return re.sub(r"[\W_]+", "_", named, flags=re.ASCII).strip("_")
 
     @property
     def declaration(self) -> str:
@@ -42,6 +49,9 @@ class Quantity(NamedTuple):
 REFERENCE = Quantity("reference", "deg", "angle that is asked for")
 ANGLE = Quantity("angle", "deg", "angle that the sensor shows")
 PRESSURE = Quantity("pressure", "kPa", "pressure that the sensor shows")
+MANUAL = Quantity("manual", "", "above 0.5: the command is given by hand")
+MANUAL_COMMAND = Quantity("manual_command", "V", "command by hand")
+BY_HAND = (MANUAL, MANUAL_COMMAND)
 COMMAND = Quantity("command", "V", "command to the regulator, within its range")
 
 
@@ -61,11 +71,15 @@ def described(state: Any) -> tuple[Quantity, ...]:
 def _known(state: Any) -> list[tuple[str, str]]:
     found: list[tuple[str, str]] = []
     for name, part in zip(state._fields, state, strict=True):
-        if hasattr(part, "_fields"):
-            found += _known(part)
-            continue
         numbers, key = len(pytrees.leaves(part)), (type(state), name)
         if not numbers:
+            continue
+        # What a state says of a part goes before what the part says of itself: a delay line holds anything.
+        if key not in MEANINGS and hasattr(part, "_fields"):
+            found += _known(part)
+            continue
+        if key not in MEANINGS and isinstance(part, tuple) and all(hasattr(p, "_fields") for p in part):
+            found += [known for p in part for known in _known(p)]
             continue
         if key not in MEANINGS:
             raise InputError(

@@ -13,10 +13,12 @@ import subprocess
 import sys
 import tempfile
 import zipfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
+from design.export.fields import MANUAL, MANUAL_COMMAND, PRESSURE
 from design.export.part import Part
 from design.export.rendering import render
 from plants.errors import InputError
@@ -65,35 +67,53 @@ class UnitVariable:
 def variables(part: Part) -> list[UnitVariable]:
     """Time, where the law starts from, its inputs, its output and its return code."""
     rest = part.sensors.rest_pressure, part.sensors.rest_angle
+    held = part.within(part.begin(*rest)[1])
+    at_rest = {PRESSURE: rest[0], MANUAL: 0.0, MANUAL_COMMAND: held}
     rows: list[tuple[str, str, str, str, str, float | None]] = [
         ("time", "s", "time of the simulation", "independent", "continuous", None),
         ("start_pressure_kPa", "kPa", "pressure at which it starts from rest", "parameter", "fixed", rest[0]),
         ("start_angle_deg", "deg", "angle at which it starts from rest", "parameter", "fixed", rest[1]),
-        *((f.member, f.unit, f.meaning, "input", "discrete", _at_rest(f.member, rest)) for f in part.inputs),
+        *((f.member, f.unit, f.meaning, "input", "discrete", at_rest.get(f, rest[1])) for f in part.inputs),
         (part.output.member, part.output.unit, part.output.meaning, "output", "discrete", None),
         ("code", "", "return code of the last sample: 0 where all was believed", "output", "discrete", None),
     ]
     return [UnitVariable(i, *row) for i, row in enumerate(rows)]
 
 
-def _at_rest(member: str, rest: tuple[float, float]) -> float:
-    return rest[0] if member == "pressure_kPa" else rest[1]
-
-
 def sources(part: Part, files: dict[str, str], fmi: FMI) -> dict[str, str]:
     """Files of a unit as text, by their places in it; files: those of the part's C export."""
-    n = part.name
-    own = {name: files[name] for name in (f"{n}.h", f"{n}.c", f"{n}_law.c")}
-    listed = variables(part)
+
+    def drawn(template: str, **values: Any) -> str:
+        return render(template, part, **values)
+
+    return texts(part.name, files, variables(part), fmi, "fmu.c.jinja", drawn)
+
+
+def texts(
+    name: str,
+    files: dict[str, str],
+    listed: list[UnitVariable],
+    fmi: FMI,
+    template: str,
+    drawn: Callable[..., str],
+) -> dict[str, str]:
+    """Files of the unit of anything that is exported as C under a name, as text, by their places in it.
+
+    files: those of the C; listed: its variables; template: of what joins the C to the standard's functions;
+    drawn: fills a template.
+    """
+    own = {n: files[n] for n in (f"{name}.h", f"{name}.c", f"{name}_law.c")}
     token = hashlib.sha256("\0".join([fmi, *own.values()]).encode()).hexdigest()[:32]
+    settable = [v.place for v in listed if v.causality in ("parameter", "input")]
     values = {
         "fmi": fmi, "variables": listed, "token": f"{{{token}}}", "refused": REFUSED[fmi].split(),
-        "settable": 2 + len(part.inputs), "units": sorted({v.unit for v in listed if v.unit}),
-        "sources": ["fmu.c", f"{n}.c", f"{n}_law.c"],
+        "settable": max(settable), "units": sorted({v.unit for v in listed if v.unit}),
+        "parameters": sum(v.causality == "parameter" for v in listed),
+        "sources": ["fmu.c", f"{name}.c", f"{name}_law.c"],
     }  # fmt: skip
-    own["fmu.c"] = render("fmu.c.jinja", part, **values)
-    described = render(f"fmu{fmi[0]}.xml.jinja", part, **values)
-    return {"modelDescription.xml": described} | {f"sources/{name}": text for name, text in own.items()}
+    own["fmu.c"] = drawn(template, **values)
+    described = drawn(f"fmu{fmi[0]}.xml.jinja", **values)
+    return {"modelDescription.xml": described} | {f"sources/{n}": text for n, text in own.items()}
 
 
 def unit(part: Part, files: dict[str, str], fmi: FMI) -> bytes:
@@ -103,10 +123,17 @@ def unit(part: Part, files: dict[str, str], fmi: FMI) -> bytes:
     """
     if part.precision != "double":
         raise InputError("--precision: a functional mock-up unit is in double precision; leave it out")
-    texts = sources(part, files, fmi)
+    return packed(part.name, sources(part, files, fmi), fmi)
+
+
+def packed(named: str, files: dict[str, str], fmi: FMI) -> bytes:
+    """The archive of a unit's files, with the library that the compiler of this machine makes of them.
+
+    Raises InputError where there is no C compiler.
+    """
     archive = io.BytesIO()
     with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as out:
-        for name, data in [*((n, t.encode()) for n, t in texts.items()), _library(part, texts, fmi)]:
+        for name, data in [*((n, t.encode()) for n, t in files.items()), _library(named, files, fmi)]:
             entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
             entry.external_attr = 0o644 << 16
             entry.compress_type = zipfile.ZIP_DEFLATED
@@ -114,7 +141,7 @@ def unit(part: Part, files: dict[str, str], fmi: FMI) -> bytes:
     return archive.getvalue()
 
 
-def _library(part: Part, texts: dict[str, str], fmi: FMI) -> tuple[str, bytes]:
+def _library(named: str, files: dict[str, str], fmi: FMI) -> tuple[str, bytes]:
     """The library of this machine, and its place in a unit."""
     compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
     if compiler is None:
@@ -122,16 +149,16 @@ def _library(part: Part, texts: dict[str, str], fmi: FMI) -> tuple[str, bytes]:
     ending = {"darwin": "dylib", "win32": "dll"}.get(sys.platform, "so")
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
-        for name, text in texts.items():
+        for name, text in files.items():
             (folder / Path(name).name).write_text(text, encoding="utf-8")
         words = [compiler, "-std=c99", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off"]
-        made = sorted(Path(n).name for n in texts if n.endswith(".c"))
+        made = sorted(Path(n).name for n in files if n.endswith(".c"))
         said = subprocess.run(
             [*words, "-o", "unit", *made, "-lm"], cwd=folder, capture_output=True, text=True, check=False
         )
         if said.returncode:
             raise InputError(f"--target fmu: {compiler} failed: {' '.join(said.stderr.split())[:300]}")
-        return f"binaries/{_platform(fmi)}/{part.name}.{ending}", (folder / "unit").read_bytes()
+        return f"binaries/{_platform(fmi)}/{named}.{ending}", (folder / "unit").read_bytes()
 
 
 def _platform(fmi: FMI) -> str:

@@ -1,6 +1,7 @@
 """The folder that goes to the target: everything is made before anything is written."""
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -36,19 +37,28 @@ def around(part: Part, found: Vector) -> dict[str, str]:
         "Makefile": render("Makefile.jinja", part),
         "README.md": render("README.md.jinja", part),
     }
+    return with_manifest(files)
+
+
+def with_manifest(files: dict[str, str]) -> dict[str, str]:
+    """Files by name, and their checksums."""
     sums = {name: hashlib.sha256(text.encode()).hexdigest() for name, text in files.items()}
     return files | {MANIFEST: "".join(f"{digest}  {name}\n" for name, digest in sums.items())}
 
 
 def write(part: Part, wrist: Wrist, folder: Path) -> list[Path]:
-    """Write the files of a part into a folder, all of them or none; the paths.
+    """Write the files of a part into a folder; the paths.  As `write_together`."""
+    return write_together(contents(part, wrist), folder)
+
+
+def write_together(made: Mapping[str, str], folder: Path) -> list[Path]:
+    """Write files by name, a manifest among them, into a folder, all of them or none; the paths.
 
     They are written into a folder beside, which takes the place of a folder that is new, empty, or holds an
     export and nothing else.  A folder with anything else in it is kept: its manifest goes first and comes
     last, so that ``make check`` fails in between.  Raises InputError, before anything is written, where a
     folder stands in a file's place, and where the folder cannot be written to.
     """
-    made = contents(part, wrist)
     for name in made:
         if (folder / name).is_dir():
             raise InputError(f"--out: {folder / name} is a folder; remove it or choose another place")

@@ -12,12 +12,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from design.controllers.controller import Controller, Measured, settings_of
+from design.controllers.hand_over import HandOver
+from design.controllers.hand_over import step as step_by_hand
 from design.controllers.memory_estimator import MemoryObserver, init
 from design.controllers.memory_estimator import step as observe
 from design.controllers.plausible import Channel, SensorLimits
-from design.export.fields import ANGLE, COMMAND, PRESSURE, REFERENCE, Quantity, described, lines_of
+from design.export.fields import ANGLE, BY_HAND, COMMAND, PRESSURE, REFERENCE, Quantity, described, lines_of
 from design.export.precision import TOLERANCE, Precision
-from plants.actuator.delay import SampledDelay
+from design.export.rings import DelayRing, kept, rings, samples_of
 from plants.kernel import pytrees
 from plants.kernel.graphs import baked, c_source, graph, used
 from plants.wrist import SAMPLE_TIME
@@ -34,45 +36,18 @@ class Seen(NamedTuple):
     pressure: Number
 
 
+class SeenByHand(NamedTuple):
+    """As `Seen`, and whether the command is given by hand (1) or not (0), and which one [V]."""
+
+    reference: Number
+    angle: Number
+    pressure: Number
+    manual: Number
+    manual_command: Number
+
+
 SEEN = (REFERENCE, ANGLE, PRESSURE)
-
-
-class DelayRing(NamedTuple):
-    """A delay line on the target: a ring.  Place of its first leaf in the state, numbers that it holds, and
-    what it holds."""
-
-    near: int
-    size: int
-    holds: Quantity
-
-    @property
-    def far(self) -> int:
-        """Place of what was put in one sample before `near`."""
-        return self.near + 1
-
-    @property
-    def newest(self) -> int:
-        """Place of what is put in."""
-        return self.near + 2
-
-    @property
-    def fields(self) -> tuple[Quantity, Quantity]:
-        """Members that keep it: the ring, and the place of the oldest in it."""
-        name = self.holds.name.removesuffix("_near")
-        return (
-            Quantity(f"{name}_line", self.holds.unit, "what the delay holds, a ring", self.size),
-            Quantity(f"{name}_oldest", "", "place of the oldest in the ring", counts=True),
-        )
-
-    @property
-    def ring(self) -> str:
-        """The ring's member; one of a single number is declared without brackets."""
-        return self.fields[0].member
-
-    @property
-    def oldest(self) -> str:
-        """The member that counts."""
-        return self.fields[1].member
+SEEN_BY_HAND = (*SEEN, *BY_HAND)
 
 
 class Watched(NamedTuple):
@@ -114,7 +89,8 @@ class Part:
     delays: where in the state's leaves each delay line begins, and of how many whole samples it is; notes
     for people; tolerance: how far C may be from Python, in the unit of the output; template: of NAME.c, and
     constants: what it needs; lost: what happens where a measurement is not believed, in words; takes_lost:
-    whether `step` is given such a measurement, as no number, rather than held; precision: of the C.
+    whether `step` is given such a measurement, as no number, rather than held; precision: of the C; by_hand:
+    whether it may be commanded by hand, so that it reads `SEEN_BY_HAND`.
     """
 
     name: str
@@ -128,7 +104,7 @@ class Part:
     settings: Mapping[str, float]
     code: str
     begin: Callable[[float, float], tuple[Any, float]]
-    step: Callable[[Any, Seen], tuple[Any, float]]
+    step: Callable[[Any, Any], tuple[Any, float]]
     sensors: SensorLimits
     delays: tuple[tuple[int, int], ...] = ()
     notes: tuple[str, ...] = ()
@@ -138,6 +114,7 @@ class Part:
     lost: str = "the state is left as it was and the output is that of the last good sample"
     takes_lost: bool = False
     precision: Precision = "double"
+    by_hand: bool = False
 
     def at(self, precision: Precision) -> "Part":
         """The same part in a precision, held to what that can do."""
@@ -153,13 +130,17 @@ class Part:
     def kept(self) -> list[tuple[int, Quantity]]:
         """Leaves of the state that the struct keeps, with their places: of a delay line not what is read
         from it anew in every sample."""
-        read = {row + i for row, _ in self.delays for i in (0, 1)}
-        return [(i, f) for i, f in enumerate(self.state) if i not in read]
+        return kept(self.state, self.delays)
 
     @property
     def read(self) -> list[tuple[int, Quantity]]:
         """The inputs, with their places in `SEEN`."""
-        return [(SEEN.index(f), f) for f in self.inputs]
+        return [(SEEN_BY_HAND.index(f), f) for f in self.inputs]
+
+    @property
+    def seen(self) -> type[Seen] | type[SeenByHand]:
+        """What it is given in one sample."""
+        return SeenByHand if self.by_hand else Seen
 
     @property
     def watched(self) -> list["Watched"]:
@@ -176,7 +157,7 @@ class Part:
     @property
     def lines(self) -> list["DelayRing"]:
         """The delay lines."""
-        return [DelayRing(row, samples + 1, self.state[row]) for row, samples in self.delays]
+        return rings(self.state, self.delays)
 
     @property
     def members(self) -> list[Quantity]:
@@ -204,7 +185,46 @@ def of_controller(
     sensors: what they can show; period: of its step [s].
     Its sensors' names are those of `Seen`; of these it asks for what its law depends on.
     """
-    c = controller.sampled(period)
+
+    def law(state: Any, seen: Seen, coefficients: Any) -> tuple[Any, Number]:
+        measured = Measured(seen.reference - seen.angle, seen.angle, seen.pressure)
+        return coefficients.act(state, measured)  # type: ignore[no-any-return]
+
+    return _commanding(name, title, controller, sensors, period, law, Seen)
+
+
+def of_hand_over(
+    name: str,
+    title: str,
+    controller: HandOver,
+    sensors: SensorLimits,
+    period: float = SAMPLE_TIME,
+    by_hand: bool = True,
+) -> Part:
+    """A PI with a rate limit and, where it may be commanded by hand, without a jump when it takes over.
+
+    sensors, period [s]: as of `of_controller`.
+    """
+    if not by_hand:
+        return of_controller(name, title, controller, sensors, period)
+
+    def law(state: Any, seen: SeenByHand, coefficients: Any) -> tuple[Any, Number]:
+        measured = Measured(seen.reference - seen.angle, seen.angle, seen.pressure)
+        return step_by_hand(state, measured, seen.manual, seen.manual_command, coefficients)
+
+    found = _commanding(name, title, controller, sensors, period, law, SeenByHand)
+    return replace(found, by_hand=True, lost=f"{found.lost}; by hand, the command goes through all the same")
+
+
+def _commanding(
+    name: str,
+    title: str,
+    controller: Controller,
+    sensors: SensorLimits,
+    period: float,
+    law: Callable[[Any, Any, Any], tuple[Any, Number]],
+    given: type[Seen] | type[SeenByHand],
+) -> Part:
     low, high = (float(getattr(controller, n)) for n in ("low", "high"))
 
     def begin(pressure: Number, angle: Number) -> tuple[Any, Number]:
@@ -214,12 +234,8 @@ def of_controller(
         state = controller.holding(held, Measured(0.0, angle, pressure))
         return state, np.minimum(np.maximum(controller.command(state), low), high)
 
-    def law(state: Any, seen: Seen, coefficients: Any) -> tuple[Any, Number]:
-        measured = Measured(seen.reference - seen.angle, seen.angle, seen.pressure)
-        return coefficients.act(state, measured)  # type: ignore[no-any-return]
-
-    settings = settings_of(controller)
-    return _part(name, title, period, begin, law, c, COMMAND, low, high, settings, sensors)
+    c, settings = controller.sampled(period), settings_of(controller)
+    return _part(name, title, period, begin, law, c, COMMAND, low, high, settings, sensors, given)
 
 
 def of_observer(
@@ -246,13 +262,14 @@ def _part(
     title: str,
     period: float,
     begin: Callable[[Number, Number], tuple[Any, Number]],
-    law: Callable[[Any, Seen, Any], tuple[Any, Number]],
+    law: Callable[[Any, Any, Any], tuple[Any, Number]],
     c: Any,
     output: Quantity,
     low: float | None,
     high: float | None,
     settings: Mapping[str, float],
     sensors: SensorLimits,
+    given: type[Seen] | type[SeenByHand] = Seen,
 ) -> Part:
     c = pytrees.like(c, [float(x) for x in pytrees.leaves(c)])
 
@@ -267,20 +284,13 @@ def _part(
         after, out = law(state, seen, c)
         return pytrees.like(after, [float(x) for x in pytrees.leaves(after)]), float(out)
 
-    example, _ = python_begin(100.0, 0.0)
-    seen = Seen(0.0, 0.0, 0.0)
+    memory, _ = python_begin(100.0, 0.0)
     init_law = baked(f"{name}_init_law", graph(started, (0.0, 0.0)))
-    step_law = baked(f"{name}_step_law", graph(law, example, seen, c), c)
+    step_law = baked(f"{name}_step_law", graph(law, memory, given(*(0.0 for _ in given._fields)), c), c)
     read = used(step_law, 1)
-    delays = tuple(zip(lines_of(example), _samples(c), strict=True))
+    delays = tuple(zip(lines_of(memory), samples_of(c), strict=True))
     return Part(
-        name, title, period, tuple(f for f, wanted in zip(SEEN, read, strict=True) if wanted),
-        described(example), output, low, high, settings,
+        name, title, period, tuple(f for f, wanted in zip(SEEN_BY_HAND, read, strict=False) if wanted),
+        described(memory), output, low, high, settings,
         c_source(f"{name}_law", init_law, step_law), python_begin, python_step, sensors, delays,
     )  # fmt: skip
-
-
-def _samples(c: Any) -> list[int]:
-    """Whole samples of each delay among coefficients."""
-    flat = pytrees.leaves(c)
-    return [int(np.rint(flat[i])) for i in pytrees.places(c, SampledDelay)]

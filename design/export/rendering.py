@@ -1,6 +1,7 @@
 """Files of an exported law, from the templates beside: C, its header, README, test program, Makefile."""
 
 from functools import cache
+from html import escape
 from importlib.metadata import version
 from math import isfinite, isnan
 from textwrap import fill, wrap
@@ -13,13 +14,18 @@ from design.export.part import Part, Watched
 def render(template: str, part: Part, **values: Any) -> str:
     """A file of a part; values: what its template needs beside.  The same for the same law whenever and
     wherever it is exported."""
-    name = part.name
     common = {
-        "part": part, "n": name, "N": name.upper(), "out": part.output.member, "version": VERSION,
+        "out": part.output.member,
         "a": part.sensors.angle, "p": part.sensors.pressure, "UNSEEN": UNSEEN,
         "real": part.real, "single": part.precision == "single",
     }  # fmt: skip
-    return str(_environment().get_template(template).render(**common, **values))
+    return render_named(template, part.name, part=part, **common, **values)
+
+
+def render_named(template: str, name: str, **values: Any) -> str:
+    """A file of what is exported under a name, which begins those in C; values: what its template needs."""
+    own = {"n": name, "N": name.upper(), "version": VERSION}
+    return str(_environment().get_template(template).render(**own, **values))
 
 
 VERSION = version("wrist-workbench")
@@ -37,9 +43,18 @@ def _environment() -> Any:
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    made.filters |= {"repr": repr, "number": number, "fill": lambda text: fill(text, 110)}
+    made.filters |= {"repr": repr, "number": number, "fill": lambda text: fill(text, 110), "cell": cell}
     made.globals |= {"comment": comment, "believed": believed}
     return made
+
+
+def cell(text: str) -> str:
+    """A text of a rig's file as a table of Markdown takes it, and as what is no markup.
+
+    >>> cell("a|<b>\\nc")
+    'a&#124;&lt;b&gt; c'
+    """
+    return escape(" ".join(text.split())).replace("|", "&#124;")
 
 
 def believed(watched: Watched, value: str) -> str:

@@ -21,7 +21,7 @@ def write_units(part: Part, wrist: Wrist, folder: Path) -> list[Path]:
     """
     files = contents(part, wrist)
     made: dict[str, str | bytes] = {f"{part.name}_fmi{v[0]}.fmu": unit(part, files, v) for v in VERSIONS}
-    return _written(made | {f"{part.name}_vector.csv": files[f"{part.name}_vector.csv"]}, folder)
+    return write_each(made | {f"{part.name}_vector.csv": files[f"{part.name}_vector.csv"]}, folder)
 
 
 def write_text(part: Part, wrist: Wrist, folder: Path) -> list[Path]:
@@ -31,10 +31,12 @@ def write_text(part: Part, wrist: Wrist, folder: Path) -> list[Path]:
     """
     block = function_block(part)
     vector = contents(part, wrist)[f"{part.name}_vector.csv"]
-    return _written({f"{part.name}.st": block, f"{part.name}_vector.csv": vector}, folder)
+    return write_each({f"{part.name}.st": block, f"{part.name}_vector.csv": vector}, folder)
 
 
-def _written(files: Mapping[str, str | bytes], folder: Path) -> list[Path]:
+def write_each(files: Mapping[str, str | bytes], folder: Path) -> list[Path]:
+    """Write files by name into a folder; the paths.  Raises InputError, before anything is written, where a
+    folder stands in a file's place."""
     for name in files:
         if (folder / name).is_dir():
             raise InputError(f"--out: {folder / name} is a folder; remove it or choose another place")

@@ -6,13 +6,13 @@ what the target will see: references of every kind, some out of reach, and measu
 
 from collections.abc import Iterator
 from math import isfinite, nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.plausible import LastBelieved, believed
-from design.export.part import SEEN, Part, Seen
+from design.export.part import SEEN_BY_HAND, Part, Seen, SeenByHand
 from design.mpc.observer import begin
 from design.mpc.prediction import coefficients, roll, start_of
 from design.mpc.problem import MPCProblem
@@ -34,8 +34,8 @@ SPIKES = (1e9, -1e9, 1e300, -1.7e308, 1e4, -1e3)
 
 
 class Vector(NamedTuple):
-    """Pressure [kPa] and angle [deg] of the start; rows of reference, angle, pressure and expected output,
-    shape (steps, 4)."""
+    """Pressure [kPa] and angle [deg] of the start; rows of what is seen, reference, angle, pressure, and
+    expected output, shape (steps, 4), or (steps, 6) where it may be commanded by hand."""
 
     pressure: float
     angle: float
@@ -76,11 +76,14 @@ class TargetReplay:
         self.lines = [[leaves[row + 2]] * (samples + 1) for row, samples in self.part.delays]
         return self.output
 
-    def step(self, seen: Seen) -> float:
+    def step(self, seen: Seen | SeenByHand) -> float:
         """The output of one sample."""
         # What the law does not read may be lost, and is nothing to it.
-        seen = Seen(*(x if f in self.part.inputs else 0.0 for f, x in zip(SEEN, seen, strict=True)))
+        fields = zip(SEEN_BY_HAND, seen, strict=False)
+        seen = self.part.seen(*(x if f in self.part.inputs else 0.0 for f, x in fields))
         seen = self.believed(seen)
+        if isinstance(seen, SeenByHand):
+            seen = self.by_hand(seen)
         if not self.part.takes_lost and not all(isfinite(x) for x in seen):
             return self.output
         leaves = tree.leaves(self.state)
@@ -95,7 +98,17 @@ class TargetReplay:
             del line[: -(samples + 1)]
         return self.output
 
-    def believed(self, seen: Seen) -> Seen:
+    def by_hand(self, seen: SeenByHand) -> SeenByHand:
+        """What is seen, with values that do nothing where none is needed: by hand the command goes through,
+        whatever the sensors show."""
+        told = seen.manual_command if isfinite(seen.manual_command) else self.output
+        if not (isfinite(seen.manual) and seen.manual > 0.5):
+            return seen._replace(manual_command=told)
+        angle = next(last.value for w, last in zip(self.part.watched, self.last, strict=True) if w.place == 1)
+        reference = seen.reference if isfinite(seen.reference) else angle
+        return seen._replace(reference=reference, angle=angle, manual_command=told)
+
+    def believed(self, seen: Any) -> Any:
         """What is seen, a value that cannot be believed being no number."""
         values = list(seen)
         for i, w in enumerate(self.part.watched):
@@ -103,7 +116,7 @@ class TargetReplay:
             values[w.place] = values[w.place] if good else nan
         if not self.part.sensors.angle.holds(seen.reference):
             values[0] = nan
-        return Seen(*values)
+        return self.part.seen(*values)
 
 
 def vector(part: Part, wrist: Wrist, steps: int = STEPS, seed: int = 0) -> Vector:
@@ -126,7 +139,8 @@ def vector(part: Part, wrist: Wrist, steps: int = STEPS, seed: int = 0) -> Vecto
     at = float(state[0]), float(state[-1])
     law = TargetReplay(part)
     law.begin(*at)
-    rows = np.empty((steps, 4))
+    rows = np.empty((steps, 1 + len(part.seen._fields)))
+    hands = by_hand(part, steps, np.random.default_rng((seed, 2)))
     for k, (noise, hiss) in enumerate(draw.standard_normal((steps, 2))):
         angle = np.round((float(state[-1]) + NOISE_DEG * noise) / QUANTUM_DEG) * QUANTUM_DEG
         seen = [float(asked[k]), float(angle), float(state[0]) + NOISE_KPA * hiss]
@@ -135,11 +149,26 @@ def vector(part: Part, wrist: Wrist, steps: int = STEPS, seed: int = 0) -> Vecto
         if k in spikes:
             place, value, added = spikes[k]
             seen[place] = value + added * seen[place]
-        output = law.step(Seen(*seen))
+        seen += hands[k]
+        output = law.step(part.seen(*seen))
         rows[k] = *seen, output
         command = output if part.output.unit == "V" else _open_loop(wrist, float(asked[k]))
         state = roll(held, c, state, 0.0, np.array([command]))[0]
     return Vector(*at, rows)
+
+
+def by_hand(part: Part, steps: int, draw: np.random.Generator) -> list[list[float]]:
+    """For each step whether the command is by hand, and which one [V], beyond the range too and now and then
+    no number; nothing for a part that cannot be commanded by hand."""
+    if not part.by_hand or part.low is None or part.high is None:
+        return [[]] * steps
+    turns = np.repeat(draw.integers(0, 2, steps // 60 + 1), 60)[:steps].astype(float)
+    width = part.high - part.low
+    jumps = np.repeat(draw.uniform(part.low - 0.2 * width, part.high + 0.2 * width, steps // 40 + 1), 40)
+    turns[draw.choice(steps, steps // 400, replace=False)] = np.nan
+    told = jumps[:steps]
+    told[draw.choice(steps, steps // 100, replace=False)] = np.nan
+    return np.column_stack([turns, told]).tolist()  # type: ignore[no-any-return]
 
 
 def spoiled(part: Part, steps: int, draw: np.random.Generator) -> dict[int, tuple[int, float, float]]:
@@ -162,11 +191,11 @@ def _open_loop(wrist: Wrist, reference: float) -> float:
 
 def csv(part: Part, found: Vector) -> str:
     """The vector as a table, numbers as exact as they are; of the inputs only those that the law reads."""
-    columns = [SEEN.index(f) for f in part.inputs]
+    columns = [SEEN_BY_HAND.index(f) for f in part.inputs]
     head = ",".join([f.member for f in part.inputs] + [f"expected_{part.output.member}"])
 
     def lines() -> Iterator[str]:
         for row in found.rows:
-            yield ",".join(repr(float(x)) for x in (*row[columns], row[3]))
+            yield ",".join(repr(float(x)) for x in (*row[columns], row[-1]))
 
     return head + "\n" + "\n".join(lines()) + "\n"

@@ -3,6 +3,7 @@
 import pytest
 
 from design.export.catalogue import CATALOGUE
+from design.export.plant.files import PLANT
 from design.synthesis.requirements import COSTS
 from plants.parameters.files import built_in
 from plants.wrist import STARTS
@@ -14,7 +15,7 @@ VALUES = {
     "tune --cost ": list(COSTS),
     "simulate --start ": list(STARTS),
     "simulate --figure 1": [str(n) for n in FIGURES if str(n).startswith("1")],
-    "export ": list(CATALOGUE),
+    "export ": [*CATALOGUE, PLANT],
     "robust --axis deviation --box ": [f"{name}=" for name in built_in("deviation").parameters],
     "robust --plant nowhere.toml --box ": [],
     "ex": ["export"],
@@ -47,7 +48,7 @@ def test_zsh_says_what_each_controller_is_and_leaves_files_to_itself():
 
 def test_fish_says_what_each_controller_is():
     lines = completed("fish", "export ").splitlines()
-    assert [line.split("\t")[0] for line in lines] == list(CATALOGUE)
+    assert [line.split("\t")[0] for line in lines] == [*CATALOGUE, PLANT]
 
 
 @pytest.mark.parametrize(

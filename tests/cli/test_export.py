@@ -59,6 +59,12 @@ def test_the_folder_replays_its_vector(wrist, tmp_path, words):
         (["pi", "--gains=-1,2"], "not negative"),
         (["pi", "--gains", "1,2,3"], "3 given"),
         (["pi", "--gains", "1,2", "--plant", "nowhere.toml"], "nowhere.toml"),
+        (["plant", "--gains", "1,2"], "--gains: a plant has none"),
+        (["plant", "--hand-over"], "--hand-over: a plant has none"),
+        (["observer", "--hand-over"], "--hand-over: observer has none; choose pi or pi-2dof"),
+        (["pi", "--gains", "1,2", "--rate-limit", "0"], "--rate-limit: 0 V/s is no rate"),
+        (["plant", "--precision", "single"], "--precision: a plant is written in double"),
+        (["plant", "--target", "st"], "--target st: a plant is written as c or fmu"),
     ],
 )
 def test_bad_input_is_refused_in_a_line_and_nothing_is_written(wrist, tmp_path, words, message):
@@ -109,3 +115,34 @@ def test_a_target_that_cannot_be_is_refused(wrist, tmp_path, words, said):
     assert told.code == 2
     assert said in told.err
     assert not (tmp_path / "x").exists()
+
+
+def test_a_pi_that_takes_over_has_inputs_for_it(wrist, tmp_path, quick):
+    words = ["export", "pi", "--gains", "3.1,10.4", "--hand-over", "--rate-limit", "20", "--out", tmp_path]
+    told = wrist(*words, "--json", "-")
+    assert told.code == 0, told.err
+    inputs = [m["name"] for m in told.json["measured"]]
+    assert inputs == ["reference_deg", "angle_deg", "manual", "manual_command_V"]
+    assert told.json["settings"]["rate limit"] == 20.0
+
+
+@pytest.mark.skipif(not CC, reason="no C compiler or make on this machine")
+def test_a_revised_plant_is_written_with_its_effects(wrist, tmp_path):
+    from plants.effects import Creep
+    from plants.parameters.files import built_in, dump
+
+    own = {"creep.gain": 0.1, "creep.time_constant": 4.0}
+    plant, base = tmp_path / "revised.toml", built_in("flexion")
+    dump(base.revised([Creep], {**base.values, **own}, {"creep.gain": 0.001}, "p1"), plant)
+    told = wrist("export", "plant", "--plant", plant, "--out", tmp_path / "c", "--json", "-")
+    assert told.code == 0, told.err
+    assert [m["name"] for m in told.json["given"]] == ["command_V"]
+    assert [m["name"] for m in told.json["shown"]] == ["angle_deg", "pressure_kPa"]
+    assert told.json["settings"]["creep.gain"] == 0.1
+    said = subprocess.run(["make", "check"], cwd=tmp_path / "c", capture_output=True, text=True, check=False)
+    assert said.returncode == 0, said.stdout + said.stderr
+    told = wrist("export", "plant", "--plant", plant, "--out", tmp_path / "fmu", "--target", "fmu")
+    assert told.code == 0, told.err
+    assert sorted(p.name for p in (tmp_path / "fmu").iterdir()) == [
+        "flexion_plant_fmi2.fmu", "flexion_plant_fmi3.fmu", "flexion_plant_vector.csv",
+    ]  # fmt: skip

@@ -12,6 +12,7 @@ import pytest
 
 from design.export.catalogue import part
 from design.export.structured_text import function_block
+from design.export.table import of_plays
 from design.export.vectors import vector
 from plants.errors import InputError
 from tests.control.c_target import GAINS, WRIST
@@ -81,10 +82,11 @@ class Variables:
     """Those of one block."""
 
 
+@pytest.mark.parametrize("wrist", [WRIST, of_plays(WRIST)], ids=["four segments", "plays"])
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_block_replays_the_vector(kind):
-    made = part(kind, "flexion", WRIST, GAINS[kind])
-    found = vector(made, WRIST, STEPS)
+def test_a_block_replays_the_vector(kind, wrist):
+    made = part(kind, "flexion", wrist, GAINS[kind])
+    found = vector(made, wrist, STEPS)
     variables, run = translated(function_block(made))
     block = Variables()
     vars(block).update(variables)

@@ -6,17 +6,25 @@ from dataclasses import replace
 import pytest
 
 from design.export.catalogue import CATALOGUE
+from design.export.plant.__main__ import HEAD as PLANT_HEAD
+from design.export.plant.__main__ import HEADING as PLANT_HEADING
+from design.export.plant.__main__ import plant_row, showing
+from design.export.plant.files import plant_part
 from design.export.table import (
     HEAD,
     HEADING,
+    HEADING_OF_PLAYS,
     difference_in_c,
     difference_in_unit,
     exemplary,
+    of_plays,
     replaced,
     row,
 )
 from design.export.vectors import vector
 from plants import InputError
+from plants.effects import EFFECTS
+from plants.effects.wrist.load_step import LoadStep
 from tests.control.c_target import WRIST, needs_compiler
 from tests.docs.guide import DOCS
 
@@ -30,14 +38,39 @@ def table(heading):
     return [line.split(" | ") for line in lines if not line.startswith("---")]
 
 
-def test_the_page_has_a_row_for_each_controller_of_the_catalogue():
-    head, *rows = table(HEADING)
+@pytest.mark.parametrize("heading", [HEADING, HEADING_OF_PLAYS])
+def test_the_page_has_a_row_for_each_controller_of_the_catalogue(heading):
+    head, *rows = table(heading)
     assert head == list(HEAD)
     assert [cells[:2] for cells in rows] == [[kind, exemplary(kind, WRIST).output.unit] for kind in CATALOGUE]
     for kind, _, *found in rows:
         double, single, *units = map(float, found)
         assert max(double, *units) < exemplary(kind, WRIST).tolerance
         assert double < single < exemplary(kind, WRIST).at("single").tolerance
+
+
+def test_the_page_has_a_row_for_each_effect_of_a_plant():
+    head, *rows = table(PLANT_HEADING)
+    assert head == list(PLANT_HEAD)
+    own = {name: str(len(forms)) for name, forms in EFFECTS.items()}
+    assert {label: forms for label, forms, *_ in rows[2:]} == own
+    for label, _, *found in rows:
+        differences = [float(x) for cell in found for x in cell.split(", ")]
+        assert len(differences) == 6
+        assert max(differences) < min(plant_part("flexion", WRIST).tolerance), label
+
+
+@needs_compiler
+def test_a_row_of_a_plant_is_what_the_targets_did():
+    pytest.importorskip("fmpy")
+    label, forms, *found = plant_row("of plays", [of_plays(WRIST)], 300)
+    assert (label, forms) == ("of plays", "1")
+    assert max(float(x) for cell in found for x in cell.split(", ")) < 1e-11
+
+
+def test_an_effect_that_does_not_show_is_not_compared():
+    with pytest.raises(InputError, match="no trial of it shows in 100 samples"):
+        showing(LoadStep, WRIST, 100)
 
 
 @needs_compiler

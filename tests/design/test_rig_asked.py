@@ -26,6 +26,8 @@ BUILT_IN = {
     "design/evaluation/scenarios.py": "the names STEP and Spread's defaults",
     "design/export/cortex/__main__.py": "the plant whose controllers are counted",
     "design/export/misra.py": "the plant whose controllers are checked",
+    "design/export/plant/__main__.py": "the plant whose effects the table compares",
+    "design/export/plant/part.py": "the units in which states tell theirs, to be told in the rig's",
     "design/export/table.py": "the plant whose controllers the table compares",
     "design/export/vectors.py": "how long a test vector is",
     "design/mpc/prediction.py": "a wrist whose graph is taken, its numbers not",

@@ -1,9 +1,10 @@
-"""``wrist export``: a controller as C99 for the target, with a test vector."""
+"""``wrist export``: a controller, or the plant, for its target, with a test vector."""
 
 import math
+from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -21,9 +22,13 @@ from design.cli.places import check_places
 from design.cli.strict import LARGEST
 from design.cli.terminal.screen import console, progress
 
+if TYPE_CHECKING:
+    from plants.wrist import Wrist
+
 NAME = "export"
 HELP = (
-    "Write a controller for its target: C99 with a test vector, functional mock-up units, or structured text."
+    "Write a controller, or the plant, for its target: C99 with a test vector, functional mock-up units, or "
+    "structured text."
 )
 EXAMPLE = "Example: wrist export pi --gains 3.1,10.4 --out build/c"
 NEXT = "make -C OUT check"
@@ -48,7 +53,8 @@ def command(
     controller: Annotated[
         str,
         typer.Argument(
-            help="pi, pi-2dof, lqi, feedforward, feedforward-pi, observer, mpc or mpc-robust.",
+            help="pi, pi-2dof, lqi, feedforward, feedforward-pi, observer, mpc or mpc-robust; or plant, "
+            "the plant itself with all its effects, as C or FMU.",
             autocompletion=controllers,
         ),
     ],
@@ -75,19 +81,35 @@ def command(
     precision: Annotated[
         PrecisionName, typer.Option(help="double, or single: float throughout, for a target without double.")
     ] = PrecisionName.double,
+    hand_over: Annotated[
+        bool,
+        typer.Option(
+            "--hand-over",
+            help="pi, pi-2dof: inputs for a command by hand, from which the controller takes over without a "
+            "jump at any error.",
+        ),
+    ] = False,
+    rate_limit: Annotated[
+        float | None, typer.Option(help="pi, pi-2dof: most that the command may move, V/s.", metavar="V/S")
+    ] = None,
     axis: AxisOption = Axis.flexion,
     plant: PlantOption = None,
     json: JsonOption = None,
 ) -> None:
     from design.export.catalogue import part, record
+    from design.export.plant.files import PLANT
     from design.export.targets import TARGETS
     from plants.wrist import Wrist
 
     check_places({"--json": json}, out)
     chosen = parameter_set(axis, plant)
     wrist = Wrist.of(chosen)
+    if controller == PLANT:
+        refused = {"--gains": gains, "--rate-limit": rate_limit, "--hand-over": hand_over or None}
+        return _plant(chosen.axis, wrist, target, out, refused, precision, json)
     with progress("export") as tell:
-        made = part(controller, chosen.axis, wrist, None if gains is None else numbers(gains))
+        own = None if gains is None else numbers(gains)
+        made = part(controller, chosen.axis, wrist, own, hand_over, rate_limit)
         made = made.at(precision.value)
         tell("test vector", 0.0)
         written = TARGETS[target.value](made, wrist, out)
@@ -98,6 +120,36 @@ def command(
     if target is Target.c:
         said.print(f"replay the test vector with: make -C {out} check", soft_wrap=True)
     write_json(json, record(made, controller, [p.name for p in written]))
+
+
+def _plant(
+    axis: str,
+    wrist: "Wrist",
+    target: Target,
+    out: Path,
+    refused: Mapping[str, object],
+    precision: PrecisionName,
+    json: Path | None,
+) -> None:
+    from design.export.plant.files import plant_part, plant_record, write_plant
+    from plants.errors import InputError
+
+    for option, given in refused.items():
+        if given is not None:
+            raise InputError(f"{option}: a plant has none; leave it out")
+    if precision is not PrecisionName.double:
+        raise InputError("--precision: a plant is written in double precision; leave it out")
+    with progress("export") as tell:
+        made = plant_part(axis, wrist)
+        tell("test vector", 0.0)
+        written = write_plant(made, wrist, target.value, out)
+    said = console(json)
+    said.print(f"{made.title}: {made.name}_init and {made.name}_step, every {1000 * made.period:g} ms")
+    for path in written:
+        said.print(f"  {path}", soft_wrap=True)
+    if target is Target.c:
+        said.print(f"replay the test vector with: make -C {out} check", soft_wrap=True)
+    write_json(json, plant_record(made, [p.name for p in written]))
 
 
 def numbers(text: str) -> tuple[float, ...]:

@@ -8,8 +8,13 @@ import numpy as np
 from plants.actuator import delay
 from plants.actuator.delay import DelayLine, SampledDelay
 from plants.effects.effect import Around, Effect, Linear, Number, parameter
+from plants.meanings import remembers
 
 
+@remembers(
+    line=("kPa", "commanded pressure in the tube"),
+    behind=("kPa", "commanded pressure behind the tube's lag"),
+)
 class Tube(NamedTuple):
     """The line, and the pressure [kPa] behind the tube's own lag."""
 

@@ -6,8 +6,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plants.effects.effect import Around, Effect, Nothing, Number, parameter
+from plants.meanings import remembers
 
 
+@remembers(target=("kPa", "commanded pressure that the regulator has taken up"))
 class HeldTarget(NamedTuple):
     """The commanded pressure [kPa] that the regulator has taken up."""
 

@@ -7,8 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plants.effects.effect import Around, Effect, Number, TrialHints, parameter
+from plants.meanings import remembers
 
 
+@remembers(sag=("kPa", "how far the supply has sagged"))
 class Supply(NamedTuple):
     """How far the supply has sagged [kPa]."""
 

@@ -12,8 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plants.effects.effect import Around, Effect, Linear, Number, parameter
+from plants.meanings import remembers
 
 
+@remembers(angles=("deg", "what has crept"))
 class Slow(NamedTuple):
     """What has crept [deg], one entry for each time constant."""
 

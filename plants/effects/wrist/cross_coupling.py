@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
 from plants.effects.effect import Around, Effect, Nothing, Number, parameter
+from plants.meanings import remembers
 
 
 class SampledCoupling(NamedTuple):
@@ -57,6 +58,7 @@ class QuadraticCoupling(_Coupled):
         return SampledCoupling(self.gain, self.quadratic / wrist.rig.half_range**2)
 
 
+@remembers(pressure=("kPa", "what the other motion added to the pressure"))
 class Offset(NamedTuple):
     """What the other motion added to the pressure in the last sample [kPa]."""
 

@@ -12,11 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plants.effects.effect import Effect, Linear, Number, parameter
+from plants.meanings import remembers
 
 NULL = 1e-6
 """Inertia [s] that stands for none: its second pole is gone within a nanosecond."""
 
 
+@remembers(velocity=("deg/s", "velocity of the joint"))
 class Velocity(NamedTuple):
     """Velocity of the joint [deg/s]."""
 

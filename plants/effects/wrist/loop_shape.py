@@ -17,12 +17,18 @@ import numpy as np
 from plants.effects.effect import Around, Effect, ExcitationHints, Linear, Nothing, Number, parameter
 from plants.hysteresis.law import SIDES, Side
 from plants.hysteresis.play import kept
+from plants.meanings import remembers
 
 FLAT = 1e-6
 """Least slope of a branch [deg/kPa] and least gap between two [deg]; flatter and narrower ones count as
 these."""
 
 
+@remembers(
+    behind=("kPa", "how far a play is behind its input"),
+    before=("deg", "what the plays added to the angle before the sample"),
+    after=("deg", "what the plays add to the angle"),
+)
 class Beside(NamedTuple):
     """How far each play is behind its input [kPa], and what the plays add to the
     angle [deg] before the sample and after it."""

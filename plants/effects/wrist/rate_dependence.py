@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plants.effects.effect import Around, Effect, Nothing, Number, parameter
+from plants.meanings import remembers
 
 
 class Saturating(NamedTuple):
@@ -48,6 +49,7 @@ class SampledWidening(NamedTuple):
         return s, -extra, extra, 1.0
 
 
+@remembers(rate=("kPa/s", "rate that the friction has come to feel"))
 class Remembered(NamedTuple):
     """The rate that the friction has come to feel [kPa/s]."""
 

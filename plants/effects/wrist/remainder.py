@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plants.effects.effect import Around, Effect, Number, parameter
+from plants.meanings import remembers
 from plants.parameters.remainder import RemainderSize
 
 MULTIPLES = np.array([0.31, 0.83, 1.93, 4.27])
@@ -35,6 +36,11 @@ SHOWS = 0.5
 """A residual below this share of the sensor's noise is hidden in it, and left out."""
 
 
+@remembers(
+    sines=("", "sine of a wave"),
+    cosines=("", "cosine of a wave"),
+    began=("", "sum of the waves at the start"),
+)
 class Phasors(NamedTuple):
     """Sines and cosines of the waves, and their sum [1] where the run began."""
 

@@ -13,8 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plants.effects.effect import Around, Effect, Linear, Number, parameter
+from plants.meanings import remembers
 
 
+@remembers(amount=("", "work or largest excursion [kPa], or time [s], that has softened it"))
 class Worked(NamedTuple):
     """What has been counted so far: kPa for work and for the largest excursion, s for time."""
 

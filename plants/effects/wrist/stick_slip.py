@@ -16,6 +16,7 @@ import numpy as np
 from plants import lag
 from plants.effects.effect import Effect, Number, TrialHints, parameter
 from plants.hysteresis.play import kept
+from plants.meanings import remembers
 
 LEVEL = 1e-12
 """A pull that grows by less than this [deg] in a sample does not grow."""
@@ -27,6 +28,7 @@ TURNS = 2
 """How often the equation of the implicit midpoint rule is solved again for the speed of the joint."""
 
 
+@remembers(slides=("", "1 where the joint slides, 0 where it sticks"))
 class Contact(NamedTuple):
     """Whether the joint slides (1) or sticks (0)."""
 
@@ -61,6 +63,7 @@ class SampledStickSlip(NamedTuple):
         return Contact(moves * (1.0 - sticks)), np.where(moves > 0.5, moved, angle)
 
 
+@remembers(pull=("deg", "pull of the bristles"), speed=("deg/s", "speed of the joint"))
 class Bristles(NamedTuple):
     """Pull of the bristles [deg] and speed of the joint [deg/s]."""
 
