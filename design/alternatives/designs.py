@@ -26,14 +26,14 @@ FORWARD_PI = structure.FORWARD_PI.name
 class RequirementDesign:
     """What ``wrist design`` tuned under the whole requirement of a rig, as the recommended PI.
 
-    gains by name; cost: worst cost over its cases [deg s]; holds: whether no broken limit was found; limit:
-    the one that is broken or nearest, None where none is near; cases: adverse cases of its tuning.
+    gains by name; cost: worst cost over its cases [deg s]; excess: the largest over a limit that was found,
+    as a share of it, and the limit; cases: adverse cases of its tuning.
     """
 
     controller: Any
     gains: Mapping[str, float]
     cost: float
-    holds: bool
+    excess: float
     limit: str | None
     cases: int
 
@@ -41,14 +41,14 @@ class RequirementDesign:
     def of(cls, wrist: Wrist, record: Mapping[str, Any]) -> "RequirementDesign":
         """The design of a wrist that a design's JSON tells of."""
         return cls(
-            structure.with_gains(wrist, record["gains"]), record["gains"], record["cost"], record["holds"],
-            record.get("worst_excess_of") or record["active"], record["cases"],
+            structure.with_gains(wrist, record["gains"]), record["gains"], record["cost"],
+            record["worst_excess"], record["worst_excess_of"], record["cases"],
         )  # fmt: skip
 
     @property
     def breaks(self) -> tuple[str, ...]:
         """The limit that is broken in some case of the requirement."""
-        return () if self.holds or self.limit is None else (self.limit,)
+        return () if self.excess <= 0.0 or self.limit is None else (self.limit,)
 
 
 Design = ConvexConcave | RobustLQI | FeedforwardDesign | RequirementDesign

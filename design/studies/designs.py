@@ -18,6 +18,7 @@ from design.robustness.robust_lqi import tune_lqi
 from design.robustness.robust_tuning import RobustTuning, tune_robustly
 from design.synthesis.answer import LimitBroken, OutOfReach
 from design.synthesis.convex import Unsolved
+from design.synthesis.requirements import excesses
 from design.synthesis.structure import FORWARD_PI, forward_pi
 from design.synthesis.tuning import Region, Tuning
 from plants.effects.effect import dead_time_of
@@ -118,8 +119,13 @@ def _searched(
     tell: Tell,
 ) -> dict[str, Any]:
     """The record of an alternative to a PI, which holds only what one search more does not break, in half as
-    many runs as the recommended gains."""
+    many runs as the recommended gains; of one that does not hold, by how much it breaks the limits, no guard
+    counted, in the cases of its tuning."""
     found = _tuning_record(tuned)
+    beyond = excesses(tuned.final.at.values, required.limits.named)
+    if not tuned.holds and beyond:
+        worst_of = max(beyond, key=lambda n: float(beyond[n][0]))
+        found |= {"worst_excess": float(beyond[worst_of][0]), "worst_excess_of": worst_of}
     if tuned.holds:
         tell("search for the worst case", 0.9)
         worst = worst_found(required, tuned.final.controller, effort.runs // 2, seed + 78, jobs)

@@ -15,7 +15,7 @@ from typing import Any
 
 from plants.files import json_text, write_atomically
 
-VERSION = 3
+VERSION = 4
 """Of what stages do; counted up where a stage gives another result for the same question."""
 
 

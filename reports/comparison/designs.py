@@ -64,8 +64,8 @@ def _design(d: Design) -> str:
 
 def _under_requirement(d: RequirementDesign) -> str:
     gains = ", ".join(SETTINGS.get(n, f"{n} = {{}}").format(number(v)) for n, v in d.gains.items())
-    broken = listed([f"the limit on {limit_in_text(n)}" for n in d.breaks]) or "a limit"
-    held = "no broken limit was found" if d.holds else f"in one of them it breaks {broken}"
+    broken = listed([f"the limit on {limit_in_text(n)}" for n in d.breaks])
+    held = f"it breaks {broken} by {number(100 * d.excess, 2)} %" if d.breaks else "no broken limit was found"
     return (
         f"{gains}. Tuned by wrist design under the whole requirement, as the tuned PI, with {d.cases} "
         f"adverse cases. Worst cost over these {number(d.cost)}; {held}."

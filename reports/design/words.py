@@ -168,9 +168,12 @@ def lqi_words(m: MotionDesign) -> str:
     words = f"{m.motion}: a robust LQI ({values}) needs the measured pressure, and no certificate covers it."
     if found["holds"]:
         return f"{words} Its worst IAE is {lower}; no broken limit was found."
-    broken = found.get("worst_excess_of") or found["active"]
-    limit = "a limit" if broken is None else f"the limit on {limit_in_text(broken)}"
-    return f"{words} It breaks {limit} in a case that was found; its worst IAE is {lower}."
+    limit = f"the limit on {limit_in_text(found['worst_excess_of'])}"
+    if found["worst_excess"] > 0.0:
+        beyond = f"It breaks {limit} by {number(100 * found['worst_excess'], 2)} % in a case that was found"
+    else:
+        beyond = f"No gains of it were found that stay below {limit} by the margin of the tuning"
+    return f"{words} {beyond}; its worst IAE is {lower}."
 
 
 def controller_words(m: MotionDesign) -> str:

@@ -54,7 +54,13 @@ def test_the_lqi_and_the_feedforward_of_the_design_are_asked_for(wrist, folder, 
 
     monkeypatch.setattr("design.studies.study.study", study)
     gains = {"Ke": 536.0, "Kd": -774.0, "Kq": -65.7, "jump": 3.2, "bandwidth": 7.47}
-    told = {"gains": gains, "cost": 8.7, "holds": False, "active": "overshoot_percent", "cases": 58}
+    told = {
+        "gains": gains,
+        "cost": 8.7,
+        "worst_excess": 0.1,
+        "worst_excess_of": "overshoot_percent",
+        "cases": 58,
+    }
     record = {"designs": {"deviation": {"PI": {}, "robust LQI": told}}}
     (folder / "design.json").write_text(json.dumps(record))
     wrist("compare", "--design", folder)

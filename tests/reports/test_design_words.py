@@ -93,10 +93,14 @@ def test_a_feedforward_whose_worst_case_breaks_a_limit_is_told_with_the_case():
 def test_an_lqi_is_told_with_the_limit_that_it_breaks_or_that_none_was_found():
     with_one = motion("flexion", 0, "proved")
     gains = {"Ke": 600.0, "Kd": -640.0, "Kq": -70.0, "jump": 8.0, "bandwidth": 45.0}
-    one = {"gains": gains, "holds": False, "cost": 9.0, "active": "overshoot_percent"}
+    broken = {"worst_excess": 0.14, "worst_excess_of": "overshoot_percent"}
+    one = {"gains": gains, "holds": False, "cost": 9.0, **broken}
     words = lqi_words(replace(with_one, designs={**with_one.designs, LQI_NAME: one}))
-    assert "breaks the limit on overshoot" in words
+    assert "breaks the limit on overshoot by 14 %" in words
     assert "10 % lower" in words
+    near = {**one, "worst_excess": -0.02}
+    words = lqi_words(replace(with_one, designs={**with_one.designs, LQI_NAME: near}))
+    assert "breaks" not in words
     held = {**one, "holds": True, "cost": 12.0}
     words = lqi_words(replace(with_one, designs={**with_one.designs, LQI_NAME: held}))
     assert "no broken limit was found" in words
