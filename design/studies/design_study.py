@@ -268,7 +268,8 @@ def _priced(
         row = tasks.row(with_gains(required.wrist, found["gains"]), jobs)
         guarantee = "without the residual" if name == BARE else "worst case found"
         own = {"guarantee": guarantee, "controller": name, "gains": found["gains"]}
-        rows.append({**own, "feasible": found["holds"], "own_worst_iae_deg_s": found["cost"], **row})
+        held = found["holds"] or found.get("worst_excess", 1.0) <= 0.0
+        rows.append({**own, "feasible": held, "own_worst_iae_deg_s": found["cost"], **row})
     last = next(dict(r) for r in reversed(rows) if r["controller"] == best)
     if proved["status"] == "proved":
         rows.append({**last, "guarantee": "proved"})
