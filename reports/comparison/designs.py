@@ -39,11 +39,12 @@ def budgets(comparison: Comparison, tunings: Mapping[str, Tuning]) -> str:
             tried[name] = max(tried.get(name, 0), d.tried)
     counts = ", ".join(f"{name_of(n)} {count}" for n, count in tried.items() if count)
     alike = dict.fromkeys(n for (_, n), d in comparison.designs.items() if isinstance(d, RequirementDesign))
-    said = f" {listed([name_of(n) for n in alike])} were tuned under its requirement." if alike else ""
+    names = listed([name_of(n) for n in alike])
+    said = f"; {names} were tuned under the requirement of the tuned PI" if alike else ""
     return (
         f"Candidates simulated on all tuning scenarios: {counts} (of the "
         "tuned PI, its map alone); the convex-concave PI is the result of convex programs; textbook rules, "
-        f"feedforward alone and MPCs were not tuned on scenarios at all. The budgets differ.{said}"
+        f"feedforward alone and MPCs were not tuned on scenarios at all. The budgets differ{said}."
     )
 
 
