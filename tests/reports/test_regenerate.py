@@ -129,3 +129,10 @@ def test_what_is_made_already_is_compared_as_it_lies(tmp_path, monkeypatch, caps
     assert "trace: 1 differences" in capsys.readouterr().out
     with pytest.raises(SystemExit):
         regenerate.main(["--made", "trace"])
+
+
+def test_the_committed_comparison_has_fewer_words_than_it_may():
+    """Text and tables with all folds open; letters within figures and numbers of their axes apart."""
+    page = (EXAMPLES / "comparison.html").read_text(encoding="utf-8")
+    text = re.sub(r"<(svg|script|style|template)\b.*?</\1>|<[^>]+>", " ", page, flags=re.DOTALL)
+    assert len(text.split()) < 6000
