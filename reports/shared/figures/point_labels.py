@@ -107,7 +107,7 @@ def _segments(axes: "Axes", to_points: float, corner: Array) -> Array:
 
     found = [np.empty((0, 4))]
     for line in axes.lines:
-        drawn = line.get_path().cleaned(line.get_transform(), simplify=True)
+        drawn = line.get_transform().transform_path(line.get_path()).cleaned(simplify=True)
         corners = np.asarray(drawn.vertices)[np.asarray(drawn.codes) != Path.STOP] * to_points - corner
         found.append(np.concatenate([corners[:-1], corners[1:]], axis=1))
     return np.concatenate(found)
