@@ -103,7 +103,7 @@ def run(
 ) -> tuple[str, str]:
     """How tests ended on a mutant: caught, held up, survived or out of time, and by which test.
 
-    Held up is one test beyond its own limit of ``each`` [s], out of time all together beyond ``timeout`` [s]."""
+    Held up is one test beyond its own limit of ``each`` [s], out of time all beyond ``timeout`` [s]."""
     path = mutant.path.relative_to(ROOT)
     target = copy / path
     whole = target.read_text(encoding="utf-8")
