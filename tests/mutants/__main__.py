@@ -16,6 +16,7 @@ import time
 import tomllib
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ import pytest
 
 from tests.mutants.forked import prepare, pytest_forked
 from tests.mutants.mutate import Mutant, drawn
-from tests.mutants.reach import Reached, chosen, enclosing, limits, naming, record
+from tests.mutants.reach import Reached, chosen, enclosing, limits, naming, quickest, record
 
 ROOT = Path(__file__).parents[2]
 EQUIVALENT = Path(__file__).parent / "equivalent.toml"
@@ -32,7 +33,7 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("plants/hysteresis", "plants/actuator", "plants/effects", "plants/lag.py", "plants/dynamics.py",
          "plants/wrist.py", "plants/simulation", "plants/equilibrium.py", "design/controllers"),
         ("laws/*", "oracles/*", "control/test_[fipt]*", "control/test_memory*", "control/test_registered*",
-         "control/test_spikes*"),
+         "control/test_spikes*", "robustness/test_remainder*"),
     ),
     "kernels": (
         ("plants/kernel", "design/mpc"), ("kernel/*", "laws/test_k*", "laws/test_l*", "control/test_mpc*"),
@@ -48,6 +49,8 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "export": (("design/export",), ("control/test_export*",)),
 }  # fmt: skip
 """Sources, and the tests that are run on them, by what they are of."""
+OF_ALL = ("tests/test_frozen.py",)
+"""Tests of how any source is written."""
 
 
 def sources(room: str) -> list[Path]:
@@ -128,20 +131,22 @@ def judged(
     known: list[dict[str, str]],
 ) -> tuple[str, str]:
     """How a mutant ends, `run` with the tests that reach it; where they pass also with whole files of which
-    that is not known."""
+    that is not known, and for what is done on import, which no test is seen to reach, with all quick ones."""
     path = str(mutant.path.relative_to(ROOT))
     for other in known:
         if (other["path"], other["after"]) == (path, mutant.after):
             return "equivalent", other["reason"]
     source = mutant.path.read_text(encoding="utf-8")
-    tests = chosen(reached, enclosing(source, path, mutant.line), path, most)
-    files, enough = list(dict.fromkeys(t.partition("::")[0] for t in tests)), 5.0 * most + 60.0
-    each = limits(reached)
-    ended = run(mutant, files, lambda: First(tests), copy, enough, each)
-    more = naming(copy, unknown, Path(path))
-    if ended[0] == "survived" and more:
-        return run(mutant, more, First, copy, enough, each)
-    return ended
+    functions, enough, each = enclosing(source, path, mutant.line), 5.0 * most + 60.0, limits(reached)
+    tries = [chosen(reached, functions, path, most)]
+    if not functions:
+        tries.append(quickest(reached, most))
+    for tests in tries:
+        files = list(dict.fromkeys(t.partition("::")[0] for t in tests))
+        ended = run(mutant, files, partial(First, tests), copy, enough, each)
+        if ended[0] != "survived":
+            return ended
+    return run(mutant, [*OF_ALL, *naming(copy, unknown, Path(path))], First, copy, enough, each)
 
 
 def main() -> int:

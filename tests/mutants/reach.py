@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterable, Iterator
+from itertools import accumulate
 from pathlib import Path
 from types import CodeType, FrameType
 from typing import Any, NamedTuple
@@ -146,6 +147,13 @@ def chosen(reached: dict[str, Reached], functions: list[str], path: str, most: f
             break
         found.append(test)
     return found
+
+
+def quickest(reached: dict[str, Reached], most: float) -> list[str]:
+    """As many tests as end in ``most`` [s] together."""
+    ordered = sorted(reached, key=lambda t: reached[t].seconds)
+    spent = accumulate(reached[t].seconds for t in ordered)
+    return [test for test, until in zip(ordered, spent, strict=True) if until <= most]
 
 
 def limits(reached: dict[str, Reached]) -> dict[str, float]:

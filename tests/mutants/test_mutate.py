@@ -9,7 +9,7 @@ import pytest
 from tests.mutants.__main__ import ROOMS, ROOT, equivalents, sources
 from tests.mutants.forked import Ended, followed
 from tests.mutants.mutate import drawn, mutants
-from tests.mutants.reach import Reached, chosen, enclosing, limits
+from tests.mutants.reach import Reached, chosen, enclosing, limits, quickest
 
 TEXT = '''"""A law."""
 
@@ -84,6 +84,10 @@ def test_tests_that_reach_it_come_first_and_the_quick_ones_of_them():
     assert chosen(REACHED, ["a.py::f"], "a.py", 5.0) == ["one.py::quick"]
     assert chosen(REACHED, ["a.py::unseen", "a.py::g"], "a.py", 99.0)[0] == "one.py::slow"
     assert chosen(REACHED, [], "b.py", 99.0) == ["two.py::far"]
+
+
+def test_of_all_tests_the_quick_ones():
+    assert quickest(REACHED, 1.5) == ["one.py::beside", "two.py::far", "one.py::quick"]
 
 
 def test_a_test_hangs_beyond_five_times_the_longest_of_its_file_and_a_minute():
