@@ -138,15 +138,15 @@ def judged(
             return "equivalent", other["reason"]
     source = mutant.path.read_text(encoding="utf-8")
     functions, enough, each = enclosing(source, path, mutant.line), 5.0 * most + 60.0, limits(reached)
-    tries = [chosen(reached, functions, path, most)]
-    if not functions:
-        tries.append(quickest(reached, most))
-    for tests in tries:
-        files = list(dict.fromkeys(t.partition("::")[0] for t in tests))
-        ended = run(mutant, files, partial(First, tests), copy, enough, each)
-        if ended[0] != "survived":
-            return ended
-    return run(mutant, [*OF_ALL, *naming(copy, unknown, Path(path))], First, copy, enough, each)
+    tries: list[tuple[list[str], list[str]]] = [([*OF_ALL], [])]
+    for tests in (chosen(reached, functions, path, most), [] if functions else quickest(reached, most)):
+        tries.append((list(dict.fromkeys(t.partition("::")[0] for t in tests)), tests))
+    tries.append((naming(copy, unknown, Path(path)), []))
+    ended = "survived", ""
+    for files, tests in tries:
+        if files and ended[0] == "survived":
+            ended = run(mutant, files, partial(First, tests), copy, enough, each)
+    return ended
 
 
 def main() -> int:
