@@ -55,4 +55,5 @@ def test_pairing_tells_apart_what_the_spread_of_the_plants_would_hide():
     plants = 10.0 * draw.standard_normal(40)
     one, other = plants + 0.1 * draw.standard_normal(40) + 0.2, plants
     assert paired(one, other).sign == 1
+    assert paired(other, one).sign == -1
     assert paired(one, other[::-1]).sign == 0

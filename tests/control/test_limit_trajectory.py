@@ -8,6 +8,7 @@ from design.controllers.pi import PI
 from design.evaluation.scenarios import Scenario
 from design.evaluation.steps import run
 from design.limit import bound, limit, limits_of, optimal, ratios, replay
+from design.limit.optimal import TimeOptimalProblem
 from plants import Wrist
 from plants.effects.regulator.dead_time import DeadTime
 from tests.control.limit_plant import iae, lanes, of_state, settled_at
@@ -61,6 +62,13 @@ def test_the_linear_cascade_is_not_slower_than_its_time_optimal_transfer():
     found = bound(wrist, 15.0, state)
     achieved = float(optimal(wrist, 15.0, state, found, "settling", 0.0).metrics.settling_time_s)
     assert found.settling_s <= achieved <= transfer.sum() + 0.001
+
+
+@pytest.mark.parametrize(("angle", "way"), [(0.0, 15.0), (5.0, 10.0), (-5.0, 20.0)])
+def test_the_band_is_a_share_of_the_way_from_where_the_step_begins(angle, way):
+    wrist = Wrist.flexion()
+    problem = TimeOptimalProblem(wrist, wrist.rest("line1", angle), 15.0, 1.0, 100)
+    assert problem.band == pytest.approx(wrist.rig.task.band * way)
 
 
 def test_replays_are_judged_as_by_a_plain_loop():

@@ -9,12 +9,15 @@ import pytest
 
 from design.controllers.controller import Measured
 from design.mpc import fallback, qp
-from design.mpc.fallback import BY_PI, HELD, SHIFTED, SOLVED, Fallback
+from design.mpc.fallback import BY_PI, HELD, SHIFTED, SOLVED, Fallback, Info
 from design.mpc.linear import linear_mpc
 from design.mpc.loop import run
+from design.mpc.prediction import start_of
 from design.mpc.problem import MPCProblem
 from design.mpc.real_time import real_time_mpc
+from design.mpc.timing import ledger
 from plants import Wrist
+from plants.kernel import pytrees as tree
 
 PROBLEM = MPCProblem(Wrist.flexion())
 
@@ -158,3 +161,27 @@ def test_a_step_changes_nothing_that_it_was_given():
     again = controller.step(state, Measured(14.0, 1.0, 130.0))
     assert again[1] == first[1]
     assert again[2].rung == fallback.SOLVED
+
+
+def test_the_ledger_counts_each_rung_and_each_step_that_took_longer_than_the_period():
+    taken = [(SOLVED, 9.0), (SOLVED, 0.5), (SHIFTED, 0.4), (SOLVED, 1.5), (HELD, 0.1), (SHIFTED, 0.2)]
+    infos = [Info(rung, "", 0, 0, int(periods * 2e7), 0) for rung, periods in taken]
+    found = ledger(infos, 0.02, leave_out=1)
+    assert found.rungs == {SOLVED: 2, SHIFTED: 2, HELD: 1}
+    assert (found.steps, found.misses) == (5, 1)
+    assert found.total.most == pytest.approx(0.03)
+
+
+@pytest.mark.parametrize(
+    ("virgin", "angle", "stuck"), [(1.0, 0.0, True), (0.0, 0.0, False), (1.0, 15.0, False)]
+)
+def test_a_plan_is_stuck_that_ends_on_the_virgin_curve_away_from_the_reference(virgin, angle, stuck):
+    """All but the end of the plan is on the virgin curve, far from where it should be."""
+    controller = real_time_mpc(PROBLEM)
+    believed = controller.init(Measured(0.0, 0.0, 100.0)).believed
+    about = controller._linearised(believed, np.full(PROBLEM.horizon, 100.0 / 49.4))
+    names = tree.names(believed.plant)
+    states = np.tile(start_of(believed), (PROBLEM.horizon, 1))
+    assert states[0, names.index("memory.virgin")] == 1.0
+    states[-1, [names.index("memory.virgin"), names.index("angle")]] = virgin, angle
+    assert controller._stuck(about._replace(states=states), believed, 15.0) is stuck

@@ -103,3 +103,11 @@ def test_slopes_lie_between_none_of_the_plays_engaged_and_all():
     assert list(curved) == ["inner"]
     steepest = max(map(float, WRIST.hysteresis.steepness)) / WRIST.hysteresis.s
     assert curved["inner"] == pytest.approx((1.0, steepest))
+
+
+@pytest.mark.parametrize("wider", [0.8, 1.25])
+def test_a_curved_transit_becomes_as_steep_as_the_steeper_line(wider):
+    loop = WRIST.hysteresis
+    lines = WRIST.with_values(a2=wider * loop.a1)
+    slope = CurvedTransit(1.0).linear(lines, 1.0, 0.001, (0.0, 200.0)).slopes["inner"][1] * loop.s
+    assert slope == pytest.approx(loop.a1 * max(1.0, wider))

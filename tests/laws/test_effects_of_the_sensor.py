@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from plants.effects import Drift, HarmonicHum, Hum, WarmingDrift
+from plants.effects import EFFECTS, Drift, HarmonicHum, Hum, WarmingDrift
 from tests.laws.effect_steps import DT, WRIST, played
 
 VOLTS = np.repeat([3.0, 2.0], 300)
@@ -43,3 +43,9 @@ def test_the_compiled_wrist_shows_the_same():
     wrist = WRIST + Drift(0.5) + Hum(7.0, 0.2, -0.1)
     _, _, seen = played(wrist, VOLTS)
     np.testing.assert_allclose(wrist.simulate(VOLTS).angle, seen, atol=1e-12)
+
+
+def test_a_sensor_that_drifts_wanders_and_no_other_effect_does():
+    """The trace forgives a residual that wanders, but not of a rig without such a sensor."""
+    wandering = {form for forms in EFFECTS.values() for form in forms if form.WANDERS}
+    assert wandering == {Drift, WarmingDrift}

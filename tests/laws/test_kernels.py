@@ -1,5 +1,6 @@
 """Machine code made of a law does what the law says: in its order, with its operations, row by row."""
 
+import re
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -96,6 +97,26 @@ def test_row_zero_is_the_start_and_the_others_stand_every_so_many_steps(every):
 def test_without_rows_only_the_last_state_comes_back():
     last, rows = run_lanes(gather, Pair(0.0, 0.0), Gain(1.0), 5, {"v": np.ones(5)}, ("v", "sample"))
     assert (float(last.a[0]), rows.size) == (5.0, 0)
+
+
+def test_lanes_of_lengths_of_their_own_go_on_as_long_as_the_longest_beside_them():
+    steps, signal = np.r_[np.full(LANES, 3), np.arange(LANES)], np.arange(1.0, LANES) ** 2
+    given = gather, Pair(np.zeros(2 * LANES), -1.0), Gain(1.0), steps
+    last, _ = run_lanes(*given, {"v": signal}, ("v", "sample"))
+    longest = np.repeat([3, LANES - 1], LANES)
+    np.testing.assert_array_equal(last.b, longest - 1.0)
+    np.testing.assert_allclose(last.a, np.cumsum(signal)[longest - 1])
+    with pytest.raises(ValueError, match=f"a signal is shorter than the {LANES - 1} steps"):
+        run_lanes(*given, {"v": signal[:-1]}, ("v", "sample"))
+
+
+def test_a_choice_is_one_selection_and_no_sum_of_two():
+    def law(s: Pair, _inputs: tuple[()], c: Gain) -> Pair:
+        return Pair(np.where(s.a < s.b, s.a, c.k), s.b)
+
+    text = emit("law", law, Pair("a", "b"), (), Gain("k"))
+    less, value = re.search(r"(\w+) = s0 < s1\n[\s\S]*?m\[\d+ \+ l\] = (\w+)\n", text).groups()
+    assert f"{value} = select({less}, s0, c0)" in text
 
 
 def test_an_operation_without_code_is_refused_by_name():

@@ -1,8 +1,11 @@
 """``python -m tests.mutants``: draw faults with a seed, run the tests that reach each, list survivors.
 
 Each fault is put into a copy of the project.  Which tests reach it is recorded first (`tests.mutants.reach`);
-the first that fails ends a run.  Mutants of ``equivalent.toml`` change nothing, for the reason given there,
-and are not run.  Exit codes: 0 at least `--ask` of a hundred caught, 1 not.
+the first that fails ends a run.  A mutant that makes a test run for more than five times as long as the
+longest of its file took when recorded, and a minute more, counts as caught, as in mutmut and Cosmic Ray, and
+is told apart; one whose tests as a whole do not end in time says nothing.  Mutants of ``equivalent.toml``
+change nothing, for the reason given there, and are not run.  Exit codes: 0 at least `--ask` of a hundred
+caught, 1 not.
 """
 
 import argparse
@@ -12,7 +15,8 @@ import tempfile
 import time
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +24,7 @@ import pytest
 
 from tests.mutants.forked import prepare, pytest_forked
 from tests.mutants.mutate import Mutant, drawn
-from tests.mutants.reach import Reached, chosen, enclosing, naming, record
+from tests.mutants.reach import Reached, chosen, enclosing, limits, naming, quickest, record
 
 ROOT = Path(__file__).parents[2]
 EQUIVALENT = Path(__file__).parent / "equivalent.toml"
@@ -29,7 +33,7 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("plants/hysteresis", "plants/actuator", "plants/effects", "plants/lag.py", "plants/dynamics.py",
          "plants/wrist.py", "plants/simulation", "plants/equilibrium.py", "design/controllers"),
         ("laws/*", "oracles/*", "control/test_[fipt]*", "control/test_memory*", "control/test_registered*",
-         "control/test_spikes*"),
+         "control/test_spikes*", "robustness/test_remainder*"),
     ),
     "kernels": (
         ("plants/kernel", "design/mpc"), ("kernel/*", "laws/test_k*", "laws/test_l*", "control/test_mpc*"),
@@ -45,6 +49,8 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "export": (("design/export",), ("control/test_export*",)),
 }  # fmt: skip
 """Sources, and the tests that are run on them, by what they are of."""
+OF_ALL = ("tests/test_frozen.py",)
+"""Tests of how any source is written."""
 
 
 def sources(room: str) -> list[Path]:
@@ -91,19 +97,26 @@ class First:
 
 
 def run(
-    mutant: Mutant, files: list[str], plugin: Callable[[], Any], copy: Path, timeout: float
+    mutant: Mutant,
+    files: list[str],
+    plugin: Callable[[], Any],
+    copy: Path,
+    timeout: float,
+    each: Mapping[str, float],
 ) -> tuple[str, str]:
-    """How tests ended on a mutant: caught, survived or out of time, and by which test."""
+    """How tests ended on a mutant: caught, held up, survived or out of time, and by which test.
+
+    Held up is one test beyond its own limit of ``each`` [s], out of time all beyond ``timeout`` [s]."""
     path = mutant.path.relative_to(ROOT)
     target = copy / path
     whole = target.read_text(encoding="utf-8")
     target.write_text(mutant.text, encoding="utf-8")
     try:
-        ended = pytest_forked(copy, ["-x", *files, str(path)], plugin, timeout)
+        ended = pytest_forked(copy, ["-x", *files, str(path)], plugin, timeout, each)
     finally:
         target.write_text(whole, encoding="utf-8")
     if ended.code is None:
-        return "out of time", ""
+        return ("held up", ended.found) if ended.found else ("out of time", "")
     if ended.code in (0, 5):  # all passed, none chosen
         return "survived", ""
     return "caught", ended.found or "the process died"
@@ -118,18 +131,21 @@ def judged(
     known: list[dict[str, str]],
 ) -> tuple[str, str]:
     """How a mutant ends, `run` with the tests that reach it; where they pass also with whole files of which
-    that is not known."""
+    that is not known, and for what is done on import, which no test is seen to reach, with all quick ones."""
     path = str(mutant.path.relative_to(ROOT))
     for other in known:
         if (other["path"], other["after"]) == (path, mutant.after):
             return "equivalent", other["reason"]
     source = mutant.path.read_text(encoding="utf-8")
-    tests = chosen(reached, enclosing(source, path, mutant.line), path, most)
-    files, enough = list(dict.fromkeys(t.partition("::")[0] for t in tests)), 5.0 * most + 60.0
-    ended = run(mutant, files, lambda: First(tests), copy, enough)
-    more = naming(copy, unknown, Path(path))
-    if ended[0] == "survived" and more:
-        return run(mutant, more, First, copy, enough)
+    functions, enough, each = enclosing(source, path, mutant.line), 5.0 * most + 60.0, limits(reached)
+    tries: list[tuple[list[str], list[str]]] = [([*OF_ALL], [])]
+    for tests in (chosen(reached, functions, path, most), [] if functions else quickest(reached, most)):
+        tries.append((list(dict.fromkeys(t.partition("::")[0] for t in tests)), tests))
+    tries.append((naming(copy, unknown, Path(path)), []))
+    ended = "survived", ""
+    for files, tests in tries:
+        if files and ended[0] == "survived":
+            ended = run(mutant, files, partial(First, tests), copy, enough, each)
     return ended
 
 
@@ -166,10 +182,10 @@ def main() -> int:
                 })  # fmt: skip
                 asked.out.parent.mkdir(parents=True, exist_ok=True)
                 asked.out.write_text(json.dumps({"seed": asked.seed, "mutants": records}, indent=1) + "\n")
-    caught, ended = counts["caught"], counts["caught"] + counts["survived"]
-    print(
-        f"{caught} of {ended} caught, {counts['survived']} survived; {counts['equivalent']} change nothing;"
-    )
+    caught, held = counts["caught"] + counts["held up"], counts["held up"]
+    ended = caught + counts["survived"]
+    print(f"{caught} of {ended} caught, {held} of them by a test that took five times its time and a minute;")
+    print(f"{counts['survived']} survived; {counts['equivalent']} change nothing;")
     print(f"of {counts['out of time']} more the tests did not end in time, which says nothing")
     return int(caught < asked.ask / 100.0 * ended)
 

@@ -5,7 +5,8 @@ import multiprocessing
 import os
 import signal
 import sys
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Mapping
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -21,7 +22,7 @@ MEMORY = 8 << 30
 
 class Ended(NamedTuple):
     """How a run ended: pytest's exit code, None where time was out, -1 where the process died; and what its
-    plugin had found."""
+    plugin had found, where time was out the test that took longer than its own limit."""
 
     code: int | None
     found: Any
@@ -48,22 +49,49 @@ def prepare(cache: Path) -> None:
         importlib.import_module(name)
 
 
-def pytest_forked(copy: Path, words: list[str], plugin: Callable[[], Any], timeout: float) -> Ended:
-    """Run pytest in a copy of the project with a plugin, whose ``found`` comes back."""
+def pytest_forked(
+    copy: Path,
+    words: list[str],
+    plugin: Callable[[], Any],
+    timeout: float,
+    limits: Mapping[str, float] | None = None,
+) -> Ended:
+    """Run pytest in a copy of the project with a plugin, whose ``found`` comes back.
+
+    Time is out after ``timeout`` [s], or where a test takes longer than its own of ``limits`` [s]."""
     forked = multiprocessing.get_context("fork")
     receiver, sender = forked.Pipe(duplex=False)
     process = forked.Process(target=_child, args=(copy, words, plugin, sender))
     process.start()
     sender.close()
     try:
-        if not receiver.poll(timeout):
-            return Ended(None, None)
-        return Ended(*receiver.recv())
+        return followed(receiver, time.monotonic() + timeout, limits or {})
     except EOFError:
         return Ended(-1, None)
     finally:
         _end(process.pid)
         process.join()
+
+
+def followed(receiver: Connection, end: float, limits: Mapping[str, float]) -> Ended:
+    """What a run says last; before that it says which test begins."""
+    test, until = "", end
+    while receiver.poll(max(0.0, min(until, end) - time.monotonic())):
+        said = receiver.recv()
+        if not isinstance(said, str):
+            return Ended(*said)
+        test, until = said, time.monotonic() + limits.get(said, float("inf"))
+    return Ended(None, test if until < end else None)
+
+
+class _Began:
+    """A plugin that says which test begins."""
+
+    def __init__(self, sender: Connection) -> None:
+        self.sender = sender
+
+    def pytest_runtest_logstart(self, nodeid: str) -> None:
+        self.sender.send(nodeid)
 
 
 def _end(pid: int | None) -> None:
@@ -95,5 +123,5 @@ def _child(copy: Path, words: list[str], plugin: Callable[[], Any], sender: Conn
     sys.path[:] = [str(copy), *(p for p in sys.path if p and Path(p).resolve() != copy)]
     found = plugin()
     loaded = ("-W", "ignore::pytest.PytestAssertRewriteWarning")  # before pytest could rewrite it
-    code = pytest.main(["-q", "-p", "no:cacheprovider", *loaded, *words], plugins=[found])
+    code = pytest.main(["-q", "-p", "no:cacheprovider", *loaded, *words], plugins=[found, _Began(sender)])
     sender.send((int(code), found.found))

@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterable, Iterator
+from itertools import accumulate
 from pathlib import Path
 from types import CodeType, FrameType
 from typing import Any, NamedTuple
@@ -146,3 +147,22 @@ def chosen(reached: dict[str, Reached], functions: list[str], path: str, most: f
             break
         found.append(test)
     return found
+
+
+def quickest(reached: dict[str, Reached], most: float) -> list[str]:
+    """As many tests as end in ``most`` [s] together."""
+    ordered = sorted(reached, key=lambda t: reached[t].seconds)
+    spent = accumulate(reached[t].seconds for t in ordered)
+    return [test for test, until in zip(ordered, spent, strict=True) if until <= most]
+
+
+def limits(reached: dict[str, Reached]) -> dict[str, float]:
+    """Seconds after which a test hangs: five times the longest of its file, as recorded, and a minute.
+
+    Of its file, for another test may now be the one that makes what they share; a minute, for kernels of a
+    law with a fault are compiled anew."""
+    longest: dict[str, float] = {}
+    for test, (seconds, _) in reached.items():
+        file = test.partition("::")[0]
+        longest[file] = max(seconds, longest.get(file, 0.0))
+    return {test: 5.0 * longest[test.partition("::")[0]] + 60.0 for test in reached}

@@ -1,10 +1,15 @@
 """Mutants are programs that differ by one fault, the same for the same seed."""
 
 import ast
+import multiprocessing
+import time
+
+import pytest
 
 from tests.mutants.__main__ import ROOMS, ROOT, equivalents, sources
+from tests.mutants.forked import Ended, followed
 from tests.mutants.mutate import drawn, mutants
-from tests.mutants.reach import Reached, chosen, enclosing
+from tests.mutants.reach import Reached, chosen, enclosing, limits, quickest
 
 TEXT = '''"""A law."""
 
@@ -79,3 +84,30 @@ def test_tests_that_reach_it_come_first_and_the_quick_ones_of_them():
     assert chosen(REACHED, ["a.py::f"], "a.py", 5.0) == ["one.py::quick"]
     assert chosen(REACHED, ["a.py::unseen", "a.py::g"], "a.py", 99.0)[0] == "one.py::slow"
     assert chosen(REACHED, [], "b.py", 99.0) == ["two.py::far"]
+
+
+def test_of_all_tests_the_quick_ones():
+    assert quickest(REACHED, 1.5) == ["one.py::beside", "two.py::far", "one.py::quick"]
+
+
+def test_a_test_hangs_beyond_five_times_the_longest_of_its_file_and_a_minute():
+    assert limits(REACHED) == {
+        "one.py::slow": 105.0, "one.py::quick": 105.0, "one.py::beside": 105.0, "two.py::far": 61.0
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("said", "seconds", "ended"),
+    [
+        (["one.py::quick", (1, "one.py::quick")], 99.0, Ended(1, "one.py::quick")),
+        (["one.py::quick", "one.py::slow"], 99.0, Ended(None, "one.py::slow")),
+        (["one.py::slow", "one.py::quick"], 0.01, Ended(None, None)),
+        (["one.py::unknown"], 0.01, Ended(None, None)),
+    ],
+)
+def test_a_run_is_out_of_time_and_names_the_test_that_hangs(said, seconds, ended):
+    receiver, sender = multiprocessing.Pipe(duplex=False)
+    for message in said:
+        sender.send(message)
+    limit = {"one.py::quick": 9.0, "one.py::slow": 0.01}
+    assert followed(receiver, time.monotonic() + seconds, limit) == ended

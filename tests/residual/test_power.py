@@ -129,3 +129,24 @@ def test_the_share_is_the_part_of_the_variance():
     assert found.ratio == pytest.approx(1.125**0.5, rel=0.01)
     assert found.rmse == pytest.approx(found.ratio * found.noise)
     assert line.p_value < 1e-10 < 1.0 < line.statistic / line.bound
+
+
+@pytest.mark.parametrize(("size", "first"), [(0.25, "pressure_kPa"), (0.7, "periodic at 2.31 Hz")])
+def test_what_accounts_for_more_is_named_first(size, first):
+    def wave(r, rng):
+        return r.value + size * np.sin(2.0 * np.pi * 2.31 * r.time)
+
+    both = with_structure(with_structure(noise(6), on("pressure_kPa", 0.0, 200.0)), wave)
+    found = examine(both).depends_on
+    assert len(found) == 2
+    assert found[0] == first
+
+
+def test_the_spectrum_is_a_density_that_sums_to_the_variance():
+    remainders = with_structure(noise(4), sinusoid(2.31))
+    curve = examine(remainders).curves["spectrum"]
+    value = np.concatenate([r.value for r in remainders])
+    total = float(np.sum(curve.mean) * (curve.centre[1] - curve.centre[0]))
+    assert total == pytest.approx(np.var(value), rel=0.02)
+    assert not curve.low.any()  # of a power there is no low bound but 0
+    assert curve.centre[np.argmax(curve.mean - curve.high)] == pytest.approx(2.31, abs=0.01)

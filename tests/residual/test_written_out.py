@@ -9,6 +9,7 @@ from scipy.stats import gamma
 from plants.measured.residual.checks.correlation import AFTER, BEFORE, correlation
 from plants.measured.residual.checks.events import _baseline
 from plants.measured.residual.checks.evidence import NOTHING
+from plants.measured.residual.checks.periodic import Spectrum, _refined
 from plants.measured.residual.checks.size import BURST, EDGE, Sizes, burst_test, evened, is_rough, sizes_of
 from plants.measured.residual.series.joined import join
 from plants.measured.residual.series.remainder import Remainder
@@ -170,3 +171,17 @@ def test_a_stretch_that_was_disturbed_is_left_out():
         )
         assert len(still_noise([recording], [loud]).spans) == kept
     assert still_noise([recording_with(command[:2600])], [values[:2600]]) is None  # of 17 s nothing is said
+
+
+def test_a_test_that_could_not_be_made_accounts_for_nothing():
+    assert (NOTHING.p_value, NOTHING.power) == (1.0, 0.0)
+
+
+@pytest.mark.parametrize("near", [1, 5, 8])
+def test_a_peak_between_frequencies_is_where_its_parabola_is(near):
+    """The logarithm of this power is a parabola, also beside the first and the last frequency."""
+    frequency = 0.1 * np.arange(10.0)
+    peak = frequency[near] + 0.03
+    spectrum = Spectrum(frequency, np.exp(-((frequency - peak) ** 2)), np.ones(10), 1.0)
+    assert _refined(spectrum, near) == pytest.approx(peak)
+    assert [_refined(spectrum, end) for end in (0, 9)] == [0.0, frequency[9]]

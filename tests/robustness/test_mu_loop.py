@@ -16,6 +16,7 @@ from design.robustness.certificates.constant.robust_stability import (
     statements,
 )
 from design.robustness.certificates.constant.uncertain_loop import (
+    NAMES,
     ORDER,
     REACH,
     UncertainLoop,
@@ -81,6 +82,17 @@ def test_the_bounds_hold_the_exact_radius_between_them(box, gains):
         assert r.upper <= 1.03 * exact
         assert r.intervals > 1
         assert r.margin > 0.0
+
+
+@pytest.mark.parametrize("gains", GAINS)
+def test_the_loop_is_stable_in_all_corners_of_the_bounds_that_are_told(gains):
+    for r in robust_stability_everywhere(WIDE, PI(*gains)):
+        names = [n for n, radius in zip(NAMES, r.loop.radius, strict=True) if radius > 0.0]
+        assert list(r.bounds) == names
+        low, high = np.array([r.bounds.get(n, (c, c)) for n, c in zip(NAMES, r.loop.centre, strict=True)]).T
+        np.testing.assert_allclose(0.5 * (low + high), r.loop.centre)
+        np.testing.assert_allclose(0.5 * (high - low), r.growth * np.array(r.loop.radius), atol=1e-12)
+        assert min(excess(r.loop, np.array(p)) for p in product(*zip(low, high, strict=True))) > 0.0
 
 
 def test_the_destabilising_parameters_are_unstable_and_within_the_grown_box():

@@ -2,6 +2,7 @@
 read from the plant's file."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -49,6 +50,16 @@ def test_it_has_the_rms_and_stays_within_the_largest():
     t = np.random.default_rng(0).random((200_000, 1)) * 1e4
     waves = (WEIGHTS * np.sin(MULTIPLES * t + np.arange(4.0))).sum(axis=1) / WEIGHTS.sum()
     assert np.abs(waves).max() / waves.std() == pytest.approx(PEAK_OVER_RMS, rel=0.03)
+
+
+def test_the_sines_share_the_power_of_first_order_noise():
+    """Each has what noise of the spectrum 1 / (1 + k^2) has in the band of wave numbers about its own."""
+    from scipy.integrate import quad
+
+    between = np.sqrt(MULTIPLES[1:] * MULTIPLES[:-1])
+    edges = np.r_[MULTIPLES[0] ** 2 / between[0], between, MULTIPLES[-1] ** 2 / between[-1]]
+    power = np.array([quad(lambda k: 1.0 / (1.0 + k * k), *band)[0] for band in pairwise(edges)])
+    np.testing.assert_allclose(WEIGHTS**2 / np.sum(WEIGHTS**2), power / power.sum(), rtol=0.15)
 
 
 def test_the_plants_file_brings_it_into_the_requirement(tmp_path):
