@@ -1,4 +1,4 @@
-"""The trace of a campaign: what the declared wrist leaves, what causes it, and the revised wrist.
+"""The trace of a campaign: the residuals of the declared model, their cause, and the revised wrist.
 
 Everything is fitted and chosen on the recordings that may be fitted on; the
 errors before and after come from the others, simulated freely from the command.
