@@ -8,6 +8,9 @@ import numpy as np
 
 from plants.kernel import pytrees
 
+NO_GRAPH = (TypeError, NotImplementedError, RuntimeError)
+"""What `graph` raises of a law that takes no symbols: NumPy and CasADi each say so in their own way."""
+
 
 def graph(step: Callable[..., Any], *arguments: Any) -> Any:
     """CasADi function of a step: leaves of each argument in, leaves of the result out."""

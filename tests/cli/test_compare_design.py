@@ -24,15 +24,21 @@ def folder(tmp_path):
     return made
 
 
-def test_the_designs_own_plants_and_gains_are_asked_for(wrist, folder, monkeypatch):
-    """That the comparison plays exactly these, CI asserts of the one that `make compare` makes."""
-    asked = []
+@pytest.fixture
+def asked(monkeypatch):
+    """The questions that a comparison is asked, which are not answered."""
+    questions = []
 
     def study(question, tell):
-        asked.append(question)
+        questions.append(question)
         raise InputError("asked")
 
     monkeypatch.setattr("design.studies.study.study", study)
+    return questions
+
+
+def test_the_designs_own_plants_and_gains_are_asked_for(wrist, folder, asked):
+    """That the comparison plays exactly these, CI asserts of the one that `make compare` makes."""
     outcome = wrist("compare", "--design", folder)
     (question,) = asked
     printed = " ".join(outcome.out.split())  # lines are wrapped
@@ -45,14 +51,7 @@ def test_the_designs_own_plants_and_gains_are_asked_for(wrist, folder, monkeypat
     assert {"Kp": c.Kp, "Ki": c.Ki, "b": c.b, "Tf": c.Tf} == GAINS
 
 
-def test_the_lqi_and_the_feedforward_of_the_design_are_asked_for(wrist, folder, monkeypatch):
-    asked = []
-
-    def study(question, tell):
-        asked.append(question)
-        raise InputError("asked")
-
-    monkeypatch.setattr("design.studies.study.study", study)
+def test_the_lqi_and_the_feedforward_of_the_design_are_asked_for(wrist, folder, asked):
     gains = {"Ke": 536.0, "Kd": -774.0, "Kq": -65.7, "jump": 3.2, "bandwidth": 7.47}
     told = {
         "gains": gains,

@@ -23,6 +23,8 @@ from design.cli.strict import LARGEST
 from design.cli.terminal.screen import console, progress
 
 if TYPE_CHECKING:
+    from design.export.part import Part
+    from design.export.plant.part import PlantPart
     from plants.wrist import Wrist
 
 NAME = "export"
@@ -113,12 +115,7 @@ def command(
         made = made.at(precision.value)
         tell("test vector", 0.0)
         written = TARGETS[target.value](made, wrist, out)
-    said = console(json)
-    said.print(f"{made.title}: {made.name}_init and {made.name}_step, every {1000 * made.period:g} ms")
-    for path in written:
-        said.print(f"  {path}", soft_wrap=True)
-    if target is Target.c:
-        said.print(f"replay the test vector with: make -C {out} check", soft_wrap=True)
+    _told(made, written, target, out, json)
     write_json(json, record(made, controller, [p.name for p in written]))
 
 
@@ -143,13 +140,20 @@ def _plant(
         made = plant_part(axis, wrist)
         tell("test vector", 0.0)
         written = write_plant(made, wrist, target.value, out)
+    _told(made, written, target, out, json)
+    write_json(json, plant_record(made, [p.name for p in written]))
+
+
+def _told(
+    made: "Part | PlantPart", written: list[Path], target: Target, out: Path, json: Path | None
+) -> None:
+    """Say what was written, and how it is replayed."""
     said = console(json)
     said.print(f"{made.title}: {made.name}_init and {made.name}_step, every {1000 * made.period:g} ms")
     for path in written:
         said.print(f"  {path}", soft_wrap=True)
     if target is Target.c:
         said.print(f"replay the test vector with: make -C {out} check", soft_wrap=True)
-    write_json(json, plant_record(made, [p.name for p in written]))
 
 
 def numbers(text: str) -> tuple[float, ...]:

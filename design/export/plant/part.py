@@ -16,7 +16,7 @@ from plants.effects.effect import Around
 from plants.equilibrium import holding_command
 from plants.errors import InputError
 from plants.kernel import pytrees
-from plants.kernel.graphs import baked, c_source, graph, used
+from plants.kernel.graphs import NO_GRAPH, baked, c_source, graph, used
 from plants.meanings import remembers
 from plants.rig import built_in_rig
 from plants.wrist import Wrist
@@ -122,7 +122,7 @@ def of_plant(name: str, title: str, wrist: Wrist) -> PlantPart:
     try:
         init_law = baked(f"{name}_init_law", graph(begun, (0.0,), nothing))
         step_law = baked(f"{name}_step_law", graph(moved, example, nothing))
-    except (TypeError, NotImplementedError, RuntimeError):
+    except NO_GRAPH:
         raise InputError(
             f"plant: {_without_c(wrist)}: its law has no C; write it with NumPy ufuncs"
         ) from None
@@ -147,7 +147,7 @@ def _without_c(wrist: Wrist) -> str:
         c = _floats(alone.sampled())
         try:
             graph(lambda s, u, c=c: step(s, u[0], c), _floats(alone.rest()), (0.0,))
-        except (TypeError, NotImplementedError, RuntimeError):
+        except NO_GRAPH:
             return f"{effect.NAME} ({effect.FORM})"
     return f"{wrist.hysteresis.NAME} hysteresis"
 
