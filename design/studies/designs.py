@@ -9,6 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from design.alternatives.designs import LQI_NAME
 from design.robustness.box import Box
 from design.robustness.checks import worst_found
@@ -122,10 +124,11 @@ def _searched(
     many runs as the recommended gains; of one that does not hold, by how much it breaks the limits, no guard
     counted, in the cases of its tuning."""
     found = _tuning_record(tuned)
-    beyond = excesses(tuned.final.at.values, required.limits.named)
+    of = excesses(tuned.final.at.values, required.limits.named)
+    beyond = {n: float(e[0]) for n, e in of.items() if not np.isnan(e[0])}  # no number where not simulated
     if not tuned.holds and beyond:
-        worst_of = max(beyond, key=lambda n: float(beyond[n][0]))
-        found |= {"worst_excess": float(beyond[worst_of][0]), "worst_excess_of": worst_of}
+        worst_of = max(beyond, key=beyond.__getitem__)
+        found |= {"worst_excess": beyond[worst_of], "worst_excess_of": worst_of}
     if tuned.holds:
         tell("search for the worst case", 0.9)
         worst = worst_found(required, tuned.final.controller, effort.runs // 2, seed + 78, jobs)
