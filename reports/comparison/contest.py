@@ -117,7 +117,7 @@ def differences_figure(found: Contest) -> "Figure":
         figure, axes = new_figure(1, len(motions), height=0.9 + 0.22 * most, sharey=True)
         for panel, motion in zip(axes, motions, strict=True):
             _panel(panel, found.of(motion, *MAIN))
-            panel.set(title=title_of(motion), xlabel="IAE minus the tuned PI's [deg s]")
+            panel.set(title=title_of(motion), xlabel="IAE difference [deg s]")
     return figure
 
 
@@ -132,10 +132,11 @@ def _panel(axes: "Axes", scores: list[Score]) -> None:
         i, look = s.against["iae_deg_s"], controller_line(s.controller, place)
         bar: dict[str, Any] = {"color": look["color"], "linewidth": 2.2, "solid_capstyle": "butt"}
         if abs(i.mean) > reach:
-            axes.plot(np.sign(i.mean) * reach, place, ">" if i.mean > 0.0 else "<", color=look["color"], ms=7)
+            side = float(np.sign(i.mean))
+            axes.plot(side * reach, place, ">" if side > 0.0 else "<", color=look["color"], ms=7)
             axes.annotate(
-                f"{i.mean:+.1f}", (np.sign(i.mean) * reach, place), (-8, 0), textcoords="offset points",
-                ha="right", va="center", fontsize=8.5, color=GREY,
+                f"{i.mean:+.1f}", (side * reach, place), (-8 * side, 0), textcoords="offset points",
+                ha="right" if side > 0.0 else "left", va="center", fontsize=8.5, color=GREY,
             )  # fmt: skip
             continue
         axes.plot([i.low, i.high], [place, place], **bar)

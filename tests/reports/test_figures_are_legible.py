@@ -1,5 +1,7 @@
 """In every figure of every page text is within the canvas, over no other text, and crossed by no line."""
 
+from dataclasses import replace
+
 import pytest
 from matplotlib.figure import Figure
 
@@ -11,6 +13,7 @@ from design.synthesis.requirements import Limits, Problem
 from design.synthesis.tuning import Region, tune
 from design.synthesis.tuning_rules import baselines
 from plants import Wrist, built_in
+from reports.comparison.contest import differences_figure
 from reports.comparison.page import main_figures
 from reports.paper import figures as paper
 from reports.robustness import page as robust
@@ -20,7 +23,13 @@ from reports.shared.figures.dead_time_figure import dead_time_figure
 from reports.shared.figures.gain_map import gain_map
 from reports.trace import page as trace
 from tests.reports.legible import faults
-from tests.reports.report_samples import small_decision, small_robustness, small_trace, whole_study
+from tests.reports.report_samples import (
+    small_contest,
+    small_decision,
+    small_robustness,
+    small_trace,
+    whole_study,
+)
 
 
 def signatures():
@@ -60,7 +69,21 @@ def paper_figures():
     return {f"figure {n}": paper.draw(n, panels) for n, panels in redrawn(wrists).items()}
 
 
+def differences():
+    """Paired differences of controllers of which one is far ahead, one far behind."""
+    near = {"SIMC": -0.5, "AMIGO": -1.0, "feedforward": 1.0, "robust LQI": 0.8, "convex-concave PI": -0.7}
+    means = {**near, "Ziegler-Nichols": -30.0, "PI + feedforward": 40.0}
+    small, scores = small_contest(), []
+    for s in small.scores:
+        scores.append(s)
+        for name, mean in means.items() if s.controller == "paper" else ():
+            i = replace(s.against["iae_deg_s"], mean=mean, low=mean - 0.1, high=mean + 0.1)
+            scores.append(replace(s, controller=name, against={**s.against, "iae_deg_s": i}))
+    return {"differences": differences_figure(replace(small, scores=tuple(scores)))}
+
+
 ROOMS = {
+    "differences": differences,
     "signature": signatures,
     "gain maps": gain_maps,
     "card": cards,
