@@ -21,7 +21,7 @@ from design.input_loop import InputLoop, worst_pole
 from design.synthesis.convex import Unsolved
 from design.synthesis.evaluate import screened
 from design.synthesis.requirements import Problem
-from design.synthesis.tuning import ACTIVE
+from design.synthesis.tuning import active_limit, merit
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -50,9 +50,6 @@ NEAR = 0.4
 
 NOWHERE = 1e9
 """Merit of a place without a feedback."""
-
-PENALTY = 20.0
-"""Price of an excess over a limit while none holds, a share of the cost per share of the limit."""
 
 
 @dataclass(frozen=True)
@@ -93,8 +90,7 @@ class JudgedLQI:
     @property
     def merit(self) -> Array:
         """Cost, with excess over the limits at a price, (n,)."""
-        excess = np.nan_to_num(np.maximum(self.worst_excess, 0.0), posinf=1e3)
-        return np.nan_to_num(self.cost, posinf=1e3) * (1.0 + PENALTY * excess)
+        return merit(self)
 
 
 @dataclass(frozen=True)
@@ -132,8 +128,7 @@ class RobustLQI:
     @property
     def active(self) -> str | None:
         """The limit that the gains run into first, or None for an optimum inside all limits."""
-        name = max(self.at.excess, key=lambda n: float(self.at.excess[n][0]))
-        return name if self.at.excess[name][0] > -ACTIVE else None
+        return active_limit(self.at)
 
 
 def chosen(wrist: Wrist, place: Array) -> Choice | None:

@@ -27,7 +27,7 @@ from design.synthesis.answer import out_of_reach
 from design.synthesis.evaluate import evaluate
 from design.synthesis.requirements import COSTS, Problem
 from design.synthesis.structure import PLAIN_PI, Structure
-from design.synthesis.tuning import Region, Tuning
+from design.synthesis.tuning import Judged, Region, Tuning
 
 Array = NDArray[np.float64]
 Tell = Callable[[str, float], None]
@@ -61,15 +61,6 @@ Ended = Literal[
 ]  # fmt: skip
 
 
-class Cost(Protocol):
-    """What gains cost."""
-
-    @property
-    def cost(self) -> Array:
-        """The worst cost over the set, (1,)."""
-        ...
-
-
 class TunedController(Protocol):
     """Gains of least cost on a set of cases, of any kind of controller."""
 
@@ -89,7 +80,7 @@ class TunedController(Protocol):
         ...
 
     @property
-    def at(self) -> Cost:
+    def at(self) -> Judged:
         """What they do on the set."""
         ...
 

@@ -10,7 +10,7 @@ worst of many scenarios has none where the worst one changes.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,7 +111,7 @@ class Tuning:
     @property
     def active(self) -> str | None:
         """The limit that the gains run into first, or None for an optimum inside all limits."""
-        return nearest_limit(self.at, 0) if self.at.worst_excess[0] > -ACTIVE else None
+        return active_limit(self.at)
 
     @property
     def spread(self) -> float:
@@ -129,12 +129,36 @@ class Tuning:
         )
 
 
-def nearest_limit(at: Evaluation, index: int) -> str | None:
+class Judged(Protocol):
+    """What controllers do on a problem, of whatever kind they are."""
+
+    @property
+    def cost(self) -> Array:
+        """Worst cost, (n,)."""
+        ...
+
+    @property
+    def excess(self) -> dict[str, Array]:
+        """How far each is beyond each limit, as a share of it, (n,)."""
+        ...
+
+    @property
+    def worst_excess(self) -> Array:
+        """Largest excess over all limits, (n,)."""
+        ...
+
+
+def active_limit(at: Judged) -> str | None:
+    """The limit that the first gains run into, or None for an optimum inside all limits."""
+    return nearest_limit(at, 0) if at.worst_excess[0] > -ACTIVE else None
+
+
+def nearest_limit(at: Judged, index: int) -> str | None:
     """The limit that gains come nearest to, or violate most; None where there are no limits."""
     return max(at.excess, key=lambda name: at.excess[name][index], default=None)
 
 
-def merit(at: Evaluation) -> Array:
+def merit(at: Judged) -> Array:
     """Cost, with excess over the limits at a price, (n,); large but finite where the cost is infinite."""
     excess = np.nan_to_num(np.maximum(at.worst_excess, 0.0), posinf=1e3)
     return np.nan_to_num(at.cost, posinf=1e3) * (1.0 + PENALTY * excess)
