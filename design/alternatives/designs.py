@@ -20,6 +20,7 @@ from plants.wrist import Wrist
 CONVEX = "convex-concave PI"
 LQI_NAME = "robust LQI"
 FORWARD_PI = structure.FORWARD_PI.name
+ROBUST_MPC = "robust MPC"
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,7 @@ def design_mpcs(wrist: Wrist) -> dict[str, Any]:
     return {
         "linear MPC": linear_mpc(nominal(bare)),
         "real-time MPC": real_time_mpc(nominal(bare)),
-        "robust MPC": real_time_mpc(robust(bare)),
+        ROBUST_MPC: real_time_mpc(robust(bare)),
     }
 
 

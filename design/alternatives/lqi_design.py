@@ -20,8 +20,9 @@ from design.controllers.lqi import LQI
 from design.input_loop import InputLoop, worst_pole
 from design.synthesis.convex import Unsolved
 from design.synthesis.evaluate import screened
+from design.synthesis.judged import JudgedDesign
 from design.synthesis.requirements import Problem
-from design.synthesis.tuning import active_limit, merit
+from design.synthesis.tuning import active_limit
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -64,36 +65,6 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class JudgedLQI:
-    """What controllers do on the scenarios of a problem: worst cost (n,), worst value of each limited
-    quantity and of the noise gain [V/deg], and by what share of its limit each is exceeded."""
-
-    cost: Array
-    values: dict[str, Array]
-    excess: dict[str, Array]
-
-    @property
-    def worst_excess(self) -> Array:
-        """Largest excess over all limits, (n,)."""
-        worst: Array = np.max(list(self.excess.values()), axis=0)
-        return worst
-
-    def only(self, n: int) -> "JudgedLQI":
-        """The n-th alone, arrays of length 1."""
-        one = slice(n, n + 1)
-        return JudgedLQI(
-            self.cost[one],
-            {k: v[one] for k, v in self.values.items()},
-            {k: v[one] for k, v in self.excess.items()},
-        )
-
-    @property
-    def merit(self) -> Array:
-        """Cost, with excess over the limits at a price, (n,)."""
-        return merit(self)
-
-
-@dataclass(frozen=True)
 class RobustLQI:
     """The design: where in the family, what it does (arrays of length 1), the largest magnitude of a pole
     with the observer over all branches and rates and where (None for a wrist with effects, whose stability
@@ -101,7 +72,7 @@ class RobustLQI:
 
     problem: Problem
     choice: Choice
-    at: JudgedLQI
+    at: JudgedDesign
     pole: tuple[float, str] | None
     tried: int
 
@@ -147,7 +118,9 @@ def chosen(wrist: Wrist, place: Array) -> Choice | None:
     return Choice(place, weights, feedback, LQI.of(wrist, **gains))
 
 
-def judge(problem: Problem, controllers: Sequence[LQI], noise_limit: float | None = NOISE_GAIN) -> JudgedLQI:
+def judge(
+    problem: Problem, controllers: Sequence[LQI], noise_limit: float | None = NOISE_GAIN
+) -> JudgedDesign:
     """Cost and limits of controllers on every scenario and branch of a problem, and their noise gain; those
     that break a limit of the linear loop are not simulated where the problem is screened."""
     broken = [InputLoop.at_command(c, problem.branches) for c in controllers]
@@ -157,7 +130,7 @@ def judge(problem: Problem, controllers: Sequence[LQI], noise_limit: float | Non
     limits = problem.held_to | ({} if noise_limit is None else {"noise_gain": noise_limit})
     cost, of_run, excess = screened(problem, stacked(controllers), values, limits)
     values |= {name: v.max(axis=1) for name, v in of_run.items()}
-    return JudgedLQI(cost.max(axis=1), values, excess)
+    return JudgedDesign(cost.max(axis=1), values, excess)
 
 
 def design_lqi(
@@ -173,7 +146,7 @@ def design_lqi(
 
     bounds = np.log(list(FAMILY.values()))
     begin: Array = _begin(bounds, seed, known)
-    best: list[tuple[Choice, JudgedLQI]] = []
+    best: list[tuple[Choice, JudgedDesign]] = []
     tried = 0
 
     def merits(places: Array) -> Array:

@@ -117,6 +117,15 @@ def following(said: Any, *words: object) -> None:
     said.print(f"next: {shlex.join(str(w) for w in words)}", soft_wrap=True)
 
 
+def say_left_out(said: Any, plant: "ParameterSet") -> None:
+    """Say in a line which effects of a plant a design leaves out, if it does."""
+    from design.synthesis.designed_plant import left_out
+
+    gone = left_out(plant)
+    if gone:
+        said.print(f"left out, in the sensor or an event of the recordings: {', '.join(gone)}")
+
+
 def numbers(text: str, option: str, example: str) -> tuple[float, ...]:
     """The numbers of an option such as ``--gains 1.2,2.2``: as many as in the example, none negative."""
     from plants.errors import InputError

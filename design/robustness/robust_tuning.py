@@ -47,12 +47,22 @@ gains hang on the seed of the search."""
 DEARER = 0.02
 """A case of the task is added where it costs more than the worst of the set by this share."""
 
-POOL, BATCH = 8192, 8
-"""Cases of the pool, and how many of each round's worst are added."""
+BATCH = 8
+"""How many of each round's worst cases are added."""
 
 
-SEARCH, FRESH = 12_000, 2000
-"""Runs of a round's search for the worst case, and fresh samples that must find nothing."""
+@dataclass(frozen=True)
+class RoundEffort:
+    """Cases of the pool, runs of a round's search for the worst case, none where 0, and fresh samples that
+    must find nothing."""
+
+    pool: int = 8192
+    search: int = 12_000
+    fresh: int = 2000
+
+
+USUAL = RoundEffort()
+"""Where a run takes microseconds."""
 
 
 Ended = Literal[
@@ -176,6 +186,7 @@ def grow(
     rounds: int = 15,
     jobs: int | None = None,
     progress: Tell | None = None,
+    effort: RoundEffort = USUAL,
 ) -> RobustTuning[T]:
     """Design on a problem, look for worse cases of the requirement, add them, design again, until none is
     found, for any kind of controller.
@@ -184,7 +195,7 @@ def grow(
     what cases are added to.
     """
     tell = progress or (lambda stage, share: None)
-    pool = pool_of(requirement)
+    pool = pool_of(requirement, effort.pool)
     done: list[Round[T]] = []
     found: T | None = None
     fresh: Check | None = None
@@ -203,10 +214,10 @@ def grow(
 
         said("pool")
         values = requirement.run(pool, found.controller, jobs=jobs)
-        worse, fresh = _worse(requirement, found, (pool, values), seed + number, jobs, said)
+        worse, fresh = _worse(requirement, found, (pool, values), effort, seed + number, jobs, said)
         done.append(worse)
         if number == 0:  # what is mild under the boldest gains is milder under any later
-            pool = pool[:, _harshest(requirement, pool, values)]
+            pool = pool[:, _harshest(requirement, pool, values, effort.pool)]
         if not worse.added:
             ended = "no worse case found"
             break
@@ -228,13 +239,13 @@ def _noise_alone(done: list[Round[T]]) -> bool:
     )
 
 
-def pool_of(requirement: Requirement) -> Array:
+def pool_of(requirement: Requirement, count: int = USUAL.pool) -> Array:
     """Places that every tuning begins with, the same for all seeds: half of them at corners of the box, with
     the ends of dead time and load, within reach."""
     space = requirement.space
-    x = np.random.default_rng(0).random((space.size, POOL))
+    x = np.random.default_rng(0).random((space.size, count))
     n = len(space.box.intervals)
-    corner = slice(0, POOL // 2)
+    corner = slice(0, count // 2)
     x[:n, corner] = np.round(x[:n, corner])
     x[n + 2 * space.steps : space.size - (len(space.kinds) > 1), corner] = np.round(
         x[n + 2 * space.steps : space.size - (len(space.kinds) > 1), corner]
@@ -242,17 +253,18 @@ def pool_of(requirement: Requirement) -> Array:
     return np.asarray(x[:, space.reachable(x)])
 
 
-def _harshest(requirement: Requirement, pool: Array, values: dict[str, Array]) -> NDArray[np.intp]:
+def _harshest(requirement: Requirement, pool: Array, values: dict[str, Array], of: int) -> NDArray[np.intp]:
     """The quarter of a pool that comes nearest to the limits in what runs gave, and its dearest cases."""
     cost = np.where(requirement.space.of_task(pool), values[COSTS[requirement.cost]], 0.0)
     near, dear = np.argsort(-requirement.excess(values)), np.argsort(-cost)
-    return np.unique(np.concatenate([near[: POOL // 4], dear[: POOL // 32]]))
+    return np.unique(np.concatenate([near[: of // 4], dear[: of // 32]]))
 
 
 def _worse(
     requirement: Requirement,
     found: T,
     at_places: tuple[Array, dict[str, Array]],
+    effort: RoundEffort,
     seed: int,
     jobs: int | None,
     tell: Callable[[str], None],
@@ -270,22 +282,23 @@ def _worse(
     worst = float(requirement.excess(values).max())
     if added:
         return Round(found, worst, "pool", pool.shape[1], added), None
-    tell("search for the worst case")
-    of = requirement.space.kind(pool)
-    begin = np.hstack([
-        pool[:, of == k][:, Hunted(pool[:, of == k], at_pool.heights[of == k]).worst(4)] for k in
-        np.unique(of)
-    ])  # fmt: skip
-    hunted = worst_of(requirement, controller, SEARCH, seed, begin, jobs, guard=half)
-    added = _sequences(requirement, hunted, 0.0)
-    worst = max(worst, float(requirement.excess(
-        requirement.run(hunted.places[:, hunted.worst(1)], controller, jobs=jobs)).max()))  # fmt: skip
-    if added:
-        return Round(found, worst, "search", hunted.heights.size, added), None
+    if effort.search > 0:
+        tell("search for the worst case")
+        of = requirement.space.kind(pool)
+        begin = np.hstack([
+            pool[:, of == k][:, Hunted(pool[:, of == k], at_pool.heights[of == k]).worst(4)] for k in
+            np.unique(of)
+        ])  # fmt: skip
+        hunted = worst_of(requirement, controller, effort.search, seed, begin, jobs, guard=half)
+        added = _sequences(requirement, hunted, 0.0)
+        found_worst = requirement.run(hunted.places[:, hunted.worst(1)], controller, jobs=jobs)
+        worst = max(worst, float(requirement.excess(found_worst).max()))
+        if added:
+            return Round(found, worst, "search", hunted.heights.size, added), None
     tell("fresh samples")
-    fresh = check(requirement, controller, FRESH, seed, jobs)
+    fresh = check(requirement, controller, effort.fresh, seed, jobs)
     beyond = Hunted(fresh.places, fresh.excess)
-    return Round(found, worst, "samples", FRESH, _sequences(requirement, beyond, 0.0)), fresh
+    return Round(found, worst, "samples", effort.fresh, _sequences(requirement, beyond, 0.0)), fresh
 
 
 def _sequences(

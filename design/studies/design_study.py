@@ -23,12 +23,12 @@ from design.robustness.recommended import PLAIN, TWO_DOF, pays
 from design.robustness.requirement import Requirement, requirement, requirement_record
 from design.robustness.robust_tuning import GUARD
 from design.studies.decision import checked
-from design.studies.designs import BARE, DesignEffort, tuned_designs
+from design.studies.designs import BARE, DesignEffort, mpc_design, tuned_designs
 from design.studies.limits_matrix import matrix, step_band
 from design.studies.prices import Tasks, price_rows
 from design.studies.proof import kept_proof
 from design.studies.stages import Stages
-from design.synthesis.retune import in_sensor, without_sensor
+from design.synthesis.designed_plant import designed, left_out
 from design.synthesis.structure import with_gains
 from plants.kernel.batches import default_jobs
 from plants.measured.campaign import Campaign
@@ -137,14 +137,14 @@ def design_study(
     stages = Stages(folder / "stages")
     tells = _together(list(campaigns), progress)
 
-    def designed(motion: str) -> tuple[MotionDesign, dict[str, Any]]:
+    def of_motion(motion: str) -> tuple[MotionDesign, dict[str, Any]]:
         data, start = campaigns[motion]
         plant, traced = _traced(motion, data, start, folder, stages, seed, tells[motion])
-        required = required_of(without_sensor(plant), taken)
+        required = required_of(designed(plant), taken)
         done = _designed(motion, plant, traced, required, stages, effort, seed, jobs, tells[motion])
         return done, requirement_record(required)
 
-    found = each(designed, list(campaigns), jobs=jobs or default_jobs())
+    found = each(of_motion, list(campaigns), jobs=jobs or default_jobs())
     asked = {m.motion: about for m, about in found}
     return DesignStudy(tuple(m for m, _ in found), asked, dict(GUARD), effort)
 
@@ -219,10 +219,15 @@ def _designed(
 ) -> MotionDesign:
     """All that follows the trace."""
     wrist, about = required.wrist, requirement_record(required)
-    asked = {"plant": traced["plant"], "requirement": about, "seed": seed, "effort": vars(effort)}
+    spent = {n: v for n, v in vars(effort).items() if n != "mpc"}
+    asked = {"plant": traced["plant"], "requirement": about, "seed": seed, "effort": spent}
     designs = stages.done(
         f"tune-{motion}", asked, lambda: tuned_designs(required, effort, seed, jobs, _at("tune", tell))
     )
+    designs |= stages.done(
+        f"mpc-{motion}", {**asked, "mpc": effort.mpc},
+        lambda: mpc_design(required, seed, effort, jobs, _at("tune", tell)),
+    )  # fmt: skip
     relaxed = designs.pop("relaxed")
     one, two = designs[PLAIN], designs[TWO_DOF]
     best = TWO_DOF if pays((one["holds"], two["holds"]), [one["cost"], two["cost"]]) else PLAIN
@@ -248,7 +253,7 @@ def _designed(
         },
     )  # fmt: skip
     return MotionDesign(
-        motion, plant, in_sensor(plant), {k: v for k, v in traced.items() if k != "plant"}, designs, best,
+        motion, plant, left_out(plant), {k: v for k, v in traced.items() if k != "plant"}, designs, best,
         evidence, tuple(prices), tuple(shown["matrix"]), shown["band"], relaxed,
     )  # fmt: skip
 

@@ -11,12 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from design.alternatives.designs import LQI_NAME
+from design.alternatives.designs import LQI_NAME, ROBUST_MPC
 from design.robustness.box import Box
 from design.robustness.checks import worst_found
 from design.robustness.recommended import PLAIN, TWO_DOF, tune_candidates
 from design.robustness.requirement import Requirement
 from design.robustness.robust_lqi import tune_lqi
+from design.robustness.robust_mpc import tune_mpc
 from design.robustness.robust_tuning import RobustTuning, tune_robustly
 from design.synthesis.answer import LimitBroken, OutOfReach
 from design.synthesis.convex import Unsolved
@@ -35,12 +36,14 @@ BARE = "PI, residual left out"
 
 @dataclass(frozen=True)
 class DesignEffort:
-    """How much is spent: fresh samples, runs of the search for the worst case, points of maps, rounds."""
+    """How much is spent: fresh samples, runs of the search for the worst case, points of maps, rounds; mpc:
+    whether an MPC is tuned too, which takes minutes."""
 
     samples: int = 20_000
     runs: int = 50_000
     points: int = 40
     rounds: int = 15
+    mpc: bool = False
 
 
 def tuned_designs(
@@ -112,6 +115,31 @@ def _lqi(
     return {LQI_NAME: _searched(required, tuned, seed, effort, jobs, tell)}
 
 
+def mpc_design(
+    required: Requirement, seed: int, effort: DesignEffort, jobs: int | None, tell: Tell
+) -> dict[str, dict[str, Any]]:
+    """An MPC under the same requirement, but for the margins of a linear loop; none where nobody asks, where
+    its solver is not installed, or where the plant has none."""
+    if not effort.mpc:
+        return {}
+    try:
+        tuned = tune_mpc(required, seed, effort.rounds, jobs, lambda s, h: tell(f"{ROBUST_MPC}: {s}", h))
+    except InputError:
+        return {}
+    found = _tuning_record(tuned)
+    worst = max((e, n) for n, e in _beyond(required, tuned).items())
+    checked = {"samples": 0 if tuned.fresh is None else int(tuned.fresh.excess.size)}
+    return {ROBUST_MPC: {**found, **checked, "worst_excess": worst[0], "worst_excess_of": worst[1]}}
+
+
+def _beyond(required: Requirement, tuned: RobustTuning[Any]) -> dict[str, float]:
+    """By what share gains lie beyond each limit, no guard counted, in the cases of their tuning; of those
+    that were simulated."""
+    of = excesses(tuned.final.at.values, {
+        n: v for n, v in required.limits.named.items() if n in tuned.final.at.values})  # fmt: skip
+    return {n: float(e[0]) for n, e in of.items() if not np.isnan(e[0])}
+
+
 def _searched(
     required: Requirement,
     tuned: RobustTuning[Any],
@@ -124,8 +152,7 @@ def _searched(
     many runs as the recommended gains; of one that does not hold, by how much it breaks the limits, no guard
     counted, in the cases of its tuning."""
     found = _tuning_record(tuned)
-    of = excesses(tuned.final.at.values, required.limits.named)
-    beyond = {n: float(e[0]) for n, e in of.items() if not np.isnan(e[0])}  # no number where not simulated
+    beyond = _beyond(required, tuned)
     if not tuned.holds and beyond:
         worst_of = max(beyond, key=beyond.__getitem__)
         found |= {"worst_excess": beyond[worst_of], "worst_excess_of": worst_of}

@@ -40,8 +40,8 @@ from design.studies.paper import redrawn
 from design.studies.stages import NOTHING_KEPT, Stages
 from design.studies.verdict import Verdict, verdicts
 from design.synthesis.answer import Answer, OutOfReach, Refusal, answer
+from design.synthesis.designed_plant import designed
 from design.synthesis.requirements import Problem, default_problem
-from design.synthesis.retune import without_sensor
 from design.synthesis.tuning import Region, Tuning, tune
 from plants.errors import InputError
 from plants.measured.fit import Fit
@@ -229,7 +229,7 @@ def _recommended(question: Question, tell: Tell) -> dict[str, Tuning]:
     """The recommended tuning of each motion, found or given, with the map of its gains."""
     found: dict[str, Tuning] = {}
     for m, plant in question.plants.items():
-        asked, region = requirement(without_sensor(plant)), Region(points=question.points)
+        asked, region = requirement(designed(plant)), Region(points=question.points)
         if m in question.given:
             tell(f"{m}, map", 0.0)
             found[m] = given_gains(asked, question.given[m], region, question.jobs)
@@ -277,7 +277,7 @@ def _decided(question: Question, motion: str, alone: Mapping[str, Controller], t
     """What is recommended among the tuned PI and the PIs that were asked for beside it."""
     named = (TUNED, WITHOUT_DEAD_TIME, *question.more.get(motion, {}))
     candidates = {n: c for n, c in alone.items() if n in named and isinstance(c, PI)}
-    plant = without_sensor(question.plants[motion])
+    plant = designed(question.plants[motion])
     return decide(
         motion, requirement(plant), candidates, question.seed, question.jobs, tell, stages=question.stages
     )

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from design.controllers.pi import PI
 from design.evaluation.steps import run
 from design.synthesis.answer import Refusal, out_of_reach, refusal
+from design.synthesis.designed_plant import designed, left_out
 from design.synthesis.evaluate import evaluate, out_of_range
 from design.synthesis.requirements import ROUNDING, Limits, Problem, late_problem
 from design.synthesis.tuning import Region, Tuning, tune
@@ -152,11 +153,11 @@ def retune(
 
     judge: runs a PI on a rig that `where` names; the revised plant where None.  Both are tuned behind the
     longest dead time that the rig states, where the plant has none of its own, on a map of `region` from
-    `starts` local searches, and without what sits in the sensor: a drift is the same under any gains.
+    `starts` local searches, and without what a design leaves out (`design.synthesis.designed_plant`).
     """
     tell = progress or (lambda what, share: None)
     wrist = Wrist.of(revised)
-    problems = [late_problem(Wrist.of(p), jobs=jobs) for p in (declared, without_sensor(revised))]
+    problems = [late_problem(Wrist.of(p), jobs=jobs) for p in (declared, designed(revised))]
     same = declared.values == revised.values and declared.effects == revised.effects
     held = float(holding_command(wrist, wrist.hysteresis.rest_pressure))
     sides, task = [], wrist.rig.task
@@ -168,7 +169,7 @@ def retune(
         sides.append(RetunedSide(name, found, no, seen, _breaks(found, problems[1])))
     if judge is None:
         where = ON_FITTED if same else ON_REVISED
-    return Control(sides[0], sides[-1], where, same, task, in_sensor(revised))
+    return Control(sides[0], sides[-1], where, same, task, left_out(revised))
 
 
 def _tuned(
@@ -184,18 +185,6 @@ def _tuned(
 
 def _under(what: str, tell: Tell) -> Tell:
     return lambda stage, share: tell(f"{what}: {stage}", share)
-
-
-def without_sensor(plant: ParameterSet) -> ParameterSet:
-    """The plant without effects that sit in its sensor."""
-    gone = in_sensor(plant)
-    kept = {n: p for n, p in plant.parameters.items() if n.split(".")[0] not in gone}
-    return replace(plant, parameters=kept, effects=tuple(e for e in plant.effects if e.NAME not in gone))
-
-
-def in_sensor(plant: ParameterSet) -> tuple[str, ...]:
-    """Names of the plant's effects that sit in its sensor."""
-    return tuple(e.NAME for e in plant.effects if e.STAGE == "sensor")
 
 
 def _breaks(found: Tuning | None, problem: Problem) -> tuple[str, ...]:

@@ -64,9 +64,21 @@ def forward_pi(dead_time: float) -> Structure:
     return replace(FORWARD_PI, settings={**FORWARD_PI.settings, "dead_time": dead_time})
 
 
+def robust_mpc(wrist: Wrist, swing: float, move: float) -> Any:
+    """The MPC by real-time iteration in its robust setting, with weights [1/deg^2], [1/V^2] of changes of
+    angle and command; its model is the wrist without its effects.  Raises InputError where its solver is not
+    installed.
+    """
+    from design.mpc.problem import robust
+    from design.mpc.real_time import real_time_mpc
+
+    asked = robust(replace(wrist, effects=()))
+    return real_time_mpc(replace(asked, weights=replace(asked.weights, swing=swing, move=move)))
+
+
 def with_gains(wrist: Wrist, gains: Mapping[str, Any]) -> Any:
-    """The controller of a wrist with gains and settings by name: an LQI, a PI with feedforward, one with two
-    degrees of freedom, or a plain PI where weight and filter are those of one.
+    """The controller of a wrist with gains and settings by name: an LQI, a PI with feedforward, a robust MPC,
+    a PI with two degrees of freedom, or a plain PI where weight and filter are those of one.
 
     >>> type(with_gains(Wrist.flexion(), {"Kp": 2.0, "Ki": 5.0, "b": 1.0, "Tf": 0.0})).__name__
     'PI'
@@ -77,6 +89,8 @@ def with_gains(wrist: Wrist, gains: Mapping[str, Any]) -> Any:
     """
     if "Ke" in gains:
         return LQI.of(wrist, **gains)
+    if "swing" in gains:
+        return robust_mpc(wrist, **gains)
     if "speed" in gains:
         return FORWARD_PI.of(wrist, **gains)
     if gains.get("b", 1.0) == 1.0 and gains.get("Tf", 0.0) == 0.0:

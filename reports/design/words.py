@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from design.alternatives.designs import LQI_NAME
+from design.alternatives.designs import LQI_NAME, ROBUST_MPC
 from design.robustness.recommended import PLAIN
 from design.studies.design_study import DesignStudy, MotionDesign
 from design.studies.designs import BARE, FORWARD
@@ -56,7 +56,7 @@ def motion_lines(m: MotionDesign) -> list[str]:
     names = listed([e["name"] for e in m.trace["effects"]]) if m.trace["effects"] else "nothing"
     found.append(f"  trace: {m.trace['verdict']}, adds {names}; held-out error {number(after)} deg")
     if m.left_out:
-        found.append(f"  effects of the sensor left out of the design: {listed(list(m.left_out))}")
+        found.append(f"  left out of the design: {listed(list(m.left_out))}")
     found.append(
         f"  {samples['broken']} of {samples['total']} fresh samples break a limit (below "
         f"{number(100 * samples['upper_bound'], 2)} % at 95 % confidence)"
@@ -99,9 +99,11 @@ def remarks(study: DesignStudy) -> list[str]:
     found += [remainder_words(m, study.requirements[m.motion]["remainder"]) for m in study.motions]
     found += [feedforward_words(m) for m in study.motions]
     found += [lqi_words(m) for m in study.motions]
+    found += [mpc_words(m) for m in study.motions]
     found = [words for words in found if words]
     found += [
-        f"{m.motion}: the design leaves out {listed(list(m.left_out))}, which acts in the sensor alone."
+        f"{m.motion}: the design leaves out {listed(list(m.left_out))}, in the sensor or an event of the "
+        "recordings."
         for m in study.motions
         if m.left_out
     ]
@@ -174,6 +176,24 @@ def lqi_words(m: MotionDesign) -> str:
     else:
         beyond = f"No gains of it were found that stay below {limit} by the margin of the tuning"
     return f"{words} {beyond}; its worst IAE is {lower}."
+
+
+def mpc_words(m: MotionDesign) -> str:
+    """What an MPC would change under the same requirement; nothing where none was tuned."""
+    found = m.designs.get(ROBUST_MPC)
+    if found is None:
+        return ""
+    share = 100 * (1 - found["cost"] / m.designs[m.recommended]["cost"])
+    words = (
+        f"{m.motion}: a {ROBUST_MPC} (weight of the swing {number(found['gains']['swing'])}) needs a model "
+        "and the measured pressure, and solves a quadratic program every period. No certificate covers it, "
+        "and Ms, Mt and the delay margin are not judged. The worst IAE of its tuning is "
+        f"{number(share, 2)} % lower."
+    )
+    if found["holds"]:
+        return f"{words} No broken limit was found in {found['samples']} fresh samples."
+    excess = number(100 * found["worst_excess"], 2)
+    return f"{words} It breaks the limit on {limit_in_text(found['worst_excess_of'])} by {excess} %."
 
 
 def controller_words(m: MotionDesign) -> str:

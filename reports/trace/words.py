@@ -307,7 +307,10 @@ def control_sentence(control: Control | None) -> str:
     if new.refusal:
         said += f" No gains meet every limit on the revised plant; these are the nearest ({_refused(new)})."
     if control.left_out:
-        said += f" Both were tuned without {_and(control.left_out)}, which no gains can cancel."
+        said += (
+            f" Both were tuned without {_and(control.left_out)}: an effect of the sensor or an event of the "
+            "recordings."
+        )
     return said
 
 

@@ -43,7 +43,7 @@ def test_the_designs_own_plants_and_gains_are_asked_for(wrist, folder, asked):
     (question,) = asked
     printed = " ".join(outcome.out.split())  # lines are wrapped
     assert "left out, as in the design" in printed
-    assert "it acts in the sensor: periodic-disturbance of deviation" in printed
+    assert "left out, as in the design: periodic-disturbance of deviation" in printed
     assert list(question.plants) == ["deviation"]
     assert not any(n.startswith("periodic") for n in question.plants["deviation"].values)
     assert question.fits == {}

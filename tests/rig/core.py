@@ -52,10 +52,11 @@ _forget_stale_machine_code()
 
 
 class Controller(NamedTuple):
-    """PI controller of the angle: command = (rest_pressure + Kp e + Ki integral e)/gain, clipped.
+    """PI controller: command = (rest_pressure + Kp (b r - y) + Ki integral (r - y))/gain, clipped.
 
-    Kp [kPa/deg], Ki [kPa/(deg s)], gain [kPa/V], rest_pressure [kPa], low and high [V].  The integrator
-    stands still while the command is clipped, unless the error drives it back.
+    Kp [kPa/deg], Ki [kPa/(deg s)], gain [kPa/V], rest_pressure [kPa], low and high [V]; b weights the
+    reference r, y is the measured angle behind a lag of Tf [s], none where that is 0.  The integrator stands
+    still while the command is clipped, unless the error drives it back.
     """
 
     Kp: float = 0.0
@@ -64,6 +65,8 @@ class Controller(NamedTuple):
     rest_pressure: float = 100.0
     low: float = 0.0
     high: float = 4.0
+    b: float = 1.0
+    Tf: float = 0.0
 
 
 class Outside(NamedTuple):
@@ -82,13 +85,17 @@ class Outside(NamedTuple):
 
 
 @njit
-def pi_command(controller: Controller, error: float, integral: float) -> tuple[float, float]:
-    """(command [V], integral after it)."""
-    wanted = controller.rest_pressure + controller.Kp * error + controller.Ki * integral
-    volts = wanted / controller.gain
+def pi_command(
+    controller: Controller, reference: float, angle: float, filtered: float, integral: float
+) -> tuple[float, float, float]:
+    """(command [V], integral and filtered angle after it)."""
+    filtered = angle if controller.Tf == 0.0 else angle + (filtered - angle) * exp(-TICK / controller.Tf)
+    proportional = controller.Kp * (controller.b * reference - filtered)
+    error = reference - filtered
+    volts = (controller.rest_pressure + proportional + controller.Ki * integral) / controller.gain
     command = min(max(volts, controller.low), controller.high)
     clipped_further = (command - volts) * error < 0.0
-    return command, integral if clipped_further else integral + error * TICK
+    return command, integral if clipped_further else integral + error * TICK, filtered
 
 
 @njit
@@ -138,7 +145,7 @@ def integrate(
     # The other muscle has been at its pressure for long: the joint rests where that holds it.
     u = hidden.coupling.angle * other + hidden.coupling.bend * other**2 / 100.0
     y, speed, stuck, pull, smooth, seen = u, 0.0, True, 0.0, 0.0, u
-    integral = 0.0
+    integral, filtered = 0.0, 0.0
 
     for tick in range(ticks):
         start = tick * TICK
@@ -150,8 +157,10 @@ def integrate(
         reading += strange.valve_current.amplitude * ((command / 4.0) ** 2 - 0.25)  # of the command so far
         measured = reading + outside.noise[tick] * (1.0 + strange.speed_noise.per_speed * abs(speed))
         if closed:
-            error = outside.reference[tick] - (measured if noisy else reading)
-            command, integral = pi_command(controller, error, integral)
+            seen_angle = measured if noisy else reading
+            command, integral, filtered = pi_command(
+                controller, outside.reference[tick], seen_angle, filtered, integral
+            )
         else:
             command = outside.command[tick]
         out[tick, 0], out[tick, 1], out[tick, 2], out[tick, 3] = command, pressure, y, measured

@@ -156,7 +156,8 @@ def integrate_physics(
     dt = TICK / substeps
     out = np.empty((ticks, 4))
     bent = np.zeros(SLIDERS)  # rad, of each slider's spring
-    absolute, angle, speed, rubber, integral = ATMOSPHERE + p.rest_pressure * 1e3, 0.0, 0.0, 0.0, 0.0
+    absolute, angle, speed, rubber = ATMOSPHERE + p.rest_pressure * 1e3, 0.0, 0.0, 0.0
+    integral, filtered = 0.0, 0.0
     relax = 1.0 - exp(-dt / p.rubber_s)
     for tick in range(ticks):
         degrees = angle * 180.0 / pi
@@ -164,8 +165,10 @@ def integrate_physics(
         measured = reading + outside.noise[tick]
         command = outside.command[tick]
         if closed:
-            error = outside.reference[tick] - (measured if noisy else reading)
-            command, integral = pi_command(controller, error, integral)
+            seen_angle = measured if noisy else reading
+            command, integral, filtered = pi_command(
+                controller, outside.reference[tick], seen_angle, filtered, integral
+            )
         out[tick, 0], out[tick, 1] = command, (absolute - ATMOSPHERE) / 1e3
         out[tick, 2], out[tick, 3] = degrees, measured
         target = command * p.gain

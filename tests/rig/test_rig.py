@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.signal import lfilter
 
 from plants.one_page import wrist
 from tests.rig.campaign import TASK_CONTROLLER, make_campaign, make_rig, run_of
-from tests.rig.core import TICK
+from tests.rig.core import TICK, Controller
 from tests.rig.effects import CATALOGUE, OPEN, VOCABULARY, Hidden
 from tests.rig.parameters import NOMINAL
 from tests.rig.physics import make_physics_rig
@@ -168,6 +169,17 @@ def test_task_is_the_loop_that_it_says() -> None:
     error = run.reference - run.measured
     integral = np.concatenate([[0.0], np.cumsum(error)[:-1]]) * TICK
     expected = (100.0 + TASK_CONTROLLER.Kp * error + TASK_CONTROLLER.Ki * integral) / 49.4
+    np.testing.assert_allclose(run.command, expected, atol=1e-9)  # never clipped here
+
+
+def test_the_second_degree_of_freedom_is_the_law_that_it_says() -> None:
+    rig = make_rig("flexion", [], 9, noise=SILENT)
+    c = Controller(Kp=1.2, Ki=2.2, b=0.6, Tf=0.03)
+    run = rig.follow(task_reference(), c, 1)
+    keep = np.exp(-TICK / c.Tf)
+    filtered = lfilter([1.0 - keep], [1.0, -keep], run.measured)
+    integral = np.concatenate([[0.0], np.cumsum(run.reference - filtered)[:-1]]) * TICK
+    expected = (100.0 + c.Kp * (c.b * run.reference - filtered) + c.Ki * integral) / 49.4
     np.testing.assert_allclose(run.command, expected, atol=1e-9)  # never clipped here
 
 

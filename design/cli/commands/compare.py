@@ -166,18 +166,18 @@ def command(
 
 
 def _designed(folder: Path, said: Any) -> "tuple[dict[str, ParameterSet], dict[str, PI]]":
-    """Of each motion of a design the plant, without what sits in its sensor, and the recommended controller;
+    """Of each motion of a design the plant, without what a design leaves out, and the recommended controller;
     says in a line what is left out."""
-    from design.synthesis.retune import in_sensor, without_sensor
+    from design.synthesis.designed_plant import designed, left_out
     from plants.parameters.files import load
 
     whole = _ordered({m: load(plant_file(folder, m)) for m in motions(folder)})
     shown(next(iter(whole.values())))
-    sets = {m: without_sensor(plant) for m, plant in whole.items()}
+    sets = {m: designed(plant) for m, plant in whole.items()}
     given = {m: recommended(folder, plant) for m, plant in sets.items()}
-    gone = [f"{name} of {m}" for m, plant in whole.items() for name in in_sensor(plant)]
+    gone = [f"{name} of {m}" for m, plant in whole.items() for name in left_out(plant)]
     if gone:
-        said.print(f"left out, as in the design, since it acts in the sensor: {', '.join(gone)}")
+        said.print(f"left out, as in the design: {', '.join(gone)}")
     return sets, given
 
 

@@ -65,6 +65,10 @@ def command(
     samples: Annotated[int, typer.Option(help="Fresh samples.", min=100)] = 20_000,
     budget: Annotated[int, typer.Option(help="Runs of the worst-case search.", min=1000)] = 50_000,
     points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 40,
+    mpc: Annotated[
+        bool,
+        typer.Option("--mpc", help="Also tune an MPC under the requirement; some minutes a motion."),
+    ] = False,
     seed: SeedOption = 0,
     json: JsonOption = None,
     jobs: JobsOption = None,
@@ -80,7 +84,7 @@ def command(
     said = console(json)
     given = _campaigns(campaigns, plant or [])
     taken = Taken(no_dead_time, no_load, no_noise, nominal, no_remainder)
-    effort = DesignEffort(samples, budget, points)
+    effort = DesignEffort(samples, budget, points, mpc=mpc)
     out.mkdir(parents=True, exist_ok=True)
     with progress("design") as tell:
         study = design_study(given, out, effort, taken, seed, jobs, tell)

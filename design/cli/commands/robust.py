@@ -20,6 +20,7 @@ from design.cli.common import (
     numbers,
     parameter_set,
     pi_gains,
+    say_left_out,
     write_json,
 )
 from design.cli.completion import files
@@ -111,12 +112,14 @@ def command(
     from design.robustness.box import box_of
     from design.robustness.samples.conditions import Conditions
     from design.robustness.samples.scenario_file import save
+    from design.synthesis.designed_plant import designed
     from plants.errors import InputError
     from plants.wrist import Wrist
     from reports.robustness.record import assessment_record
 
     check_places({"--worst": worst, "--json": json}, out)
-    chosen = parameter_set(axis, plant)
+    whole = parameter_set(axis, plant)
+    chosen = designed(whole)
     spread = (
         Spread.of(chosen.rig) if corners is None else Spread(*numbers(corners, "--corners", "0.2,0.1,0.2"))
     )
@@ -129,6 +132,7 @@ def command(
     with progress("robust") as tell:
         found = assess(around, pi, None, conditions, samples, seed, jobs, scheduler, tell, budget)
     said = console(json)
+    say_left_out(said, whole)
     for part in lines(found):
         said.print(part)
     if worst is not None:

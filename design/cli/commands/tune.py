@@ -17,6 +17,7 @@ from design.cli.common import (
     following,
     numbers,
     parameter_set,
+    say_left_out,
     seconds,
     write_json,
 )
@@ -131,6 +132,7 @@ def command(
 ) -> None:
     from design.evaluation.scenarios import Spread
     from design.synthesis.answer import answer
+    from design.synthesis.designed_plant import designed
     from design.synthesis.requirements import COSTS, Limits, default_problem
     from design.synthesis.tuning import Region, tune
     from plants.errors import InputError
@@ -151,7 +153,8 @@ def command(
         refuse(("--load",), "--no-load asks for none")
     if cost not in COSTS:
         raise InputError(f"--cost: unknown cost {cost!r}; one of {', '.join(COSTS)}")
-    chosen = parameter_set(axis, plant)
+    whole = parameter_set(axis, plant)
+    chosen = designed(whole)
     spread = (
         Spread.of(chosen.rig) if corners is None else Spread(*numbers(corners, "--corners", "0.2,0.1,0.2"))
     )
@@ -165,6 +168,7 @@ def command(
     limits = replace(limits, delay_margin_s=None) if nominal else limits
     region = Region(points=points)
     said = console(json)
+    say_left_out(said, whole)
     record: dict[str, Any] = {}
     if nominal or plain:
         problem = default_problem(Wrist.of(chosen), limits, cost, nominal, jobs, spread)

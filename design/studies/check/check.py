@@ -10,6 +10,7 @@ from design.robustness.requirement import Requirement, requirement
 from design.studies.check.envelope import SampledEnvelope, envelope
 from design.studies.check.residual import ResidualCheck, residual
 from design.studies.check.stairs import Stair, stairs_of
+from design.synthesis.designed_plant import events, without
 from plants.errors import InputError
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
@@ -64,7 +65,7 @@ def check_log(
     if log.reference is None or log.angle is None:
         lacks = "reference_deg" if log.reference is None else "angle_deg"
         raise InputError(f"{log.name}: has no {lacks}; log the closed loop with its reference and its angle")
-    required: Requirement = requirement(plant)
+    required: Requirement = requirement(without(plant, events(plant)))
     playback, stairs = Playback(log, plant.rig.sample_time), _stairs(log)
     kept = plant.remainder.get("angle_deg")
     noise = required.conditions.noise if kept is None else kept.noise

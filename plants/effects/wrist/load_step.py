@@ -42,6 +42,7 @@ class _Loaded(Effect):
     STAGE = "wrist"
     HAPPENS = "The load on the hand changes"
     FROM_REMAINDER = True
+    EVENT = True
     BOUND = "kept"
 
     @classmethod

@@ -1,0 +1,43 @@
+"""What a design leaves out of a traced plant: effects of its sensor, and events of the recordings."""
+
+import numpy as np
+import pytest
+
+from design.robustness.requirement import requirement
+from design.synthesis.designed_plant import designed, events, left_out, without
+from plants import Wrist
+from plants.effects import EFFECTS
+from plants.effects.regulator.leak import LaminarLeak
+from plants.effects.sensor.gyro_drift import Drift
+from plants.effects.wrist.load_step import GradualLoad, LoadStep
+from plants.parameters.files import built_in
+
+
+def plant_with(*forms):
+    values = {f"{f.NAME}.{n}": k.low + 0.6 * (k.high - k.low) for f in forms for n, k in f.kinds().items()}
+    return built_in("flexion").revised(forms, values, {}, "a test")
+
+
+@pytest.mark.parametrize("load", [LoadStep, GradualLoad])
+def test_a_sensors_effect_and_an_event_are_left_out_and_the_rest_stays(load):
+    whole = plant_with(LaminarLeak, load, Drift)
+    assert left_out(whole) == ("load-step", "gyro-drift")
+    assert events(whole) == ("load-step",)
+    kept = designed(whole)
+    assert [e.NAME for e in kept.effects] == ["leak"]
+    assert without(whole, events(whole)).effects == (LaminarLeak, Drift)
+    assert not any(n.startswith(("load-step", "gyro")) for n in kept.parameters)
+    plain = plant_with(LaminarLeak)
+    assert kept.values == plain.values
+    volts = np.full(3000, 3.1)
+    np.testing.assert_array_equal(Wrist.of(kept).simulate(volts).angle, Wrist.of(plain).simulate(volts).angle)
+
+
+def test_what_is_designed_for_has_the_loads_of_the_rig_as_cases():
+    """With the event in the plant there would be none beside it (`Requirement.space`)."""
+    assert "load" in requirement(designed(plant_with(LoadStep))).space.kinds
+    assert "load" not in requirement(plant_with(LoadStep)).space.kinds
+
+
+def test_a_load_that_was_picked_up_is_the_only_event():
+    assert {e.NAME for forms in EFFECTS.values() for e in forms if e.EVENT} == {"load-step"}

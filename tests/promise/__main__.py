@@ -1,0 +1,83 @@
+"""How often gains that are designed from a rig's campaign hold on that rig: traced, tuned under the whole
+requirement, then closed on the rig itself, as it is and with 50 ms more of dead time.
+
+python -m tests.promise --count 20
+python -m tests.promise --only outside --count 5 --without-residual
+"""
+
+import argparse
+import tempfile
+import time
+import warnings
+from pathlib import Path
+
+from design.robustness.recommended import tune_candidates
+from design.studies.design_study import Taken, required_of
+from design.synthesis.designed_plant import designed
+from design.synthesis.tuning import Region
+from tests.change.pairs import drawn, write
+from tests.promise.held import Held, held
+from tests.rig.effects import OPEN
+from tests.rig.rig import Rig
+from tests.rig.suite import Case
+from tests.trace.traces import trace_folder
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--count", type=int, default=20, help="rigs drawn from the judging suite")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--first", type=int, default=1, help="number of the rig to begin with")
+    parser.add_argument("--only", choices=("outside", "known"), help="effects outside the vocabulary, or not")
+    parser.add_argument("--without-residual", action="store_true", help="also gains that know of no residual")
+    asked = parser.parse_args()
+    warnings.simplefilter("ignore")
+    found: dict[str, list[tuple[str, Held]]] = {}
+    for number, (case, rig) in enumerate(_rigs(asked.seed, asked.count, asked.only), start=1):
+        if number >= asked.first:
+            _rig(number, case, rig, asked.without_residual, found)
+    for name, rigs in found.items():
+        for verdict in sorted({v for v, _ in rigs}):
+            of = [h for v, h in rigs if v == verdict]
+            kept, plain = sum(h.kept for h in of), sum(h.kept_as_it_is for h in of)
+            print(f"{name}, {verdict}: {plain} of {len(of)} hold as it is, {kept} with 50 ms more too")
+
+
+def _rigs(seed: int, count: int, only: str | None) -> list[tuple[Case, Rig]]:
+    """The first rigs of the suite in its order, all or of one kind."""
+    of_kind = [
+        (case, rig)
+        for case, rig in drawn(seed, 1000)
+        if only is None or (only == "outside") == any(e in OPEN for e in case.effects)
+    ]
+    return of_kind[:count]
+
+
+def _rig(number: int, case: Case, rig: Rig, bare: bool, found: dict[str, list[tuple[str, Held]]]) -> None:
+    """Trace, tune and close the loop on one rig; a line for each controller."""
+    began = time.perf_counter()
+    with tempfile.TemporaryDirectory() as root:
+        trace = trace_folder(write(rig, Path(root)))
+    named = ", ".join(e.name for e in trace.effects) or "nothing"
+    has = ", ".join(f"{e} {case.variants.get(e, '')}".strip() for e in case.effects) or "nothing"
+    print(f"{number:2d} {case.axis}, has {has}; {trace.verdict}, named {named}", flush=True)
+    plant = designed(trace.revised)
+    for name, taken in {
+        "gains": Taken(),
+        **({"without residual": Taken(remainder=True)} if bare else {}),
+    }.items():
+        required = required_of(plant, taken)
+        tuned = tune_candidates(required, Region(points=40))
+        gains = tuned.best.final.gains
+        seen = held(rig, gains, trace.revised)
+        found.setdefault(name, []).append((trace.verdict, seen))
+        said = ", ".join(f"{k} {v:.3g}" for k, v in gains.items())
+        print(
+            f"   {name}: {said} ({'held' if tuned.best.holds else tuned.best.ended} in the model); {seen}; "
+            f"{time.perf_counter() - began:.0f} s",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,62 @@
+"""An MPC under the requirement of a PI: what is claimed of its cases is what each does alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from design.evaluation.sequence import play
+from design.mpc.problem import robust
+from design.mpc.real_time import real_time_mpc
+from design.robustness.robust_mpc import MOVE, SWINGS, tune_mpc
+from design.robustness.robust_tuning import GUARD, RoundEffort, pool_of
+from design.synthesis.requirements import Limits
+from design.synthesis.structure import with_gains
+from plants import Wrist
+from tests.robustness.test_robust_tuning import small
+
+WRIST = Wrist.flexion()
+QUICK = RoundEffort(pool=24, search=0, fresh=6)
+
+
+@pytest.fixture(scope="module")
+def tuned():
+    return tune_mpc(small(), effort=QUICK)
+
+
+def test_every_case_holds_alone_under_the_printed_weights(tuned):
+    """Made of the printed numbers by the MPC's own constructor."""
+    last = tuned.final
+    setting = robust(WRIST)
+    weights = replace(setting.weights, swing=last.gains["swing"], move=last.gains["move"])
+    alone = real_time_mpc(replace(setting, weights=weights))
+    assert tuned.holds
+    assert last.problem.adverse
+    worst = dict.fromkeys(last.at.values, 0.0)
+    for case in last.problem.adverse:
+        values = play([case], alone, task_band=True).values
+        worst = {n: max(v, float(values[n][0])) for n, v in worst.items()}
+    held = {n: v * (1.0 - GUARD.get(n, 0.0)) for n, v in Limits().named.items()}
+    for name, value in worst.items():
+        assert value <= float(last.at.values[name][0]) + 1e-9
+        assert value <= held[name] + 1e-9
+
+
+def test_the_next_milder_weight_breaks_a_limit_of_the_set(tuned):
+    last = tuned.final
+    milder = SWINGS[SWINGS.index(last.swing) - 1]
+    again = with_gains(WRIST, {"swing": milder, "move": MOVE})
+    values = play(list(last.problem.adverse), again, task_band=True).values
+    held = {n: v * (1.0 - GUARD.get(n, 0.0)) for n, v in Limits().named.items() if n in values}
+    assert any(np.max(values[n]) > v for n, v in held.items())
+
+
+def test_the_cost_is_the_worst_of_the_tasks_steps(tuned):
+    last = tuned.final
+    of_task = [s for s in last.problem.adverse if s.of_task]
+    found = [float(play([s], last.controller, task_band=True).metrics.iae_deg_s[0]) for s in of_task]
+    assert max(found, default=0.0) <= last.at.cost[0] + 1e-9
+
+
+def test_the_pool_is_as_large_as_it_is_asked_to_be():
+    assert 24 < pool_of(small(), 48).shape[1] <= 48
