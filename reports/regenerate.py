@@ -7,7 +7,7 @@
 Run from the project's root.  The comparison plays what build/examples/design holds, and robustness is
 shown of the gains that the design has left in reports/examples, so the design comes first.  Where it finds
 other gains, commit them and make these two again: a page names the commit.  The check leaves out the
-perturbed plants of the comparison, which take minutes.
+perturbed plants of the comparison and the MPC of the design, which take minutes.
 """
 
 import argparse
@@ -44,12 +44,16 @@ class Example:
 DESIGNED = ("gains-flexion.toml", "gains-deviation.toml", "plant-flexion.toml", "plant-deviation.toml")
 """What a design recommends, and on which plants: kept, and read by the example after it."""
 
+DESIGN = ("design", "plants/measured/examples/flexion", "plants/measured/examples/deviation")
+
 ALL: Mapping[str, Example] = {
     "design": Example(
-        ("design", "plants/measured/examples/flexion", "plants/measured/examples/deviation"),
+        (*DESIGN, "--mpc"),
         "design.html",
         "design.json",
         {"step.png": "design-step.png", **{n: n for n in DESIGNED}},
+        DESIGN,
+        ("*robust MPC*",),
     ),
     "comparison": Example(
         ("compare", "--design", f"{BUILT}/design", "--samples", "50", "--mpc-plants", "10"),

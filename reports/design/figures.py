@@ -11,7 +11,7 @@ from reports.shared.glossary import BROKEN
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-WHOLE = ("worst case found", "proved")
+WHOLE = ("worst case found", "fresh samples", "proved")
 """Guarantees of the whole requirement; the others are of less."""
 
 

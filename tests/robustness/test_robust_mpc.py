@@ -24,6 +24,7 @@ def tuned():
     return tune_mpc(small(), effort=QUICK)
 
 
+@pytest.mark.suite
 def test_every_case_holds_alone_under_the_printed_weights(tuned):
     """Made of the printed numbers by the MPC's own constructor."""
     last = tuned.final
@@ -42,6 +43,7 @@ def test_every_case_holds_alone_under_the_printed_weights(tuned):
         assert value <= held[name] + 1e-9
 
 
+@pytest.mark.suite
 def test_the_next_milder_weight_breaks_a_limit_of_the_set(tuned):
     last = tuned.final
     milder = SWINGS[SWINGS.index(last.swing) - 1]
@@ -51,6 +53,7 @@ def test_the_next_milder_weight_breaks_a_limit_of_the_set(tuned):
     assert any(np.max(values[n]) > v for n, v in held.items())
 
 
+@pytest.mark.suite
 def test_the_cost_is_the_worst_of_the_tasks_steps(tuned):
     last = tuned.final
     of_task = [s for s in last.problem.adverse if s.of_task]
