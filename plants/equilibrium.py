@@ -98,11 +98,18 @@ def _memory(wrist: "Wrist", start: Start, h: Number, pressure: Number) -> Any:
     return wrist.hysteresis.resting(start, h, driven, down, up)
 
 
-def effects_at_rest(wrist: "Wrist", pressure: Number, h: Number) -> tuple[Any, ...]:
-    """States of the effects of a wrist that holds still at a pressure [kPa], its loop at h [deg]."""
-    aimed = commanded(wrist, pressure)
-    asked = {i for i, _ in wrist.sampled().at("target")}
-    return tuple(e.rest(wrist, aimed if i in asked else pressure, h) for i, e in enumerate(wrist.effects))
+def effects_at_rest(wrist: "Wrist", pressure: Number, h: Number, *ports: str) -> tuple[Any, ...]:
+    """States of the effects of a wrist that holds still at a pressure [kPa], its loop at h [deg]; where ports
+    are named, None of those that act at none of them: what is commanded, which a leak makes a search, is
+    found only for whom it matters."""
+    c = wrist.sampled()
+    asked = {i for i, _ in c.at("target")}
+    wanted = {i for port in ports for i, _ in c.at(port)} if ports else set(range(len(wrist.effects)))
+    aimed = commanded(wrist, pressure) if asked & wanted else pressure
+    return tuple(
+        e.rest(wrist, aimed if i in asked else pressure, h) if i in wanted else None
+        for i, e in enumerate(wrist.effects)
+    )
 
 
 def holding_command(wrist: "Wrist", pressure: Number) -> Number:
@@ -165,7 +172,7 @@ def obstacle(wrist: "Wrist", start: Start, angle: float) -> str | None:
 def _held_angle(wrist: "Wrist", h: Number) -> Number:
     """The angle [deg] at which the effects let a wrist rest whose loop is at h [deg]; stops left out."""
     c = wrist.sampled()
-    s = effects_at_rest(wrist, wrist.hysteresis.rest_pressure, h)
+    s = effects_at_rest(wrist, wrist.hysteresis.rest_pressure, h, "static")
     after = h
     for i, effect in c.at("static"):
         _, _, after = effect(s[i], h, after, Around())
@@ -184,7 +191,7 @@ def static_angle(wrist: "Wrist", angle: Number, against: bool = True) -> Number:
         # A joint that rests against a stop: the lag pulls it on and the stop pushes it back.
         moved = lag.step(angle, static, static, wrist.sampled().lag)
         for i, effect in stops:
-            moved = effect(effects_at_rest(wrist, wrist.hysteresis.rest_pressure, h)[i], moved)
+            moved = effect(effects_at_rest(wrist, wrist.hysteresis.rest_pressure, h, "stop")[i], moved)
         return moved - angle
 
     h0 = np.asarray(angle, float)
@@ -211,7 +218,7 @@ def _bent(wrist: "Wrist", pressure: Number, h: Number) -> tuple[Number, Number, 
     """The pressure [kPa] that drives a loop at rest at a pressure [kPa], and the shifts of its branches
     [deg]."""
     c, loop = wrist.sampled(), wrist.hysteresis
-    s = effects_at_rest(wrist, pressure, h)
+    s = effects_at_rest(wrist, pressure, h, "drive", "bend")
     driven, down, up = pressure, 0.0, 0.0
     for i, effect in c.at("drive"):
         _, _, driven = effect(s[i], driven, driven, Around())

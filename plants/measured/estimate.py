@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,14 @@ JUMP = 50.0
 
 HOPELESS = 3.0
 """Times the lowest cost beyond which a minimum is not followed further."""
+
+STALLED = 0.05
+"""Share of the cost that a Gauss-Newton step promises above which a search has not ended but stands before a
+steep entry, such as the moment of a step: its short steps there are short in all others, and it goes on
+scaled by the slopes."""
+
+AGAIN = 3
+"""How often it goes on at most, as long as the cost falls by that share."""
 
 LINEAR = 1e9
 """A corner that no residual reaches."""
@@ -154,10 +162,21 @@ def minimise(
         return np.asarray(np.linalg.qr(np.column_stack([slopes, residual]), mode="r"), float)
 
     if corner >= LINEAR:
-        found = least_squares(
-            lambda x: reduced(x)[:, -1], x, lambda x: reduced(x)[:, :-1], bounds=(bounds[1], bounds[2]),
-            x_scale=_scale(bounds[0], bounds), max_nfev=evaluations, xtol=tol, ftol=tol,
-        )  # fmt: skip
+
+        def descend(x: Array, scale: Any) -> Any:
+            return least_squares(
+                lambda x: reduced(x)[:, -1], x, lambda x: reduced(x)[:, :-1], bounds=(bounds[1], bounds[2]),
+                x_scale=scale, max_nfev=evaluations, xtol=tol, ftol=tol,
+            )  # fmt: skip
+
+        found = descend(x, _scale(bounds[0], bounds))
+        for _ in range(AGAIN):
+            if not (found.success and _promised(reduced(found.x), found.active_mask == 0) > STALLED):
+                break
+            again = descend(found.x, "jac")
+            if again.cost > (1.0 - STALLED) * found.cost:
+                break
+            found = again
         return found.x, float(found.cost / both(found.x)[0].size)
     found = least_squares(
         lambda x: both(x)[0], x, lambda x: both(x)[1], bounds=(bounds[1], bounds[2]),
@@ -165,6 +184,14 @@ def minimise(
         max_nfev=evaluations, xtol=tol, ftol=tol,
     )  # fmt: skip
     return found.x, float(found.cost / found.fun.size)
+
+
+def _promised(reduced: Array, free: NDArray[np.bool_]) -> float:
+    """Share of the cost that a full Gauss-Newton step in the entries that are at no bound would take away, of
+    the triangle of slopes and residual."""
+    column = np.linalg.qr(reduced[:, np.append(free, True)], mode="r")[:, -1]
+    total = float(column @ column)
+    return float(column[:-1] @ column[:-1]) / total if total > 0.0 else 0.0
 
 
 def uncertainty(problem: LeastSquares, x: Array, bounds: Array, corner: float) -> EstimateErrors:

@@ -40,6 +40,9 @@ LOUD = 3.0
 AT_REST = 1.0
 """Largest angle [deg] at rest that is taken for an offset: what is further off starts elsewhere."""
 
+CERTAIN = 5.0
+"""Times its standard error that the slope of an angle at rest has to be for the sensor to drift."""
+
 REST_ROWS = 30
 """Rows at exactly zero that make a sensor rest."""
 
@@ -224,10 +227,10 @@ def _without_offsets(campaign: Campaign, remarks: list[Remark]) -> Campaign:
         rows = int(moved[0]) if len(moved) else 0
         if rows < LOWEST:
             return r
-        at = float(np.mean(r.angle[:rows]))
-        if not max(LOUD * noise_floor(r.angle), resolution(r.angle)) < abs(at) < AT_REST:
-            return r
-        off[r.name] = at
+        middle, first = _at_rest(r.angle[:rows])
+        least = max(LOUD * noise_floor(r.angle), resolution(r.angle))
+        if least < min(abs(middle), abs(first)) and abs(first) < AT_REST:
+            off[r.name] = first
         return r
 
     _each(campaign, taken)
@@ -236,6 +239,18 @@ def _without_offsets(campaign: Campaign, remarks: list[Remark]) -> Campaign:
     if not off or np.ptp(values) < 0.5 * float(np.max(np.abs(values))):
         return campaign
     return _taken_off(campaign, "angle_deg", off, remarks)
+
+
+def _at_rest(angle: Array) -> tuple[float, float]:
+    """Mean of an angle at rest (rows,), and where it began: that of a straight line, where there is one for
+    certain.  A sensor that drifts has moved by the end of a long rest, and was at zero nevertheless."""
+    n, middle = angle.size, float(angle.mean())
+    if n < REST_ROWS:
+        return middle, middle
+    t = np.linspace(-1.0, 1.0, n)
+    slope = float(t @ angle / (t @ t))
+    spread = float(np.std(angle - middle - slope * t, ddof=2)) / float(t @ t) ** 0.5
+    return middle, middle - slope if abs(slope) > CERTAIN * spread else middle
 
 
 def _resting(campaign: Campaign) -> list[Remark]:

@@ -5,9 +5,11 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
+from plants import equilibrium
 from plants.effects import (
     CappedPressure,
     CappedTarget,
+    Creep,
     DeadTime,
     LaminarLeak,
     Latch,
@@ -193,3 +195,20 @@ def test_behind_a_tube_a_leaking_wrist_at_rest_stays_there():
     held = np.full(500, float(holding_command(wrist, state.pressure)))
     went = wrist.simulate(held, state).pressure
     np.testing.assert_allclose(went, float(state.pressure), atol=1e-9)
+
+
+def test_what_holds_a_leak_is_searched_only_where_it_matters(monkeypatch):
+    """A state at rest is found by many steps, of which each would else be a search of its own."""
+    wrist = WRIST + LaminarLeak(0.05) + DeadTime(0.03) + Creep(0.1, 4.0)
+    asked = []
+    searched = equilibrium.commanded
+    monkeypatch.setattr(equilibrium, "commanded", lambda *seen: asked.append(seen) or searched(*seen))
+    state = equilibrium.at_rest(wrist, "line1", 8.0)
+    assert len(asked) == 1  # for the dead time's memory of what was commanded
+    assert state.effects[0] is not None
+    for port in ("static", "drive", "bend", "stop"):
+        equilibrium.effects_at_rest(wrist, 120.0, 4.0, port)
+    assert len(asked) == 1
+    command = float(equilibrium.holding_command(wrist, state.pressure))
+    held = wrist.simulate(np.full(3000, command), state=state)
+    assert abs(held.angle - 8.0).max() < 1e-6

@@ -64,6 +64,19 @@ def test_offsets_that_differ_between_recordings_are_taken_off(plain):
         np.testing.assert_allclose(a.angle, b.angle, atol=0.05)
 
 
+@pytest.mark.parametrize("shifts", [(0.0, 0.0, 0.0), (0.6, -0.4, 0.5)])
+def test_a_drift_at_rest_is_no_offset(plain, shifts):
+    """Over eight seconds of rest the angle moves by 0.4 deg; where it began the sensor was right, or off."""
+    moved = tuple(
+        replace(r, angle=r.angle + s + 0.05 * (r.time - r.time[0]))
+        for r, s in zip(plain.fit, shifts, strict=True)
+    )
+    found, remarks = corrected(replace(plain, fit=moved))
+    assert [r.habit for r in remarks] == (["offset"] if any(shifts) else [])
+    for a, b in zip(found.fit, plain.fit, strict=True):
+        np.testing.assert_allclose(a.angle, b.angle + 0.05 * (b.time - b.time[0]), atol=0.05)
+
+
 def test_the_longest_run():
     assert longest(np.array([True, False, True, True, True, False])) == 3
     assert longest(np.zeros(4, bool)) == 0
