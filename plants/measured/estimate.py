@@ -189,7 +189,7 @@ def minimise(
 def _promised(reduced: Array, free: NDArray[np.bool_]) -> float:
     """Share of the cost that a full Gauss-Newton step in the entries that are at no bound would take away, of
     the triangle of slopes and residual."""
-    column = np.linalg.qr(reduced[:, np.append(free, True)], mode="r")[:, -1]
+    column = np.asarray(np.linalg.qr(reduced[:, np.append(free, True)], mode="r"), float)[:, -1]
     total = float(column @ column)
     return float(column[:-1] @ column[:-1]) / total if total > 0.0 else 0.0
 
