@@ -17,7 +17,7 @@ from design.robustness.requirement import LINEAR, Requirement
 from design.robustness.robust_tuning import GUARD, RobustTuning, RoundEffort, grow
 from design.synthesis.judged import JudgedDesign
 from design.synthesis.requirements import COSTS, Problem, excesses
-from design.synthesis.structure import robust_mpc
+from design.synthesis.structure import weighted_mpc
 from design.synthesis.tuning import active_limit
 from plants.simulation.periodic import Periodic
 
@@ -55,7 +55,7 @@ class RobustMPC:
     @property
     def controller(self) -> Periodic:
         """The controller."""
-        made: Periodic = robust_mpc(self.problem.wrist, **self.gains)
+        made: Periodic = weighted_mpc(self.problem.wrist, **self.gains)
         return made
 
     @property
@@ -97,7 +97,7 @@ def design_mpc(problem: Problem, known: RobustMPC | None = None) -> RobustMPC:
 
     def at(i: int) -> JudgedDesign:
         if i not in judged:
-            judged[i] = judge(problem, robust_mpc(problem.wrist, SWINGS[i], MOVE))
+            judged[i] = judge(problem, weighted_mpc(problem.wrist, SWINGS[i], MOVE))
         return judged[i]
 
     def held(i: int) -> bool:

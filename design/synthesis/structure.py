@@ -64,7 +64,7 @@ def forward_pi(dead_time: float) -> Structure:
     return replace(FORWARD_PI, settings={**FORWARD_PI.settings, "dead_time": dead_time})
 
 
-def robust_mpc(wrist: Wrist, swing: float, move: float) -> Any:
+def weighted_mpc(wrist: Wrist, swing: float, move: float) -> Any:
     """The MPC by real-time iteration in its robust setting, with weights [1/deg^2], [1/V^2] of changes of
     angle and command; its model is the wrist without its effects.  Raises InputError where its solver is not
     installed.
@@ -90,7 +90,7 @@ def with_gains(wrist: Wrist, gains: Mapping[str, Any]) -> Any:
     if "Ke" in gains:
         return LQI.of(wrist, **gains)
     if "swing" in gains:
-        return robust_mpc(wrist, **gains)
+        return weighted_mpc(wrist, **gains)
     if "speed" in gains:
         return FORWARD_PI.of(wrist, **gains)
     if gains.get("b", 1.0) == 1.0 and gains.get("Tf", 0.0) == 0.0:
