@@ -206,7 +206,8 @@ rows(
 
 # %%
 medians = {name: float(np.median(found)) for name, found in times.items()}
-assert medians["robust MPC"] < medians["PI + feedforward"] < medians["tuned PI"] < max(times["linear MPC"])
+assert max(medians[n] for n in ("robust MPC", "PI + feedforward")) < medians["tuned PI"]
+assert medians["tuned PI"] < max(times["linear MPC"])
 assert np.isinf(medians["feedforward"])
 
 # %% [markdown]
