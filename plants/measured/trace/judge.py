@@ -20,6 +20,10 @@ REACHED = ((1.5, 0.05), (2.0, 0.005))
 than a share is left, on rows left out of the fit, of what it had above 1: a cause in a form that is not
 quite the rig's leaves a small share of a large effect, a wrong cause a large one."""
 
+CAUSES = 2
+"""Effects of a stage of which forms that are not quite the rig's are excused: with three and their parameters
+nearly any loop is followed nearly."""
+
 WANDER, WANDERING = 5.0, 3.0
 """A sensor may wander, which no model foresees: where an effect says so, chi-square may be up to
 the second figure if it is explained once a moving mean over the first [s] is taken out."""
@@ -39,7 +43,7 @@ def explained(search: EffectSearch) -> bool:
     model = search.chosen.model
     if model.chi2 <= NOTHING:
         return True
-    if any(model.chi2 <= most for most, _ in REACHED):
+    if len(model.forms) <= CAUSES and any(model.chi2 <= most for most, _ in REACHED):
         left = (search.chosen.held_out - 1.0) / max(search.declared.held_out - 1.0, 1e-9)
         if any(model.chi2 <= most and left <= share for most, share in REACHED):
             return True
