@@ -10,7 +10,7 @@ from typing import Any
 
 from design.controllers.pi import PI
 from design.robustness.checks import check, worst_found
-from design.robustness.requirement import Requirement
+from design.robustness.requirement import Requirement, requirement_record
 from design.studies.limits_matrix import matrix, step_band
 from design.studies.proof import kept_proof, not_asked
 from design.studies.stages import NOTHING_KEPT, Stages
@@ -71,6 +71,18 @@ def checked(
     }  # fmt: skip
 
 
+def settings(controller: PI) -> dict[str, float]:
+    """Gains of a PI as a design keeps them, Kp [kPa/deg], Ki [kPa/(deg s)], weight b, filter Tf [s].
+
+    >>> settings(PI(2.0, 5.0))
+    {'Kp': 2.0, 'Ki': 5.0, 'b': 1.0, 'Tf': 0.0}
+    """
+    return {
+        "Kp": float(controller.Kp), "Ki": float(controller.Ki),
+        "b": float(getattr(controller, "b", 1.0)), "Tf": float(getattr(controller, "Tf", 0.0)),
+    }  # fmt: skip
+
+
 def decide(
     motion: str, required: Requirement, candidates: Mapping[str, PI], seed: int = 0,
     jobs: int | None = None, progress: Tell | None = None, samples: int = SAMPLES, runs: int = RUNS,
@@ -80,14 +92,16 @@ def decide(
     otherwise the one with the smallest share of samples that break a limit.
 
     prove: ask for certificates, which takes a minute, unless the stages of a design have them; without,
-    everything is open.
+    everything is open.  Samples and runs of gains that a design has checked are the design's, so that a
+    number is the same wherever it is shown.
     """
     tell = progress or (lambda stage, share: None)
-    found = {}
+    found, asked = {}, requirement_record(required)
     for place, (name, c) in enumerate(candidates.items()):
         share = place / len(candidates)
         tell(f"check {name}", 0.8 * share)
-        found[name] = checked(required, c, samples, runs, seed, jobs, lambda s, h: None)
+        of_design = stages.kept(f"check-{motion}", {"requirement": asked, "gains": settings(c)})
+        found[name] = of_design or checked(required, c, samples, runs, seed, jobs, lambda s, h: None)
 
     def badness(name: str) -> tuple[bool, float]:
         e = found[name]
@@ -100,16 +114,12 @@ def decide(
     evidence, controller = found[best], candidates[best]
     late = required.space.dead_time
     evidence["proved"] = kept_proof(stages, motion, required, controller, late) if prove else not_asked(late)
-    gains = {
-        "Kp": float(controller.Kp), "Ki": float(controller.Ki),
-        "b": float(getattr(controller, "b", 1.0)), "Tf": float(getattr(controller, "Tf", 0.0)),
-    }  # fmt: skip
     counts = {
         n: {"samples_broken": e["samples"]["broken"], "samples": e["samples"]["total"],
             "runs_broken": e["worst_case"]["broken"], "runs": e["worst_case"]["runs"]}
         for n, e in found.items()
     }  # fmt: skip
     return Decision(
-        motion, best, gains, evidence, tuple(matrix(required, controller, evidence)),
+        motion, best, settings(controller), evidence, tuple(matrix(required, controller, evidence)),
         step_band(required, controller, seed), counts, late,
     )  # fmt: skip

@@ -35,7 +35,7 @@ class Stages:
         """
         if self.folder is None:
             return _plain(work())
-        key = hashlib.sha256(json_text({"version": VERSION, **asked}).encode()).hexdigest()
+        key = _key(asked)
         path = self.folder / f"{name}.json"
         try:
             kept = json.loads(path.read_text(encoding="utf-8"))
@@ -48,6 +48,28 @@ class Stages:
             return result
         write_atomically(path, json_text({"key": key, "asked": dict(asked), "result": result}))
         return result
+
+    def kept(self, name: str, part: Mapping[str, Any]) -> dict[str, Any] | None:
+        """The result of a stage of this name whose question has this part, whatever else it was asked; None
+        where none was kept by this version of the stages.
+
+        >>> Stages(None).kept("twice", {"x": 2}) is None
+        True
+        """
+        if self.folder is None:
+            return None
+        try:
+            kept = json.loads((self.folder / f"{name}.json").read_text(encoding="utf-8"))
+            asked, result = dict(kept["asked"]), dict(kept["result"])
+        except (OSError, ValueError, KeyError, TypeError):
+            return None  # never done, or cut off
+        alike = all(asked.get(k) == v for k, v in _plain(dict(part)).items())
+        return result if alike and kept["key"] == _key(asked) else None
+
+
+def _key(asked: Mapping[str, Any]) -> str:
+    """The hash of a question."""
+    return hashlib.sha256(json_text({"version": VERSION, **asked}).encode()).hexdigest()
 
 
 NOTHING_KEPT = Stages(None)

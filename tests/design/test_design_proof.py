@@ -4,7 +4,8 @@ import pytest
 
 from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
-from design.robustness.requirement import requirement
+from design.robustness.requirement import requirement, requirement_record
+from design.studies.decision import settings
 from design.studies.proof import kept_proof, proof
 from design.studies.stages import Stages
 from plants.parameters.files import built_in
@@ -19,7 +20,7 @@ def weighted():
 
 def test_the_sampled_loop_with_dead_time_is_proved_from_the_tasks(weighted):
     assert (weighted["status"], weighted["covers_task"], weighted["dead_time_s"]) == ("proved", True, 0.05)
-    assert weighted["rung"].startswith("sampled")
+    assert weighted["rung"].startswith("discrete-time")
 
 
 def test_the_rate_is_half_the_slowest_poles(weighted):
@@ -53,3 +54,28 @@ def test_a_proof_is_kept_for_exactly_its_gains_plant_and_dead_time(tmp_path, mon
     assert kept_proof(reader, "flexion", stated, PI.of(stated.wrist, 2.0, 6.1), 0.05) == {"n": 2}
     assert kept_proof(reader, "flexion", stated, gains, 0.04) == {"n": 3}
     assert kept_proof(reader, "flexion", other, gains, 0.05) == {"n": 4}
+
+
+def test_a_decision_shows_the_check_of_a_design_for_exactly_its_gains_and_requirement(tmp_path):
+    stated = requirement(built_in("flexion"))
+    gains = PI.of(stated.wrist, 2.0, 6.0)
+    about = {"requirement": requirement_record(stated), "gains": settings(gains)}
+    stages = Stages(tmp_path)
+    checked = stages.done("check-flexion", {**about, "seed": 0}, lambda: {"samples": 20_000})
+    reader = Stages(tmp_path, read_only=True)
+    assert reader.kept("check-flexion", about) == checked
+    assert reader.kept("check-flexion", {**about, "gains": settings(PI.of(stated.wrist, 2.0, 6.1))}) is None
+    other = requirement(built_in("flexion"), given={"Tw": (0.13, 0.19)})
+    assert reader.kept("check-flexion", {**about, "requirement": requirement_record(other)}) is None
+    assert reader.kept("check-deviation", about) is None
+
+
+def test_a_check_that_was_cut_off_or_is_of_another_version_is_not_shown(tmp_path):
+    stages = Stages(tmp_path)
+    stages.done("check", {"x": 1}, lambda: {"y": 2})
+    kept = tmp_path / "check.json"
+    whole = kept.read_text()
+    kept.write_text(whole.replace('"key": "', '"key": "0'))
+    assert stages.kept("check", {"x": 1}) is None
+    kept.write_text(whole[: len(whole) // 2])
+    assert stages.kept("check", {"x": 1}) is None
