@@ -12,6 +12,7 @@ from design.robustness.samples.monte_carlo import Envelopes, envelopes
 from design.robustness.samples.worst import Worst
 from design.studies.branch_steps import BranchSteps, branch_steps
 from design.studies.cell_steps import CellSteps, cell_steps
+from design.studies.load_response import LoadResponse, load_response
 from design.synthesis.requirements import default_problem
 from design.synthesis.tuning_rules import PAPER_GAINS, baselines
 
@@ -25,7 +26,7 @@ class RobustnessStudy:
     plane: of the gains; envelopes: of the samples, None where none is within reach; worst_run: the worst
     scenario, with its signals; gains: of the textbook rules and the paper's stand-in, for comparison;
     branches: steps of all of these from every initial state, and their overshoot behind a dead time; cells:
-    steps under every cell of the plane.
+    steps under every cell of the plane; load: response to a load, None where the rig has none.
     """
 
     assessment: Assessment
@@ -35,6 +36,7 @@ class RobustnessStudy:
     gains: Mapping[str, tuple[float, float]]
     branches: BranchSteps
     cells: CellSteps
+    load: LoadResponse | None = None
 
 
 def robustness_study(
@@ -58,6 +60,7 @@ def study_of(assessment: Assessment, plane: GainPlane) -> RobustnessStudy:
         assessment, plane, envelopes(assessment.cases), worst_run(assessment.worst), gains,
         branch_steps(wrist, pis),
         cell_steps(wrist, replace(assessment.controller, Kp=plane.at.Kp, Ki=plane.at.Ki)),
+        load_response(wrist, pis),
     )  # fmt: skip
 
 

@@ -9,6 +9,7 @@ from design.studies.robustness_study import RobustnessStudy
 from reports.robustness import branch_figures, captions, tables, words
 from reports.robustness import figures as robust_figures
 from reports.robustness.disagreements import disagreement_sentences
+from reports.robustness.load_figure import load_caption, load_figure
 from reports.robustness.record import assessment_record
 from reports.robustness.signature import COMPARED, signature
 from reports.shared.card import card
@@ -75,6 +76,8 @@ def draw_all(study: RobustnessStudy) -> dict[str, "Figure"]:
         "describing": branch_figures.describing(a.wrist, a.controller, a.cycles),
         "worst": robust_figures.draw_worst(a.worst, study.worst_run),
     }
+    if study.load is not None:
+        found["load"] = load_figure(study.load)
     if study.envelopes is not None:
         found["samples"] = robust_figures.draw_envelopes(
             study.envelopes, a.wrist.rig.task.step, a.wrist.rig.task.band
@@ -105,6 +108,7 @@ def _page(study: RobustnessStudy, made: Made, drawn: Mapping[str, "Figure"]) -> 
         "plane": shown("gains", captions.plane_caption(a), known),
         "signature": shown("signature", captions.SIGNATURE),
         "late": shown("dead-time", captions.LATE),
+        "load": shown("load", load_caption(study.load)) if study.load is not None else None,
         "margins": tables.margin_table(a),
         "nyquist": shown("nyquist", captions.NYQUIST),
         "bode": shown("bode", captions.BODE),
