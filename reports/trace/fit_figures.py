@@ -56,26 +56,37 @@ def _errors(axes: "Axes", trace: Trace, channel: str) -> None:
     noise = trace.noise.get(channel)
     ends = [x for _, value, interval, _, _ in sides for x in (value, *(interval or ())) if x is not None]
     top = max([*ends, 1.35 * (noise or 0.0)])
+    lines = [] if noise is None else [noise]
     for y, (_, value, interval, colour, marker) in enumerate(sides):
         assert value is not None
-        said = number(value)
+        said, taken = number(value), [*lines, value]
         if interval is not None:  # often narrower than any mark: its ends stand in the label too
             low, high = interval
             reach = [[max(value - low, 0.0)], [max(high - value, 0.0)]]
             axes.errorbar(
                 value, y, xerr=reach, ecolor=colour, elinewidth=1.4, capsize=7, capthick=1.4, fmt="none"
             )
-            said += f" ({number(low)} to {number(high)})"
+            said, taken = f"{said} ({number(low)} to {number(high)})", [*taken, low, high]
         axes.plot(value, y, marker, color=colour, markersize=3.5)
-        axes.text(0.0, y - 0.42, said, fontsize=8, va="center", color=colour,
-                  bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.2})  # fmt: skip
+        axes.text(_free(taken, top), y - 0.42, said, fontsize=8, va="center", color=colour)
     if noise is not None:
         axes.axvline(noise, color=GREY, linestyle=DASHED, linewidth=1.2, label="noise of the sensor")
-        axes.text(0.0, 1.55, f"noise {number(noise)}", color=GREY, fontsize=8, va="center",
-                  bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.2})  # fmt: skip
+        axes.text(_free(lines, top), 1.55, f"noise {number(noise)}", color=GREY, fontsize=8, va="center")
     axes.set_yticks(range(2), [s[0] for s in sides])
     axes.set(title=words, xlabel=f"Error, rms [{unit}]", xlim=(-0.04 * top, 1.1 * top), ylim=(1.85, -0.85))
     axes.grid(axis="y", visible=False)
+
+
+def _free(taken: list[float], top: float) -> float:
+    """Where a label begins that is to cross none of some places of an axis from 0 to `top`: in the widest
+    gap.
+
+    >>> round(_free([0.05, 0.47], 0.5), 3), _free([0.34], 0.45)
+    (0.06, 0.0)
+    """
+    ends = sorted([0.0, *taken, 1.08 * top])
+    gap = max(range(len(ends) - 1), key=lambda i: ends[i + 1] - ends[i])
+    return ends[gap] + (0.02 * top if gap else 0.0)
 
 
 def shown_run(trace: Trace, channel: str) -> FreeRun:
@@ -108,6 +119,7 @@ def draw_series(trace: Trace, channel: str) -> "Figure":
         figure, (signal, large, small) = new_figure(
             3, 1, height=5.4, sharex=True, height_ratios=(3, 1.5, 1.5)
         )
+        small.sharey(large)  # one scale for before and after
         took = "held out" if run.role == "validate" else "fitted to"
         signal.set(title=f"{run.recording.name} ({took})", ylabel=f"{words} [{unit}]")
         signal.plot(time[every], truth[every], **MEASURED)

@@ -66,7 +66,7 @@ def _round(axes: "Axes", round_: SearchRound, best: list[Ranked]) -> None:
         axes.plot([max(r.chance, FLOOR)] * 2, [y - 0.42, y + 0.42], color=BLACK, linewidth=1.4, label=words)
         words = f" refitted: {number(refitted[r.name])}" if r.name in refitted else ""
         if r.name in taken:
-            words += ", taken"
+            words += ", selected"
         place = (max(r.drop, 2.0 * r.chance), y)
         axes.text(*place, words, fontsize=8.5, va="center", bbox=BOX if words else None)
     axes.axvline(WORTH, color=VERMILLION, linestyle=DASHED, linewidth=1.1, zorder=2.5, label=NEEDED)
