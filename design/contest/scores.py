@@ -40,7 +40,7 @@ JUDGED = ("iae_deg_s", "settling_time_s", "total_variation_V")
 
 BOTH = "both at once"
 
-BESIDE = ", MPC beside"
+BESIDE = ", with MPCs"
 """What a field is called on which controllers that act once a period are played too."""
 
 

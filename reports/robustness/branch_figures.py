@@ -111,7 +111,7 @@ def _around_minus_one(axes: "Axes") -> None:
     )
     axes.add_patch(Circle((0.0, 0.0), 1.0, facecolor="none", edgecolor=GREY, linewidth=0.7, linestyle=DOTTED))
     axes.plot(-1.0, 0.0, "+", color=BLACK, ms=9, mew=1.6, zorder=5)
-    axes.annotate("-1", (-1.0, 0.0), (-4, 5), textcoords="offset points", fontsize=8.5, ha="right")
+    axes.annotate("−1", (-1.0, 0.0), (-4, 5), textcoords="offset points", fontsize=8.5, ha="right")
     axes.annotate(
         f"Ms > {MS_DISC:g}", (-1.0, 0.5), (0, 3), textcoords="offset points", fontsize=8.5, color=GREY,
         ha="center", va="bottom",
@@ -203,7 +203,7 @@ def describing(
     inverse, omega = -1.0 / N[np.abs(N) > 1e-12], frequencies(wrist)
     with styled():
         figure, (axes,) = new_figure(height=5.0)
-        axes.plot(inverse.real, inverse.imag, color=BLACK, linewidth=2.2, label="-1/N(A), hysteresis")
+        axes.plot(inverse.real, inverse.imag, color=BLACK, linewidth=2.2, label="−1/N(A), hysteresis")
         _amplitudes(axes, wrist, reference)
         for look, rate in zip(LINES, RATES, strict=False):
             speed = float(getattr(wrist.regulator, f"k_{rate}"))

@@ -99,7 +99,8 @@ def claims(a: Assessment) -> list[str]:
     said = [f"{_start(', '.join(rungs))}: {claim}." for claim, rungs in found.items()]
     if a.word is not None:
         said.append(
-            f"Where the rate switches too, a destabilising switching sequence exists: {a.word}. It belongs "
+            f"Where the rate switches too, a destabilising switching sequence exists: "
+            f"{spaced(str(a.word))}. It belongs "
             "to the class, not to the wrist, whose rate follows the pressure error."
         )
     return said

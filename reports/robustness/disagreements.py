@@ -10,6 +10,7 @@ from design.robustness.disagreement import (
     StableYetUnproved,
     disagreements,
 )
+from reports.shared.tables import spaced
 
 
 def disagreement_sentences(a: Assessment) -> list[str]:
@@ -31,7 +32,8 @@ def sentence(d: Disagreement) -> str:
             )
             if d.word is not None:
                 words += (
-                    f" For arbitrarily switching slopes and rates none exists: {d.word}. The wrist itself "
+                    f" For arbitrarily switching slopes and rates none exists: {spaced(str(d.word))}. "
+                    "The wrist itself "
                     "cannot switch arbitrarily: its rate follows the pressure error, its slope the pressure."
                 )
             return words + (f" All {d.settled} samples settled." if d.settled else "")

@@ -70,7 +70,7 @@ def reason_words(reason: Reason) -> str:
         case Unclipped(rung, runs):
             return (
                 f"none of {runs} runs of the task clips the command, before or after it enters the set of "
-                f"{rung}"
+                f"the certificate ({rung})"
             )
         case VirginTimes(bounds):
             return virgin_words(bounds)
@@ -104,7 +104,7 @@ def arrive_words(r: Arrive) -> str:
     if r.latest is not None and r.off is not None:
         words += (
             f" enter within {r.latest:.3g} s a set in which at most one line and no command limit is met "
-            f"again; the static angle is at most {r.off:.2g} deg off ({r.rung})"
+            f"again; the static angle is at most {r.off:.2g} deg off (certificate: {r.rung})"
         )
     words += f"; the slowest pole decays at {r.slowest:.3g} 1/s; {r.clipped} runs clip the command before"
     return words + (f"; for the wrist without {', '.join(r.left_out)}" if r.left_out else "")

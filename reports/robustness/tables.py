@@ -60,6 +60,8 @@ def outcome(s: Statement) -> str:
     """
     if s.status in BY_PROOF:
         return s.status.value
+    if isinstance(s.claim, StableWhileConstant) and s.holds:
+        return s.status.value  # beside rows that are proved, not against a limit
     return Status.OPEN.value if s.holds is None and s.status is Status.SAMPLED else MET[s.holds]
 
 
@@ -80,7 +82,7 @@ def _verdict(s: Statement) -> tuple[Cell, ...]:
     no = s.holds is False
     return row(
         claim_words(s.claim), Cell(outcome(s), broken=no), Cell(shown(s), broken=no),
-        spaced(s.branch), because(s),
+        spaced(s.branch), spaced(because(s)),
     )  # fmt: skip
 
 
@@ -121,7 +123,7 @@ def ladder_table(assessment: Assessment) -> Table:
             row(
                 c.rung, "yes" if c.holds else "none", number(c.decay),
                 number(c.margin, 2) if c.holds else "–",
-                c.solver if c.holds else no_certificate(c.reason),
+                c.solver if c.holds else spaced(no_certificate(c.reason)),
             )
             for c in assessment.ladder
             if c.dead_time == dead_time
@@ -139,7 +141,7 @@ def constant_table(assessment: Assessment) -> Table:
     by_claim: dict[str, list[tuple[Cell, ...]]] = {}
     for s in (*assessment.certificates, *assessment.predictions):
         if isinstance(s.claim, StableWhileConstant):
-            cells = row(spaced(s.branch), outcome(s), number(s.value) if s.value else "–", because(s))
+            cells = row(spaced(s.branch), outcome(s), number(s.value) if s.value else "–", spaced(because(s)))
             by_claim.setdefault(claim_words(s.claim), []).append(cells)
     return Table(columns, tuple(Group(claim, tuple(rows)) for claim, rows in by_claim.items()))
 

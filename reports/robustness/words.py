@@ -13,6 +13,7 @@ from design.studies.limits_matrix import CONDITIONS
 from design.studies.robustness_study import RobustnessStudy
 from design.synthesis.requirements import LIMIT_UNITS
 from reports.shared.card import CardRow
+from reports.shared.names import pi_name
 from reports.shared.tables import number, spaced
 
 
@@ -137,7 +138,7 @@ def card_row(study: RobustnessStudy) -> CardRow:
         "Kp": float(c.Kp), "Ki": float(c.Ki), "b": float(getattr(c, "b", 1.0)),
         "Tf": float(getattr(c, "Tf", 0.0)),
     }  # fmt: skip
-    return CardRow(a.box.plant.axis, "PI", gains, rows, proved, {})
+    return CardRow(a.box.plant.axis, pi_name(gains), gains, rows, proved, {})
 
 
 def seen(a: Assessment) -> str:

@@ -45,7 +45,7 @@ def test_the_ladder_is_told_rung_by_rung(assessed):
     assert found["common quadratic", 0.0]["holds"] is None  # it exists only for timid gains
     assert found["quadratic and Popov", 0.0]["holds"] is True
     assert found["quadratic and Popov", 0.05]["value"] > 0.0
-    assert found["sampled: forms of degree 6", 0.0]["holds"] is True
+    assert found["discrete-time forms of degree 6", 0.0]["holds"] is True
 
 
 def test_the_page_and_its_companions_are_written(assessed):

@@ -57,7 +57,7 @@ def test_timid_gains_are_certified_and_the_common_function_decreases_in_simulati
     m = model(0.5, 0.5)
     found = {c.rung: c for c in certify_sampled(m, (0.0,))}
     assert all(c.holds for c in found.values())
-    quadratic = found["sampled: common quadratic"]
+    quadratic = found["discrete-time common quadratic"]
     assert quadratic.shape is not None
     assert quadratic.decay is not None
     # A forms' rung proves at least what the quadratic one does, and no rate beats any single mode.
@@ -115,10 +115,10 @@ def test_gains_beyond_quadratic_functions_are_certified_by_forms() -> None:
     assert word_of(m) is None
     holds = {c.rung: c.holds for c in certify_sampled(m, (0.0,))}
     assert holds == {
-        "sampled: common quadratic": False,
-        "sampled: poly-quadratic": False,
-        "sampled: forms of degree 4": True,
-        "sampled: forms of degree 6": True,
+        "discrete-time common quadratic": False,
+        "discrete-time poly-quadratic": False,
+        "discrete-time forms of degree 4": True,
+        "discrete-time forms of degree 6": True,
     }
 
 

@@ -73,7 +73,7 @@ class Certificate:
     def rung(self) -> str:
         """Name of the rung among those of loops in continuous time and sampled ones."""
         sampled = self.about is not None and self.about.switching.sampled
-        return f"sampled: {self.name}" if sampled else self.name
+        return f"discrete-time {self.name}" if sampled else self.name
 
     @property
     def remembers(self) -> bool:

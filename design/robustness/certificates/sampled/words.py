@@ -58,7 +58,8 @@ class Word:
     def __str__(self) -> str:
         names = self.names or tuple(f"mode {k}" for k in self.letters)
         held = ", then ".join(f"{d:.3g} s of {n}" for d, n in zip(self.dwells, names, strict=True))
-        return f"{held}, again and again: x {self.radius:.3g} a pass, {self.growth:+.3g} 1/s"
+        cycle = f"the state is multiplied by {self.radius:.3g} per cycle ({self.growth:+.3g} 1/s)"
+        return f"{held}, repeated: {cycle}"
 
 
 def necklaces(letters: int, length: int) -> Iterator[tuple[int, ...]]:
