@@ -28,8 +28,8 @@ AXIS_WORDS = {
 TITLES = {"starting memory": "Initial angle"}
 """Titles of columns that differ from the kind of error."""
 METRIC_WORDS = {
-    "settling": "Worst settling time,\nratio to the plain PI's [1]",
-    "IAE": "Mean IAE,\nratio to the plain PI's [1]",
+    "settling": "Worst settling time,\nratio to the PI alone [1]",
+    "IAE": "Mean IAE,\nratio to the PI alone [1]",
 }
 
 

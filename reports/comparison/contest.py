@@ -20,9 +20,9 @@ MAIN = ("perturbed plants", "steps")
 """Field and family of the table that stands in the open; the others are folded."""
 
 CAPTION = (
-    "Steps of 15 deg on the perturbed plants: mean difference of the IAE to that of the tuned PI on the "
-    f"same plants, with its {100 * LEVEL:g} % interval; an arrow where it is beyond the axis. Interval "
-    "entirely below zero: less error than the tuned PI."
+    "Steps of 15 deg on the perturbed plants: mean difference of the IAE to that of the recommended PI on "
+    f"the same plants, with its {100 * LEVEL:g} % interval; an arrow where it is beyond the axis. Interval "
+    "entirely below zero: less error than the recommended PI."
 )
 
 
@@ -56,8 +56,8 @@ def _table(found: Contest, keys: list[tuple[str, str, str]], overshoot: float | 
         )
     columns = (
         Column("Controller", number=False), Column("IAE", "deg s"),
-        Column("minus the tuned PI's", "deg s"), Column("Rank", "1"), Column("Settling", "s"),
-        Column("minus the tuned PI's", "s"), Column("Rank", "1"), Column("95 % settle in", "s"),
+        Column("minus recommended PI", "deg s"), Column("Rank", "1"), Column("Settling", "s"),
+        Column("minus recommended PI", "s"), Column("Rank", "1"), Column("95 % settle in", "s"),
         Column("Not settled", "%"),
         Column("Overshoot", "%"), Column("Total variation", "V"), Column("Pressure travel", "kPa"),
     )  # fmt: skip
@@ -132,10 +132,10 @@ def _panel(axes: "Axes", scores: list[Score]) -> None:
         i, look = s.against["iae_deg_s"], controller_line(s.controller, place)
         bar: dict[str, Any] = {"color": look["color"], "linewidth": 2.2, "solid_capstyle": "butt"}
         if abs(i.mean) > reach:
-            side = float(np.sign(i.mean))
+            side, signed = float(np.sign(i.mean)), f"{i.mean:+.1f}".replace("-", "−")
             axes.plot(side * reach, place, ">" if side > 0.0 else "<", color=look["color"], ms=7)
             axes.annotate(
-                f"{i.mean:+.1f}", (side * reach, place), (-8 * side, 0), textcoords="offset points",
+                signed, (side * reach, place), (-8 * side, 0), textcoords="offset points",
                 ha="right" if side > 0.0 else "left", va="center", fontsize=8.5, color=GREY,
             )  # fmt: skip
             continue

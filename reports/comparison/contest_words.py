@@ -4,6 +4,7 @@ from design.contest.plants import RIGS
 from design.contest.scores import BOTH, Contest, Score
 from design.contest.statistics import FEWEST
 from reports.comparison.contest import is_main
+from reports.shared.names import name_of
 
 
 def sentences(found: Contest) -> list[str]:
@@ -25,8 +26,8 @@ def against(scores: list[Score], reference: str, metric: str = "iae_deg_s") -> s
     groups: dict[int, list[str]] = {-1: [], 0: [], 1: []}
     for s in sorted(scores, key=lambda s: s.mean[metric]):
         if s.controller != reference:
-            groups[s.against[metric].sign].append(s.controller)
-    words = {-1: "less IAE than the tuned PI", 0: "no significant difference", 1: "more"}
+            groups[s.against[metric].sign].append(name_of(s.controller))
+    words = {-1: "less IAE than the recommended PI", 0: "no significant difference", 1: "more IAE"}
     parts = [f"{words[sign]}: {', '.join(names)}" for sign, names in groups.items() if names]
     return f"{'; '.join(parts)} ({scores[0].plants} plants)"
 
@@ -46,7 +47,8 @@ def rig_sentences(found: Contest) -> list[str]:
             if losers:
                 lost.setdefault(losers, []).append(name)
         for losers, names in lost.items():
+            who = ", ".join(name_of(n) for n in losers)
             said.append(
-                f"{motion}, {' and '.join(names)}: no longer less IAE than the tuned PI: {', '.join(losers)}."
+                f"{motion}, {' and '.join(names)}: no longer less IAE than the recommended PI: {who}."
             )
     return said

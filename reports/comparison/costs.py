@@ -37,14 +37,15 @@ def break_even_caption(motion: str, found: BreakEven) -> str:
     """What the map of a motion shows."""
     names = " and ".join(dict.fromkeys(name_of(c.controller) for c in found.curves))
     return (
-        f"{title_of(motion)}: {names}, as ratios to the plain tuned PI, when one property at a time differs "
-        "from the model. Shaded: worse than the plain PI; circles: break-even; arrows: beyond the axis, or "
-        "not settled."
+        f"{title_of(motion)}: {names}, as ratios to the recommended PI alone, when one property at a time "
+        "differs from the model. Shaded: worse than the recommended PI; circles: break-even; arrows: beyond "
+        "the axis, or not settled."
     )
 
 
 def break_even_words(motion: str, found: BreakEven) -> str:
-    """In a sentence, how wrong each controller's model may be before its IAE is more than the plain PI's."""
+    """In a sentence, how wrong each controller's model may be before its IAE is more than the
+    recommended PI's."""
     parts = []
     for name in dict.fromkeys(c.controller for c in found.curves):
         of = [c for c in found.curves if c.controller == name]
@@ -52,7 +53,9 @@ def break_even_words(motion: str, found: BreakEven) -> str:
         any_ = [_SHORT.get(c.kind, c.kind) for c in of if not _reach(c)]
         reached += [f"any error of the {listed(any_)} that was tried"] if any_ else []
         parts.append(f"{name_of(name)} with {listed(reached)}")
-    return f"{title_of(motion)}: the mean IAE stays below the plain PI's for {'; for '.join(parts)}."
+    return (
+        f"{title_of(motion)}: the mean IAE stays below that of the recommended PI for {'; for '.join(parts)}."
+    )
 
 
 _SHORT = {"starting memory": "initial angle"}
@@ -71,7 +74,7 @@ def _reach(c: BreakEvenCurve) -> str:
 
 
 def break_even_table(found: BreakEven) -> Table:
-    """The numbers of a map: ratio without error, and the errors at which the plain PI does as well."""
+    """The numbers of a map: ratio without error, and the errors at which the recommended PI does as well."""
     groups = []
     for kind in dict.fromkeys(c.kind for c in found.curves):
         rows = []
@@ -91,7 +94,7 @@ def break_even_table(found: BreakEven) -> Table:
         groups.append(Group(f"{KIND_WORDS[kind]} (tried: {reach})", tuple(rows)))
     columns = (
         Column("Controller", number=False), Column("Measure", number=False),
-        Column("Ratio to the plain PI's, no error", "1"), Column("Break-even, negative error"),
+        Column("Ratio to the recommended PI, no error", "1"), Column("Break-even, negative error"),
         Column("Break-even, positive error"),
     )  # fmt: skip
     return Table(columns, tuple(groups))

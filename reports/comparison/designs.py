@@ -1,4 +1,4 @@
-"""What a comparison page says of the designs beside the tuned PI."""
+"""What a comparison page says of the designs beside the recommended PI."""
 
 from collections.abc import Mapping
 from math import log
@@ -40,10 +40,10 @@ def budgets(comparison: Comparison, tunings: Mapping[str, Tuning]) -> str:
     counts = ", ".join(f"{name_of(n)} {count}" for n, count in tried.items() if count)
     alike = dict.fromkeys(n for (_, n), d in comparison.designs.items() if isinstance(d, RequirementDesign))
     names = listed([name_of(n) for n in alike])
-    said = f"; {names} were tuned under the requirement of the tuned PI" if alike else ""
+    said = f"; {names} were tuned under the requirement of the recommended PI" if alike else ""
     return (
-        f"Candidates simulated on all tuning scenarios: {counts} (of the "
-        "tuned PI, its map alone); the convex-concave PI is the result of convex programs; textbook rules, "
+        f"Candidates simulated on all tuning scenarios: {counts} (of the recommended PI, its map alone); the "
+        "convex-concave PI is the result of convex programs; textbook rules, "
         f"feedforward alone and MPCs were not tuned on scenarios at all. The budgets differ{said}."
     )
 
@@ -68,7 +68,7 @@ def _under_requirement(d: RequirementDesign) -> str:
     broken = listed([f"the limit on {limit_in_text(n)}" for n in d.breaks])
     held = f"it breaks {broken} by {number(100 * d.excess, 2)} %" if d.breaks else "no broken limit was found"
     return (
-        f"{gains}. Tuned by wrist design under the whole requirement, as the tuned PI, with {d.cases} "
+        f"{gains}. Tuned by wrist design under the whole requirement, as the recommended PI, with {d.cases} "
         f"adverse cases. Worst cost over these {number(d.cost)}; {held}."
     )
 

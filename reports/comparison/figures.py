@@ -40,9 +40,9 @@ PIS = (TUNED, WITHOUT_DEAD_TIME, "robust PI", "convex-concave PI", "SIMC", "AMIG
 
 
 def step_responses(comparison: Comparison, motion: str) -> "Figure":
-    """The step from rest: a column for PIs, one for the other designs, the tuned PI in both; angle,
+    """The step from rest: a column for PIs, one for the other designs, the recommended PI in both; angle,
     pressure and command of the first seconds, and in the last row the angle until the end.  In colour: the
-    tuned PI, and in each column the one of the others that settles first within the limits; the rest is
+    recommended PI, and in each column the one of the others that settles first within the limits; the rest is
     grey, with names at the curves."""
     named = [name for m, name in comparison.steps if m == motion]
     others = [n for n in named if n not in PIS]
@@ -73,7 +73,7 @@ def step_responses(comparison: Comparison, motion: str) -> "Figure":
 
 
 def coloured(comparison: Comparison, motion: str, names: list[str]) -> list[str]:
-    """The tuned PI, and of some others the one that settles first within the limits, if any does."""
+    """The recommended PI, and of some others the one that settles first within the limits, if any does."""
     of = [s for s in comparison.standings if s.motion == motion and s.controller in names]
     others = [s for s in of if s.controller != TUNED and not s.breaks and np.isfinite(s.worst_settling_s)]
     return [TUNED, *(s.controller for s in sorted(others, key=lambda s: s.worst_settling_s)[:1])]

@@ -30,7 +30,7 @@ from reports.shared.figures.fit import draw_fit
 from reports.shared.figures.gain_map import gain_map
 from reports.shared.figures.style import save, svg
 from reports.shared.html import Made, Shown, markup, render
-from reports.shared.names import COST_WORDS, WINDOW, name_of, title_of
+from reports.shared.names import COST_WORDS, WINDOW, title_of
 from reports.shared.plant_tables import assumption_table, error_table, parameter_table
 from reports.shared.tables import number, spaced
 
@@ -150,7 +150,7 @@ def card_rows(study: Study) -> list[CardRow]:
     """What the decision card shows, a row a motion that was decided on."""
     return [
         CardRow(
-            d.motion, name_of(d.controller), d.gains, d.matrix, d.evidence["proved"], d.band,
+            d.motion, words.card_name(d), d.gains, d.matrix, d.evidence["proved"], d.band,
             words.reason(d),
         )
         for d in study.decisions.values()

@@ -22,14 +22,14 @@ def verdict_sentences(study: Study) -> list[str]:
 def verdict_sentence(motion: str, v: Verdict, step: float) -> str:
     """What the table says of a motion, whose task is a step [deg].
 
-    >>> verdict_sentence("flexion", Settling(1.684, 5.0, 7.0, ()), 15.0)[:62]
-    'flexion: the tuned PI settles the worst 15 degree task in 1.68'
+    >>> verdict_sentence("flexion", Settling(1.684, 5.0, 7.0, ()), 15.0)[:68]
+    'flexion: the recommended PI settles the worst 15 degree task in 1.68'
     """
     if not isinstance(v, Settling):
         return f"{motion}: {refused(v)}; the tuned gains shown are the nearest found."
     tail = f"; {', '.join(v.breaking)} break the limits" if v.breaking else ""
     return (
-        f"{motion}: the tuned PI settles the worst {step:g} degree task in {_seconds(v.tuned)} "
+        f"{motion}: the recommended PI settles the worst {step:g} degree task in {_seconds(v.tuned)} "
         f"(paper's stand-in {_seconds(v.paper_low)} to {_seconds(v.paper_high)}), {AGAINST[v.rank]}{tail}."
     )
 

@@ -23,7 +23,7 @@ from reports.comparison.contest import MAIN as PERTURBED
 from reports.comparison.figures import PIS
 from reports.shared.figures.dead_time_figure import SETTLED
 from reports.shared.figures.fit import shown_run
-from reports.shared.names import COST_WORDS, WINDOW, limit_name, name_of, title_of
+from reports.shared.names import COST_WORDS, WINDOW, limit_name, name_of, pi_name, title_of
 from reports.shared.tables import fixed, listed, number, spaced
 from reports.shared.tuning import refused
 
@@ -55,12 +55,12 @@ WORST_CAPTION = (
 )
 DEAD_TIME_CAPTION = (
     "Worst overshoot of every controller against added dead time, plant as fitted: steps of both signs from "
-    f"every initial state; for an MPC from rest only, for {DURATION:g} s. In colour: the tuned PI, and the "
-    f"feedback that settles first within the limits without dead time. {SETTLED}"
+    f"every initial state; for an MPC from rest only, for {DURATION:g} s. In colour: the recommended PI, and "
+    f"the feedback that settles first within the limits without dead time. {SETTLED}"
 )
 LOOPS_CAPTION = (
-    "The step from rest under the tuned PI in the plane of pressure and angle. In the dead zone the pressure "
-    "moves and the angle does not; beyond it the angle follows line 1. Dots: time after the step."
+    "The step from rest under the recommended PI in the plane of pressure and angle. In the dead zone the "
+    "pressure moves and the angle does not; beyond it the angle follows line 1. Dots: time after the step."
 )
 
 
@@ -73,7 +73,7 @@ def title(study: Study) -> str:
     """The heading: what is recommended, or that nothing that was tried meets every limit."""
     if not study.decisions:
         return f"Holding {study.comparison.rig.task.step:g} degrees: controllers compared"
-    names = list(dict.fromkeys(name_of(d.controller) for d in study.decisions.values()))
+    names = list(dict.fromkeys(card_name(d) for d in study.decisions.values()))
     if all(d.holds for d in study.decisions.values()):
         return f"Recommended: {listed(names)}"
     return f"No PI tried meets every limit; the nearest: {listed(names)}"
@@ -126,17 +126,23 @@ def _rests_on(study: Study) -> str:
     origins = [p.provenance for s in study.plants.values() for p in s.parameters.values()]
     assumed = sum(isinstance(o, Assumed) for o in origins)
     proofs = [d.evidence["proved"] for d in study.decisions.values()]
-    stable = "stability is proved on the plant as fitted"
+    stable = "Stability is proved on the plant as fitted"
     if not proofs or any(p["status"] != Status.PROVED.value for p in proofs):
-        stable = "a stability proof is open"
-    return f"Simulated: {stable}; {assumed} of {len(origins)} plant parameters are assumed."
+        stable = "A stability proof is open"
+    parameters = f"{assumed} of {len(origins)} plant parameters are assumed"
+    return f"{stable}; all else is simulated; {parameters}."
+
+
+def card_name(d: Decision) -> str:
+    """What the card calls a recommended controller: a PI by its structure, as the page of a design does."""
+    return pi_name(d.gains) if d.controller == TUNED else name_of(d.controller)
 
 
 def reason(d: Decision) -> str:
     """Why a controller is recommended, in a few words: how often it was seen to break a limit."""
     c = d.candidates[d.controller]
     broken, total = c["samples_broken"] + c["runs_broken"], c["samples"] + c["runs"]
-    return f"breaks a limit in {broken} of {total} runs"
+    return f"{broken} of {total} runs break a limit"
 
 
 def paper_summary(study: Study) -> list[str]:
@@ -205,7 +211,8 @@ def _least(best: Score, reference: str, motion: str) -> str:
         return f"{here} the {name_of(reference)} itself, {number(best.mean['iae_deg_s'])} deg s"
     level = f"{100 * LEVEL:g} % interval"
     interval = f" ({level} {fixed(i.low, 2)} to {fixed(i.high, 2)})" if isfinite(i.low) else ""
-    return f"{here} {name_of(best.controller)}, {fixed(i.mean, 2)} deg s{interval} relative to the tuned PI"
+    beside = f"relative to the {name_of(reference)}"
+    return f"{here} {name_of(best.controller)}, {fixed(i.mean, 2)} deg s{interval} {beside}"
 
 
 def misfit(fit: Fit) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from design.status import Status
 from design.studies.limits_matrix import CONDITIONS
 from design.synthesis.requirements import LIMIT_UNITS
 from reports.shared.figures.style import (
@@ -23,7 +24,7 @@ from reports.shared.figures.style import (
 )
 from reports.shared.glossary import NOT_JUDGED
 from reports.shared.html import Shown
-from reports.shared.tables import Cell, Column, Group, Table, number, row
+from reports.shared.tables import Cell, Column, Group, Table, measured, number, row
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,14 +34,15 @@ LIMIT_NAMES = {
     "total_variation_V": "Variation of u", "steady_error_percent": "Steady error",
     "settling_time_s": "Settling time",
 }  # fmt: skip
+LATE = "longest dead time"
 HEADS = dict(
     zip(
         CONDITIONS,
-        ("nominal", "every branch and start", "longest dead time", "perturbed plants", "worst case found"),
+        ("nominal", "every branch and start", LATE, "perturbed plants", "worst case found"),
         strict=True,
     )
 )
-"""What the card calls each condition."""
+"""What the card calls each condition; the dead time by its size, where the card knows it."""
 
 
 @dataclass(frozen=True)
@@ -102,12 +104,22 @@ def _stability(of: CardRow) -> Cell:
 
 
 def matrix_table(rows: Sequence[CardRow]) -> Table:
-    """Limits by what they are judged under."""
+    """Limits by what they are judged under; in the last column, that none of them is proved."""
     known = [
         c for c in CONDITIONS if any(r["values"][c] is not None for of in rows for r in of.matrix)
     ]  # what nothing was judged under has no column
-    columns = (Column("Limit", number=False), Column("Bound"), *(Column(HEADS[c]) for c in known))
+    columns = (
+        Column("Limit", number=False), Column("Bound"), *(Column(_head(c, rows)) for c in known),
+        Column(Status.PROVED.value),
+    )  # fmt: skip
     return Table(columns, tuple(Group(r.motion, _matrix(r, known)) for r in rows))
+
+
+def _head(condition: str, rows: Sequence[CardRow]) -> str:
+    """What the card calls a condition: the longest dead time by its size, where it is that of all rows."""
+    found = {r.band.get("dead_time_s") for r in rows}
+    late = found.pop() if len(found) == 1 else None
+    return f"{1000 * late:g} ms dead time" if late and HEADS[condition] == LATE else HEADS[condition]
 
 
 def _matrix(of: CardRow, known: Sequence[str]) -> tuple[tuple[Cell, ...], ...]:
@@ -118,12 +130,12 @@ def _matrix(of: CardRow, known: Sequence[str]) -> tuple[tuple[Cell, ...], ...]:
         bound = ("≥ " if r["limit"] == "delay_margin_s" else "≤ ") + number(r["bound"])
         cells = [
             Cell(
-                NOT_JUDGED if r["values"][c] is None else number(float(r["values"][c])),
+                NOT_JUDGED if r["values"][c] is None else measured(float(r["values"][c])),
                 broken=r["held"][c] is False, met=r["held"][c] is True,
             )
             for c in known
         ]  # fmt: skip
-        rows.append(row(name, bound, *cells))
+        rows.append(row(name, bound, *cells, Status.OPEN.value))  # no certificate is of a limit
     return tuple(rows)
 
 

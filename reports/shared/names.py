@@ -1,12 +1,15 @@
 """What pages call controllers, motions, channels, limits and costs."""
 
+from collections.abc import Mapping
+
 from design.comparison.compare import PAPER, TUNED
+from design.synthesis.structure import PLAIN_PI, TWO_DOF_PI
 
 WINDOW = 10.0
 """Duration of a task [s]; a settling time beyond it counts as infinite."""
 
 NAMES = {
-    TUNED: "tuned PI", PAPER: "paper's PI (stand-in)", "SIMC": "SIMC", "AMIGO": "AMIGO",
+    TUNED: "recommended PI", PAPER: "paper's PI (stand-in)", "SIMC": "SIMC", "AMIGO": "AMIGO",
     "Ziegler-Nichols": "Ziegler-Nichols",
 }  # fmt: skip
 
@@ -30,6 +33,16 @@ LIMITS = {
 CHANNELS = {"angle_deg": ("Angle", "deg"), "pressure_kPa": ("Pressure", "kPa")}
 
 COST_WORDS = {"iae": "IAE [deg s]", "itae": "ITAE [deg s²]", "settling_time": "settling time [s]"}
+
+
+def pi_name(gains: Mapping[str, float]) -> str:
+    """The name of a PI with these gains (Kp, Ki, b, Tf): plain, or with two degrees of freedom.
+
+    >>> pi_name({"Kp": 2.9, "Ki": 7.4, "b": 1.0, "Tf": 0.0}), pi_name({"Kp": 4.8, "Ki": 11.5, "b": 0.6})
+    ('PI', '2-DOF PI')
+    """
+    plain = gains.get("b", 1.0) == 1.0 and not gains.get("Tf")
+    return (PLAIN_PI if plain else TWO_DOF_PI).name
 
 
 def name_of(controller: str) -> str:

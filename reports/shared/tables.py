@@ -1,5 +1,6 @@
 """Tables as values, and numbers as people read them."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import floor, isfinite, log10
@@ -68,6 +69,18 @@ def number(value: float | None, digits: int = 3) -> str:
     return text.replace("-", "−")
 
 
+def measured(value: float, digits: int = 3, decimals: int = 3) -> str:
+    """A result to some significant digits, zeros kept, with no more than some decimals.
+
+    >>> measured(1.6), measured(10.81), measured(0.0501), measured(0.00255), measured(177.3)
+    ('1.60', '10.8', '0.050', '0.003', '177')
+    """
+    if not isfinite(value) or value == 0.0:
+        return number(value)
+    places = min(max(digits - 1 - floor(log10(abs(value))), 0), decimals)
+    return fixed(value, places)
+
+
 def fixed(value: float, decimals: int, beyond: str = "∞") -> str:
     """A number with a number of decimals, so that a column lines up; `beyond` for an infinite one.
 
@@ -92,12 +105,13 @@ def with_error(value: float, error: float | None) -> str:
 
 
 def spaced(branch: str) -> str:
-    """Words with the lines of the loop as people write them.
+    """Words with the lines of the loop, and negative numbers, as people write them.
 
-    >>> spaced("line1, slow regulator rate")
-    'line 1, slow regulator rate'
+    >>> spaced("line1, slow regulator rate"), spaced("0, -15 deg from line2")
+    ('line 1, slow regulator rate', '0, −15 deg from line 2')
     """
-    return branch.replace("line1", "line 1").replace("line2", "line 2")
+    words = branch.replace("line1", "line 1").replace("line2", "line 2")
+    return re.sub(r"(?<![\w.])-(?=\d)", "−", words)
 
 
 def listed(words: Sequence[str]) -> str:

@@ -56,7 +56,7 @@ def test_timid_gains_are_behind_on_the_perturbed_plants_beyond_doubt():
         assert [s.ranks["iae_deg_s"] for s in scores] == [(1, 2), (1, 2), (3, 3)]
         assert scores[2].against["iae_deg_s"].low > 0.0
         said = against(scores, "tuned")
-        assert said.index("no significant difference: again") < said.index("more: timid (")
+        assert said.index("no significant difference: again") < said.index("more IAE: timid (")
 
 
 def test_a_single_plant_ranks_nobody():
@@ -177,7 +177,7 @@ def test_a_rig_takes_a_lead_away_only_where_enough_plants_say_so():
     assert said(10, -2.0, -1.0) == []
     assert said(9, -np.inf, np.inf) == []
     (one,) = said(10, -1.0, 0.1)
-    assert one == f"flexion, {' and '.join(RIGS)}: no longer less IAE than the tuned PI: quick."
+    assert one == f"flexion, {' and '.join(RIGS)}: no longer less IAE than the recommended PI: quick."
 
 
 def test_too_few_plants_are_refused():

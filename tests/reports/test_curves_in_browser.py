@@ -14,7 +14,7 @@ from tests.reports.test_in_browser import CHROMIUM, Opened, browser, page_of  # 
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
 
-SLOW, QUICK = "paper's PI", "tuned PI"
+SLOW, QUICK = "paper's PI", "recommended PI"
 SCRIPT = Path(__file__).parents[2] / "reports" / "templates" / "curves.js"
 
 

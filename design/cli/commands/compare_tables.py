@@ -20,7 +20,7 @@ LEGEND = (
     "~ dead time tolerated in simulation, for a controller without a linear law",
 )
 SCORE = (
-    "controller", "IAE\ndeg s", "less tuned PI's\n95 %", "rank", "settle\ns", "95 % in\ns", "over\n%",
+    "controller", "IAE\ndeg s", "difference\n95 %", "rank", "settle\ns", "95 % in\ns", "over\n%",
     "total var.\nV",
 )  # fmt: skip
 
@@ -35,6 +35,8 @@ def table(comparison: "Comparison") -> list[object]:
 
 
 def _standing(s: "Standing") -> tuple[str, ...]:
+    from reports.shared.names import name_of
+
     over = s.worst_overshoot_percent
     cells = (  # what each shows, and the limit that it may break
         (_short(s.Kp), ""),
@@ -47,7 +49,7 @@ def _standing(s: "Standing") -> tuple[str, ...]:
         (_short(s.Ms), "Ms"),
         (_delay(s), "delay_margin_s"),
     )
-    return (s.controller, *(text + ("!" if limit in s.breaks else " ") for text, limit in cells))
+    return (name_of(s.controller), *(text + ("!" if limit in s.breaks else " ") for text, limit in cells))
 
 
 def _delay(s: "Standing") -> str:
@@ -69,18 +71,22 @@ def contest_table(broad: "Contest") -> list[object]:
     for motion, field, family in broad.tables:
         if is_main((motion, field, family)):
             scores = broad.of(motion, field, family)
-            title = f"{motion}: {family}, {scores[0].plants} plants ({field}), noisy sensor"
+            title = (
+                f"{motion}: {family}, {scores[0].plants} plants ({field}), noisy sensor; "
+                "difference of the IAE to the recommended PI"
+            )
             parts += [Sheet(SCORE, tuple(_score(s, broad.reference) for s in scores), title), ""]
     return parts
 
 
 def _score(s: "Score", reference: str) -> tuple[str, ...]:
     from design.contest.statistics import FEWEST
+    from reports.shared.names import name_of
 
     i, (best, worst) = s.against["iae_deg_s"], s.ranks["iae_deg_s"]
     known = s.plants >= FEWEST  # fewer give neither interval nor rank
     return (
-        s.controller,
+        name_of(s.controller),
         f"{s.mean['iae_deg_s']:.3g}",
         f"{i.low:+.2f} to {i.high:+.2f}" if known and s.controller != reference else "-",
         "-" if not known else f"{best}" if best == worst else f"{best}-{worst}",

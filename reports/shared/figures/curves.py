@@ -84,7 +84,7 @@ def _scales(axes: "Axes") -> bool:
 def with_attributes(text: str, marks: Mapping[str, str]) -> str:
     """An SVG in which groups carry attributes instead of the ids that stand for them.
 
-    >>> with_attributes('<g id="curve-0">', {"curve-0": 'data-curve="tuned PI"'})
-    '<g data-curve="tuned PI">'
+    >>> with_attributes('<g id="curve-0">', {"curve-0": 'data-curve="recommended PI"'})
+    '<g data-curve="recommended PI">'
     """
     return re.sub(r'id="([^"]+)"', lambda m: marks.get(m[1], m[0]), text)

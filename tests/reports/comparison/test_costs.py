@@ -41,7 +41,7 @@ def test_how_wrong_a_model_may_be_is_told_with_signs_and_units():
 def test_how_long_steps_take_stands_in_milliseconds_and_who_missed_is_named():
     ledgers = small_ledgers()
     assert ledger_words(ledgers).endswith(
-        "; 5 of all 1100 steps took longer than their period, most of them the tuned PI's (5 of 1000)."
+        "; 5 of all 1100 steps took longer than their period, most of them the recommended PI's (5 of 1000)."
     )
     punctual = {"flexion": {"linear MPC": ledgers["flexion"]["linear MPC"]}}
     assert ledger_words(punctual) == (
@@ -50,7 +50,7 @@ def test_how_long_steps_take_stands_in_milliseconds_and_who_missed_is_named():
     )
     (group,) = ledger_table(ledgers).groups
     tuned, mpc = ([cell.text for cell in r] for r in group.rows)
-    assert tuned == ["tuned PI", "1", "0.01", "0.01", "2", "1", "5 of 1000", "–", "–", "–", "–"]
+    assert tuned == ["recommended PI", "1", "0.01", "0.01", "2", "1", "5 of 1000", "–", "–", "–", "–"]
     assert group.rows[0][6].broken
     assert mpc == ["linear MPC", "20", "0.1", "0.1", "0.1", "0.5", "0 of 100", "0.02", "0.05", "0.03", "1"]
 
@@ -92,5 +92,5 @@ def test_a_leader_that_a_dead_time_undoes_is_named_as_such():
     undone = replace(contest, scores=tuple(lost(s) for s in contest.scores))
     said = on_others(study.comparison, undone)
     assert "to settle" not in calm
-    late = " With a dead time of 50 ms that no model has, tuned PI fails to settle on most plants."
+    late = " With a dead time of 50 ms that no model has, recommended PI fails to settle on most plants."
     assert said == calm + late

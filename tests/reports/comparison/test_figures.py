@@ -52,14 +52,16 @@ def test_outer_axes_are_labelled_with_units_and_hold_data(compared):
 
 def test_steps_show_every_controller_until_the_end_of_the_window(compared):
     figure = figures.step_responses(compared.comparison, "deviation")
-    names = {"tuned PI", "paper's PI (stand-in)", "SIMC", "AMIGO", "Ziegler-Nichols"}
+    names = {"recommended PI", "paper's PI (stand-in)", "SIMC", "AMIGO", "Ziegler-Nichols"}
     assert names | {"convex-concave PI", "robust LQI"} <= set(texts(figure))
     assert figure.axes[-1].get_xlim()[1] == 10.0
     for axes in figure.axes:
         curves = [line for line in axes.lines if len(line.get_xdata()) > 100]
         assert 4 <= len(curves) <= 8
         in_colour = [line for line in curves if line.get_color() != FAINT]
-        assert len(in_colour) == 2  # the tuned PI and one more; all others are grey and named at the curve
+        assert (
+            len(in_colour) == 2
+        )  # the recommended PI and one more; all others are grey and named at the curve
         assert len({str(line._dash_pattern) for line in in_colour}) == 2  # told apart without colour
 
 

@@ -91,7 +91,7 @@ def test_links_within_the_page_lead_somewhere_and_ids_are_unique(page):
 
 
 def test_the_page_names_every_controller_limit_task_and_assumption(page, compared):
-    names = ("tuned PI", "paper's PI (stand-in)", "SIMC", "AMIGO", "Ziegler-Nichols")
+    names = ("recommended PI", "paper's PI (stand-in)", "SIMC", "AMIGO", "Ziegler-Nichols")
     for words in (*names, "convex-concave PI", "robust LQI"):
         assert words in page.text
     for words in ("Overshoot", "Ms", "Delay margin", "return from -15 to 0 deg", "0 to +15 deg, from virgin"):
@@ -145,7 +145,7 @@ def test_the_page_opens_with_the_answer_in_three_short_sentences(folder, page):
         assert f"break a limit in {broken} of {total} simulated runs with up to 50 ms" in opening[0]
     else:
         assert opening[0].startswith("These gains ")
-    assert "a stability proof is open" in opening[2]
+    assert "A stability proof is open" in opening[2]
     assert f"flexion {name_of(d.controller)} {number(d.gains['Kp'])} {number(d.gains['Ki'])}" in page.text
     assert ("No PI tried meets every limit" in page.text) is not d.holds
 

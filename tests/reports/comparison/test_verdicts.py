@@ -1,4 +1,4 @@
-"""A verdict ranks only what the whole range of the paper's gains agrees on, and is of the tuned PI."""
+"""A verdict ranks only what the whole range of the paper's gains agrees on, and is of the recommended PI."""
 
 from dataclasses import replace
 
@@ -75,4 +75,4 @@ def test_gains_that_break_a_limit_are_called_the_nearest():
     assert said.endswith(
         "Ms is 3 against 2 on line1, fast rate; the tuned gains shown are the nearest found."
     )
-    assert other.startswith("deviation: the tuned PI settles")
+    assert other.startswith("deviation: the recommended PI settles")
