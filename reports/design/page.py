@@ -45,4 +45,5 @@ def design_page(study: DesignStudy, made: Made, drawn: "dict[str, Figure]") -> s
         summary=words.summary(study), remarks=words.remarks(study),
         decision=card(rows, shown("step", step_caption(rows))),
         price=tables.price_table(study), prices=shown("prices", words.price_caption(study)),
+        alternatives=words.alternatives(study),
     )  # fmt: skip

@@ -3,7 +3,10 @@
 from design.studies.design_study import DesignStudy
 from reports.design.words import controller_words
 from reports.shared.card import CardRow
-from reports.shared.tables import Cell, Column, Group, Table, number, row
+from reports.shared.tables import Cell, Column, Group, Table, measured, number, row
+
+GUARANTEES = {"memory and corners": "every start and corner"}
+"""What pages call a guarantee, where not by its name."""
 
 
 def card_rows(study: DesignStudy) -> list[CardRow]:
@@ -31,12 +34,17 @@ def price_table(study: DesignStudy) -> Table:
             held = "" if not r["gains"] or r["feasible"] else ", limit broken"
             rows.append(
                 row(
-                    r["guarantee"] + held, r["controller"],
+                    GUARANTEES.get(r["guarantee"], r["guarantee"]) + held, r["controller"],
                     *(number(gains.get(n)) for n in ("Kp", "Ki", "b")),
-                    number(r["worst_iae_deg_s"]), number(r["worst_settling_s"]),
-                    Cell(number(over), broken=over is not None and over > limit),
-                    number(r["ratio_to_bound"]) if r["gains"] else "open",
+                    _of_run(r["worst_iae_deg_s"]), _of_run(r["worst_settling_s"]),
+                    Cell(_of_run(over), broken=over is not None and over > limit),
+                    _of_run(r["ratio_to_bound"]) if r["gains"] else "open",
                 )
             )  # fmt: skip
         groups.append(Group(m.motion, tuple(rows)))
     return Table(columns, tuple(groups))
+
+
+def _of_run(value: float | None) -> str:
+    """A result, or a dash where there is none."""
+    return number(None) if value is None else measured(value)

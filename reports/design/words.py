@@ -96,11 +96,8 @@ def remarks(study: DesignStudy) -> list[str]:
         "between "
         "cases; the verdict uses the limit itself. A search that finds no broken limit proves nothing."
     ]
-    found += [remainder_words(m, study.requirements[m.motion]["remainder"]) for m in study.motions]
-    found += [feedforward_words(m) for m in study.motions]
-    found += [lqi_words(m) for m in study.motions]
-    found += [mpc_words(m) for m in study.motions]
-    found = [words for words in found if words]
+    left = [remainder_words(m, study.requirements[m.motion]["remainder"]) for m in study.motions]
+    found += [words for words in left if words]
     found += [
         f"{m.motion}: the design leaves out {listed(list(m.left_out))}, in the sensor or an event of the "
         "recordings."
@@ -108,6 +105,12 @@ def remarks(study: DesignStudy) -> list[str]:
         if m.left_out
     ]
     return found
+
+
+def alternatives(study: DesignStudy) -> list[str]:
+    """What other controllers would change under the same requirement, a motion after the other."""
+    said = [words(m) for m in study.motions for words in (feedforward_words, lqi_words, mpc_words)]
+    return [s[0].upper() + s[1:] for s in said if s]
 
 
 def remainder_words(m: MotionDesign, left: Mapping[str, float] | None) -> str:
@@ -127,10 +130,12 @@ def remainder_words(m: MotionDesign, left: Mapping[str, float] | None) -> str:
 
 def price_caption(study: DesignStudy) -> str:
     """Beneath the prices."""
+    unsearched = any(r["guarantee"] == "fresh samples" for m in study.motions for r in m.prices)
+    few = " Fresh samples: without a search for the worst case, margins not judged." if unsearched else ""
     return (
         "Worst IAE over the same steps for every bar: all plants of the box, initial states, loads and dead "
         "times. Blue: tuned for the whole requirement, no broken limit found; ▲: limit broken. Gains tuned "
-        "for weaker guarantees may be faster here, but break limits in other cases."
+        f"for weaker guarantees may be faster here, but break limits in other cases.{few}"
     )
 
 
