@@ -125,7 +125,7 @@ def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:
         designs=[(title_of(m), designs(comparison, m)) for m in motions if comparison.designs],
         standings=tables.standings_table(comparison), worst=shown("worst-values", words.WORST_CAPTION),
         trade_off=shown("trade-off", TRADE_OFF),
-        late=shown("dead-time", words.DEAD_TIME_CAPTION) if study.late else None,
+        late=shown("dead-time", words.late_caption(study)) if study.late else None,
         paper_note=tables.paper_note(),
         contest=_contest(study, study.contest, shown) if study.contest else None,
         wrong=[_wrong(m, b, shown) for m, b in (study.break_even or {}).items()],

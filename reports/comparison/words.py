@@ -21,7 +21,7 @@ from plants.measured.fit import Fit
 from plants.parameters.quantities import Assumed
 from reports.comparison.contest import MAIN as PERTURBED
 from reports.comparison.figures import PIS
-from reports.shared.figures.dead_time_figure import SETTLED
+from reports.shared.figures.dead_time_figure import SETTLED, kept_up_to
 from reports.shared.figures.fit import shown_run
 from reports.shared.names import COST_WORDS, WINDOW, limit_name, name_of, pi_name, title_of
 from reports.shared.tables import fixed, listed, number, spaced
@@ -62,6 +62,14 @@ LOOPS_CAPTION = (
     "The step from rest under the recommended PI in the plane of pressure and angle. In the dead zone the "
     "pressure moves and the angle does not; beyond it the angle follows line 1. Dots: time after the step."
 )
+
+
+def late_caption(study: Study) -> str:
+    """Up to which dead time the recommended PI keeps the limit on overshoot, and what the curves are."""
+    limit = study.comparison.limits.overshoot_percent
+    kept = {m: kept_up_to(sweep, TUNED, limit) for m, sweep in (study.late or {}).items()}
+    said = "; ".join(f"{m}: {words}" for m, words in kept.items() if words)
+    return f"{said[0].upper()}{said[1:]}. {DEAD_TIME_CAPTION}" if said else DEAD_TIME_CAPTION
 
 
 def further(motions: Sequence[str]) -> list[str]:

@@ -190,8 +190,8 @@ def mpc_words(m: MotionDesign) -> str:
         return ""
     share = 100 * (1 - found["cost"] / m.designs[m.recommended]["cost"])
     words = (
-        f"{m.motion}: a {ROBUST_MPC} (weight of the swing {number(found['gains']['swing'])}) needs a model "
-        "and the measured pressure, and solves a quadratic program every period. No certificate covers it, "
+        f"{m.motion}: a {ROBUST_MPC} (weight {number(found['gains']['swing'])} on the change of the error) needs "
+        "a model and the measured pressure, and solves a quadratic program every period. No certificate covers it, "
         "and Ms, Mt and the delay margin are not judged. The worst IAE of its tuning is "
         f"{number(share, 2)} % lower."
     )

@@ -1,5 +1,8 @@
 """Captions of the robust page's figures, and the sentences that stand beside its tables."""
 
+from collections.abc import Sequence
+
+from design.comparison.behind_dead_time import DeadTimeSweep
 from design.robustness.assess import Assessment
 from design.robustness.certificates.statements import (
     LeavesVirginCurve,
@@ -11,8 +14,8 @@ from design.robustness.samples.statements import LEVEL
 from reports.robustness.claims import claim_words, class_words
 from reports.robustness.reasons import because
 from reports.robustness.tables import limit_words
-from reports.robustness.words import beyond
-from reports.shared.figures.dead_time_figure import SETTLED
+from reports.robustness.words import beyond, margin
+from reports.shared.figures.dead_time_figure import SETTLED, kept_up_to
 from reports.shared.tables import number, spaced
 
 
@@ -26,16 +29,26 @@ def plane_caption(a: Assessment) -> str:
     )
 
 
-SIGNATURE = (
-    "These gains beside SIMC's. Columns above: branches of the hysteresis at both regulator rates; disc: Ms "
-    "beyond its limit. Below: the step from each initial hysteresis state."
-)
+def signature_caption(a: Assessment) -> str:
+    """What the small multiples show, with the worst Ms of these gains."""
+    limit = a.limits.Ms
+    said = ""
+    if a.stable:
+        beside = "" if limit is None else f" (limit: {number(limit)})"
+        said = f" Ms of these gains: at most {number(margin(a, 'Ms'))}{beside}."
+    disc = "" if limit is None else "; disc: Ms beyond its limit"
+    return (
+        f"These gains beside SIMC's.{said} Columns above: branches of the hysteresis at both regulator rates"
+        f"{disc}. Below: the step from each initial hysteresis state."
+    )
 
 
-LATE = (
-    "Worst overshoot over both signs and all initial states against added dead time, nominal plant. "
-    f"{SETTLED}"
-)
+def late_caption(a: Assessment, sweep: DeadTimeSweep, names: Sequence[str]) -> str:
+    """Up to which dead time the overshoot is within its limit."""
+    kept = [kept_up_to(sweep, n, a.limits.overshoot_percent) for n in names if n in sweep.overshoot]
+    said = f"Overshoot: {'; '.join(kept)}. " if any(kept) else ""
+    over = "Worst over both signs and all initial states against added dead time, nominal plant."
+    return f"{said}{over} {SETTLED}"
 
 
 NYQUIST = (

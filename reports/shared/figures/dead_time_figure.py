@@ -27,6 +27,18 @@ SETTLED = "Dotted: a step does not settle within the run."
 """What a caption says of the line styles."""
 
 
+def kept_up_to(sweep: DeadTimeSweep, name: str, limit: float | None) -> str:
+    """Up to which dead time of a sweep a controller keeps the limit on overshoot [%], in words; nothing where
+    there is no limit."""
+    if limit is None:
+        return ""
+    kept = sweep.overshoot[name] <= limit
+    if not kept[0]:
+        return f"{name_of(name)} beyond {limit:g} % without dead time"
+    last = kept.size if kept.all() else int(np.argmin(kept))
+    return f"{name_of(name)} within {limit:g} % up to {1000.0 * sweep.dead_times[last - 1]:g} ms"
+
+
 def dead_time_figure(
     sweeps: Mapping[str, DeadTimeSweep], limit: float | None, coloured: Mapping[str, Sequence[str]]
 ) -> "Figure":

@@ -94,7 +94,7 @@ def test_the_page_names_every_controller_limit_task_and_assumption(page, compare
     names = ("recommended PI", "paper's PI (stand-in)", "SIMC", "AMIGO", "Ziegler-Nichols")
     for words in (*names, "convex-concave PI", "robust LQI"):
         assert words in page.text
-    for words in ("Overshoot", "Ms", "Delay margin", "return from -15 to 0 deg", "0 to +15 deg, from virgin"):
+    for words in ("Overshoot", "Ms", "Delay margin", "return from −15 to 0 deg", "0 to +15 deg, from virgin"):
         assert words in page.text
     for s in compared.plants.values():
         for name in s.assumed:
