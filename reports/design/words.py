@@ -189,11 +189,11 @@ def mpc_words(m: MotionDesign) -> str:
     if found is None:
         return ""
     share = 100 * (1 - found["cost"] / m.designs[m.recommended]["cost"])
+    weight = number(found["gains"]["swing"])
     words = (
-        f"{m.motion}: a {ROBUST_MPC} (weight {number(found['gains']['swing'])} on the change of the error) needs "
-        "a model and the measured pressure, and solves a quadratic program every period. No certificate covers it, "
-        "and Ms, Mt and the delay margin are not judged. The worst IAE of its tuning is "
-        f"{number(share, 2)} % lower."
+        f"{m.motion}: a {ROBUST_MPC} (weight {weight} on the change of the error) needs a model and the "
+        "measured pressure, and solves a quadratic program every period. No certificate covers it, and Ms, Mt "
+        f"and the delay margin are not judged. The worst IAE of its tuning is {number(share, 2)} % lower."
     )
     if found["holds"]:
         return f"{words} No broken limit was found in {found['samples']} fresh samples."
