@@ -192,7 +192,7 @@ def mpc_words(m: MotionDesign) -> str:
     weight = number(found["gains"]["swing"])
     words = (
         f"{m.motion}: a {ROBUST_MPC} (weight {weight} on the change of the error) needs a model and the "
-        "measured pressure, and solves a quadratic program every period. No certificate covers it, and Ms, Mt "
+        "measured pressure, and solves a quadratic program every period. No certificate covers it; Ms, Mt "
         f"and the delay margin are not judged. The worst IAE of its tuning is {number(share, 2)} % lower."
     )
     if found["holds"]:

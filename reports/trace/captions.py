@@ -23,7 +23,7 @@ ERRORS = (
     "sensors, the least that any model can reach."
 )
 RANKING = (
-    "Each effect in its best form: predicted reduction of chi-square beyond a refit of the present "
+    "Each effect in its best form: estimated reduction of chi-square beyond a refit of the present "
     "parameters. Dashed: threshold for selection. Tick: 95 % quantile of the largest reduction on noise "
     "alone."
 )

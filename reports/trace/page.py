@@ -112,7 +112,7 @@ def _sections(trace: Trace, control: Control | None) -> dict[str, str]:
         "fit": "Measured and simulated",
         "plant": "The revised plant" if trace.effects else "The plant",
         **({} if control is None else {"control": "Retuning"}),
-        "doubt": "What is open",
+        "doubt": "What is undecided",
         "left": left,
         "choice": "How effects are selected",
     }

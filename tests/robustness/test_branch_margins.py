@@ -138,10 +138,12 @@ def test_statements_hold_the_worst_row_against_its_limit():
     delay = said["delay margin at least 20 ms on every branch"]
     assert delay.holds is True
     assert delay.value == min(r["delay_margin_s"] for r in rows)
+    Mt = said["Mt at most 2 on every branch"]
+    assert (Mt.holds, Mt.value) == (max(r["Mt"] for r in rows) <= 2.0, max(r["Mt"] for r in rows))
     assert {s.status for s in said.values()} == {Status.PREDICTED}
 
 
 def test_a_limit_that_is_none_is_told_and_not_judged():
-    said = statements(rows_of((9.0, 60.0)), Limits(Ms=None, delay_margin_s=None))
+    said = statements(rows_of((9.0, 60.0)), Limits(Ms=None, Mt=None, delay_margin_s=None))
     assert [s.holds for s in said[1:]] == [None] * 6
     assert said[1].value == pytest.approx(7.7428, abs=1e-3)

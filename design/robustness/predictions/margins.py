@@ -94,7 +94,7 @@ def statements(rows: list[Row], limits: Limits) -> list[Statement]:
         _worst(rows, MarginHeld("delay_margin_s", False, within.get("delay_margin_s")), "s"),
         _worst(rows, MarginHeld("gain_margin", False, None), "1"),
         _worst(rows, MarginHeld("phase_margin_deg", False, None), "deg"),
-        _worst(rows, MarginHeld("Mt", True, None), "1"),
+        _worst(rows, MarginHeld("Mt", True, within.get("Mt")), "1"),
         _worst(rows, MarginHeld("disk_margin", False, None), "1"),
     ]
 

@@ -18,6 +18,7 @@ from reports.shared.figures.style import (
     styled,
 )
 from reports.shared.names import name_of
+from reports.shared.tables import number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,9 +35,13 @@ def kept_up_to(sweep: DeadTimeSweep, name: str, limit: float | None) -> str:
         return ""
     kept = sweep.overshoot[name] <= limit
     if not kept[0]:
-        return f"{name_of(name)} beyond {limit:g} % without dead time"
-    last = kept.size if kept.all() else int(np.argmin(kept))
-    return f"{name_of(name)} within {limit:g} % up to {1000.0 * sweep.dead_times[last - 1]:g} ms"
+        return f"{name_of(name)} beyond {limit:g} % even without dead time"
+    if kept.all():
+        return f"{name_of(name)} within {limit:g} % up to {1000.0 * sweep.dead_times[-1]:g} ms at least"
+    beyond = int(np.argmin(kept))
+    pair = slice(beyond - 1, beyond + 1)  # between two dead times that were played, on a straight line
+    late = float(np.interp(limit, sweep.overshoot[name][pair], sweep.dead_times[pair]))
+    return f"{name_of(name)} within {limit:g} % up to about {number(1000.0 * late, 2)} ms"
 
 
 def dead_time_figure(
