@@ -170,7 +170,7 @@ assert cautious.word.growth < word.growth
 
 # %%
 plane = gain_plane(problem, tuple(RUNGS), points=14)
-marks = {name: pair for name, pair in gains.items()} | {"paper's stand-in": PAPER_GAINS}
+marks = {name: pair for name, pair in gains.items()} | {"paper's PI (stand-in)": PAPER_GAINS}
 draw_gain_plane(plane, problem.limits, marks)
 
 # %% [markdown]

@@ -54,7 +54,7 @@ def robustness_study(
 def study_of(assessment: Assessment, plane: GainPlane) -> RobustnessStudy:
     """The study of an assessment with a plane that is known."""
     rules = {n: (float(c.Kp), float(c.Ki)) for n, c in baselines(assessment.wrist).items() if n != "paper"}
-    gains, wrist = {"paper's stand-in": PAPER_GAINS, **rules}, assessment.wrist
+    gains, wrist = {"paper's PI (stand-in)": PAPER_GAINS, **rules}, assessment.wrist
     pis = {"these gains": assessment.controller, **{n: PI.of(wrist, *k) for n, k in gains.items()}}
     return RobustnessStudy(
         assessment, plane, envelopes(assessment.cases), worst_run(assessment.worst), gains,

@@ -30,7 +30,8 @@ def verdict_sentence(motion: str, v: Verdict, step: float) -> str:
     tail = f"; {', '.join(v.breaking)} break the limits" if v.breaking else ""
     return (
         f"{motion}: the recommended PI settles the worst {step:g} degree task in {_seconds(v.tuned)} "
-        f"(paper's stand-in {_seconds(v.paper_low)} to {_seconds(v.paper_high)}), {AGAINST[v.rank]}{tail}."
+        f"(paper's PI with stand-in gains: {_seconds(v.paper_low)} to {_seconds(v.paper_high)}), "
+        f"{AGAINST[v.rank]}{tail}."
     )
 
 

@@ -85,4 +85,4 @@ def _curve(axes: "Axes", sweep: DeadTimeSweep, name: str, look: Mapping[str, Any
 
 def _line_of(name: str) -> str:
     """Whose line a page's own name of a controller has."""
-    return {"these gains": "tuned", "paper's stand-in": "paper"}.get(name, name)
+    return {"these gains": "tuned", "paper's PI (stand-in)": "paper"}.get(name, name)

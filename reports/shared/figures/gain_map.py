@@ -112,7 +112,7 @@ def _marks(axes: "Axes", tuning: Tuning) -> None:
     corners = [min(Kps), max(Kps)], [min(Kis), max(Kis)]
     (left, right), (low, high) = corners
     axes.plot([left, right, right, left, left], [low, low, high, high, low], color=BLACK, lw=1.2, zorder=4)
-    mark(*PAPER_GAINS, "D", "paper's stand-in, its range", ms=6)
+    mark(*PAPER_GAINS, "D", "paper's PI (stand-in), its range", ms=6)
     words = "tuned" if tuning.feasible else "nearest to the limits"
     mark(tuning.Kp, tuning.Ki, "*", words, ms=16, markerfacecolor=ORANGE)
     limit = tuning.active.rsplit("_", 1)[0].replace("_", " ") if tuning.active else "none"

@@ -84,7 +84,13 @@ def test_the_map_marks_the_gains_that_matter(compared):
     tuning = compared.tunings["flexion"]
     figure = gain_map(tuning)
     words = texts(figure)
-    for name in ("SIMC", "AMIGO", "Ziegler-Nichols", "paper's stand-in, its range", "end of a local search"):
+    for name in (
+        "SIMC",
+        "AMIGO",
+        "Ziegler-Nichols",
+        "paper's PI (stand-in), its range",
+        "end of a local search",
+    ):
         assert name in words
     axes = figure.axes[0]
     assert axes.get_xscale() == axes.get_yscale() == "log"
