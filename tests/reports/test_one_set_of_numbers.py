@@ -223,7 +223,7 @@ NUMBERS = (
                 lambda: [
                     2 * v
                     for v in read(
-                        text("README.md"), r"none of ([\d,]+) samples.*none of ([\d,]+) search runs"
+                        text("README.md"), r"[Nn]one of ([\d,]+) samples.*none of ([\d,]+) search runs"
                     )
                 ],
             ),
