@@ -71,7 +71,7 @@ def test_the_page_stands_alone_and_is_complete(assessed):
         "made",
     ):
         assert f'id="{section}"' in page
-    assert page.count("<figure>") == page.count("<figcaption>") == 9
+    assert page.count("<figure>") == page.count("<figcaption>") == 10
     assert 'src="' not in page
     assert 'href="http' not in page
     for nothing in ("nan<", "None<", "inf<"):
