@@ -228,10 +228,10 @@ def _designed(
     designs = stages.done(
         f"tune-{motion}", asked, lambda: tuned_designs(required, effort, seed, jobs, _at("tune", tell))
     )
-    designs |= stages.done(
-        f"mpc-{motion}", {**asked, "mpc": effort.mpc},
-        lambda: mpc_design(required, seed, effort, jobs, _at("tune", tell)),
-    )  # fmt: skip
+    if effort.mpc:
+        designs |= stages.done(
+            f"mpc-{motion}", asked, lambda: mpc_design(required, seed, effort.rounds, jobs, _at("tune", tell))
+        )
     relaxed = designs.pop("relaxed")
     one, two = designs[PLAIN], designs[TWO_DOF]
     best = TWO_DOF if pays((one["holds"], two["holds"]), [one["cost"], two["cost"]]) else PLAIN

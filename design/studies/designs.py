@@ -116,14 +116,12 @@ def _lqi(
 
 
 def mpc_design(
-    required: Requirement, seed: int, effort: DesignEffort, jobs: int | None, tell: Tell
+    required: Requirement, seed: int, rounds: int, jobs: int | None, tell: Tell
 ) -> dict[str, dict[str, Any]]:
-    """An MPC under the same requirement, but for the margins of a linear loop; none where nobody asks, where
-    its solver is not installed, or where the plant has none."""
-    if not effort.mpc:
-        return {}
+    """An MPC under the same requirement, but for the margins of a linear loop; none where its solver is not
+    installed, or where the plant has none."""
     try:
-        tuned = tune_mpc(required, seed, effort.rounds, jobs, lambda s, h: tell(f"{ROBUST_MPC}: {s}", h))
+        tuned = tune_mpc(required, seed, rounds, jobs, lambda s, h: tell(f"{ROBUST_MPC}: {s}", h))
     except InputError:
         return {}
     found = _tuning_record(tuned)

@@ -17,7 +17,7 @@ JUMP = 50.0
 HOPELESS = 3.0
 """Times the lowest cost beyond which a minimum is not followed further."""
 
-STALLED = 0.05
+STALLED = 0.25
 """Share of the cost that a Gauss-Newton step promises above which a search has not ended but stands before a
 steep entry, such as the moment of a step: its short steps there are short in all others, and it goes on
 scaled by the slopes."""
