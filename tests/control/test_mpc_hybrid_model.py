@@ -84,7 +84,9 @@ def test_the_lag_over_a_period_is_that_of_the_plant_far_from_the_command():
     assert float(angle) == pytest.approx(float(state.angle), abs=1e-9)
 
 
-@pytest.mark.parametrize(("start", "command", "lack"), [("line1", 2.6, 0.0), ("line2", 1.4, 3.0), ("inside", 2.2, -4.0)])
+@pytest.mark.parametrize(
+    ("start", "command", "lack"), [("line1", 2.6, 0.0), ("line2", 1.4, 3.0), ("inside", 2.2, -4.0)]
+)
 def test_a_period_of_the_model_is_one_of_the_wrist(start, command, lack):
     """Pressure to the error of the law; angle to tenths of a degree, exact where the loop is left alone."""
     wrist, c = PROBLEM.wrist, PROBLEM.wrist.sampled()

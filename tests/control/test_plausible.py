@@ -77,7 +77,9 @@ def test_around_a_plant_there_is_as_much_room_again_on_either_side(low, width, f
     assert channel.sampled(0.01).rate == pytest.approx(0.01 * channel.rate)
 
 
-@pytest.mark.parametrize("wrist", [Wrist.flexion(), Wrist.deviation(), Wrist.flexion().with_values(k_slow=90.0)])
+@pytest.mark.parametrize(
+    "wrist", [Wrist.flexion(), Wrist.deviation(), Wrist.flexion().with_values(k_slow=90.0)]
+)
 def test_no_motion_of_the_model_is_refused(wrist):
     """The fastest pressure there is, end to end at the regulator's larger rate, and the angle of it."""
     limits, air = SensorLimits.of(wrist), wrist.regulator
