@@ -33,7 +33,8 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("plants/hysteresis", "plants/actuator", "plants/effects", "plants/lag.py", "plants/dynamics.py",
          "plants/wrist.py", "plants/simulation", "plants/equilibrium.py", "design/controllers"),
         ("laws/*", "oracles/*", "control/test_[fipt]*", "control/test_memory*", "control/test_registered*",
-         "control/test_spikes*", "robustness/test_remainder*"),
+         "control/test_spikes*", "design/test_effects*", "design/test_limits*", "robustness/test_remainder*",
+         "trace/test_excitation*"),
     ),
     "kernels": (
         ("plants/kernel", "design/mpc"), ("kernel/*", "laws/test_k*", "laws/test_l*", "control/test_mpc*"),
