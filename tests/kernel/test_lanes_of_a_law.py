@@ -74,7 +74,6 @@ def test_lanes_of_lengths_of_their_own_go_as_far_as_the_longest_beside_them(jobs
     assert last.count.tolist() == most.tolist()
     np.testing.assert_allclose(last.total, np.cumsum(SIGNAL)[most - 1])
     assert rows.shape == (0, 0, lanes)
-    assert (default_jobs() >= 1) is True
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
@@ -117,3 +116,13 @@ def test_what_cannot_be_is_refused():
             ("one", "two"),
             held={"two": np.ones((40, 3))},
         )
+
+
+def test_as_many_threads_as_the_process_may_use_or_as_there_are_processors(monkeypatch):
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: {1, 4, 5}, raising=False)
+    monkeypatch.setattr("os.cpu_count", lambda: 64)
+    assert default_jobs() == 3
+    monkeypatch.delattr("os.sched_getaffinity")
+    assert default_jobs() == 64
+    monkeypatch.setattr("os.cpu_count", lambda: None)
+    assert default_jobs() == 1

@@ -33,8 +33,8 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("plants/hysteresis", "plants/actuator", "plants/effects", "plants/lag.py", "plants/dynamics.py",
          "plants/wrist.py", "plants/simulation", "plants/equilibrium.py", "design/controllers"),
         ("laws/*", "oracles/*", "control/test_[fipt]*", "control/test_memory*", "control/test_registered*",
-         "control/test_spikes*", "design/test_effects*", "design/test_limits*", "robustness/test_remainder*",
-         "trace/test_excitation*"),
+         "control/test_spikes*", "design/test_effects*", "design/test_limits*", "measured/test_guess*",
+         "robustness/test_remainder*", "trace/test_excitation*"),
     ),
     "kernels": (
         ("plants/kernel", "design/mpc"), ("kernel/*", "laws/test_k*", "laws/test_l*", "control/test_mpc*"),
@@ -42,7 +42,7 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "statistics": (
         ("plants/measured/residual", "plants/measured/noise.py", "design/contest", "design/evaluation"),
         ("residual/*", "evaluation/*", "measured/test_[engl]*", "control/test_contest*",
-         "control/test_break*", "oracles/test_metrics*", "robustness/test_sequences*"),
+         "control/test_break*", "design/test_t*", "oracles/test_metrics*", "robustness/test_sequences*"),
     ),
     "certificates": (
         ("design/robustness/certificates", "design/limit"), ("robustness/*", "control/test_limit*"),
