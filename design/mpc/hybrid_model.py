@@ -83,8 +83,9 @@ def gained(problem: MPCProblem, error: Array | float) -> Array:
 def piecewise(problem: MPCProblem, most: float, pieces: int) -> Piecewise:
     """The law with so many pieces on either side of 0, up to an error of `most` [kPa].
 
-    The knots are those for which the largest difference is least, to within the grid: each piece goes as
-    far as a tolerance lets it, and the tolerance is halved in on.  Raises InputError for no pieces.
+    Each piece goes as far as a tolerance lets it, and the tolerance is halved in on.  That need not be the
+    least largest difference, since the law is first convex, then concave: up to 1.7 times that was seen, with
+    two pieces, and 1.2 times with four.  Raises InputError for no pieces.
     """
     if pieces < 1:
         raise InputError(f"hybrid MPC: {pieces} pieces of the regulator's law: give 1 or more")
@@ -107,7 +108,7 @@ def _greedy(grid: Array, exact: Array, tolerance: float, pieces: int) -> list[in
         if len(at) > pieces:
             return None
         begin, fits, fails = at[-1], at[-1] + 1, last + 1
-        while fails - fits > 1:  # a longer chord misses more
+        while fails - fits > 1:  # as if a longer chord always missed more
             end = (fits + fails) // 2
             x = grid[begin : end + 1]
             chord = np.interp(x, [x[0], x[-1]], [exact[begin], exact[end]])

@@ -101,3 +101,15 @@ def test_a_page_without_a_place_for_the_table_is_refused():
         replaced("## A\n| x |\n", "## B", "| y |")
     with pytest.raises(InputError, match="no table under '## B'"):
         replaced("## B\nwords\n\n## A\n| x |\n", "## B", "| y |")
+
+
+def test_the_second_law_is_about_as_wide_and_as_steep_as_the_first_and_curved():
+    one, other = WRIST.hysteresis, of_plays(WRIST).hysteresis
+    assert other.steepness == pytest.approx(one.steepness, rel=0.05)
+    assert float(other.flattest) == pytest.approx(float(one.flattest), rel=0.05)
+    gaps = [float(p.descending(100.0) - p.ascending(100.0)) for p in (one, other)]
+    assert gaps[1] == pytest.approx(gaps[0], rel=0.15)
+    assert not other.straight()
+    slopes = other.branches(*WRIST.rig.pressure_range).values()
+    assert len(set(slopes)) == 3
+    assert max(slopes) == pytest.approx(float(one.a1), rel=0.15)

@@ -8,7 +8,7 @@ from design.controllers.pi import PI
 from design.evaluation.scenarios import Scenario
 from design.evaluation.steps import run
 from design.limit import bound, limit, limits_of, optimal, ratios, replay
-from design.limit.optimal import TimeOptimalProblem
+from design.limit.optimal import TimeOptimalProblem, _guess
 from plants import Wrist
 from plants.effects.regulator.dead_time import DeadTime
 from tests.control.limit_plant import iae, lanes, of_state, settled_at
@@ -92,3 +92,30 @@ def test_controllers_lie_above_the_limit():
     assert (found.settling > 1.0).all()
     assert (found.iae > 1.0).all()
     assert found.iae[0] == pytest.approx(judged.iae_deg_s[0] / of["step+virgin"].iae_bound)
+
+
+@pytest.mark.parametrize("angle", [2.0, 11.0])
+@pytest.mark.parametrize("turn", [2, 5])
+def test_the_search_begins_with_throttle_that_is_turned_and_then_holds(angle, turn):
+    """Towards the reference, back to it, and there: mirrored where the step is."""
+    loop = Wrist.flexion().hysteresis
+    wrist = Wrist.flexion().with_values(
+        rest_pressure=98.8, a2=float(loop.a1), w2=float(loop.w1)
+    )  # half of 4 V
+    found = {}
+    for sign in (1.0, -1.0):
+        state = wrist.rest("line1" if sign > 0 else "line2", sign * angle)
+        problem = TimeOptimalProblem(wrist, state, sign * (angle + 8.0), sign, 120)
+        n = problem.nodes
+        guess = _guess(problem, turn)
+        volts, nodes = guess[:n], guess[n:].reshape(n, 2)
+        first, second = (4.0, 0.0) if sign > 0 else (0.0, 4.0)
+        assert volts[:turn].tolist() == [first] * turn
+        assert volts[turn] == second
+        backs = int(np.argmax(volts[turn:] != second))
+        held = volts[turn + backs :]
+        assert np.ptp(held[1:]) < 0.15  # the regulator stands nearly still there
+        assert (np.diff(sign * nodes[:turn, 0]) > 0.0).all()
+        found[sign] = sign * (volts - 2.0), sign * (nodes - [98.8, 0.0])
+    np.testing.assert_allclose(found[1.0][0], found[-1.0][0], atol=1e-9)
+    np.testing.assert_allclose(found[1.0][1], found[-1.0][1], atol=1e-9)

@@ -185,3 +185,54 @@ def test_a_plan_is_stuck_that_ends_on_the_virgin_curve_away_from_the_reference(v
     assert states[0, names.index("memory.virgin")] == 1.0
     states[-1, [names.index("memory.virgin"), names.index("angle")]] = virgin, angle
     assert controller._stuck(about._replace(states=states), believed, 15.0) is stuck
+
+
+class Noted:
+    """A clock of which every look takes so much longer than the one before, and who looked."""
+
+    def __init__(self):
+        self.now, self.took = 0, 0
+
+    def __call__(self):
+        self.took += 1_000
+        self.now += self.took
+        return self.now
+
+
+@pytest.mark.parametrize("make", [linear_mpc, real_time_mpc])
+def test_the_times_of_a_period_add_up_to_it(make):
+    clock = Noted()
+    controller = make(PROBLEM, Fallback(clock=clock))
+    state = controller.init(resting("virgin"))
+    for _ in range(3):
+        begun = clock.now + clock.took + 1_000
+        state, _, info = controller.step(state, Measured(5.0, 0.0, 100.0))
+        assert info.total_ns == clock.now - begun
+        assert info.preparation_ns == clock.took  # between its last two looks
+        assert min(info.preparation_ns, info.solve_ns, info.wrapper_ns) > 0
+        assert info.preparation_ns + info.solve_ns + info.wrapper_ns == info.total_ns
+
+
+def test_the_next_period_is_prepared_where_this_one_was_solved_and_only_there():
+    controller = broken(real_time_mpc, 2, 2, FAILURES["infeasible"])
+    state, prepared = controller.init(resting("line1")), []
+    for _ in range(3):
+        state, _, info = controller.step(state, Measured(5.0, 0.0, state.believed.plant.pressure))
+        prepared.append((info.rung, state.prepared is not None))
+    assert prepared == [(SOLVED, True), (SHIFTED, False), (SOLVED, True)]
+
+
+@pytest.mark.parametrize("make", [linear_mpc, real_time_mpc])
+def test_a_plan_is_as_long_as_the_horizon_however_often_it_is_shifted(make):
+    """Its end is held: what was planned last goes on."""
+    controller = make(PROBLEM)
+    state = controller.init(resting("line1"))
+    state, _, info = controller.step(state, Measured(15.0, 0.0, state.believed.plant.pressure))
+    assert info.rung == SOLVED
+    whole = np.atleast_2d(state.plan)
+    assert whole.shape[-1] == PROBLEM.horizon
+    plan = state.plan
+    for k in range(1, PROBLEM.horizon + 3):
+        _, plan = controller.resume(plan, state.believed, state.command)
+        end = np.repeat(whole[:, -1:], min(k, PROBLEM.horizon), axis=1)
+        np.testing.assert_array_equal(np.atleast_2d(plan), np.hstack([whole[:, k:], end]))

@@ -5,10 +5,12 @@ import control
 import numpy as np
 import pytest
 
+from design.controllers.controller import Measured
 from design.mpc import linear, observer
 from design.mpc.prediction import coefficients
 from design.mpc.problem import MPCProblem, Observer
 from plants import Wrist
+from plants.dynamics import bend, step
 from plants.one_page import wrist as one_page
 
 
@@ -66,3 +68,69 @@ def test_the_observers_error_has_both_poles_where_they_were_asked_for(bandwidth)
     L = np.array([[g.shift], [g.angle]])
     poles = np.linalg.eigvals((np.eye(2) - L @ C) @ A)
     assert np.abs(poles - np.exp(-bandwidth * problem.period)).max() < 1e-6
+
+
+@pytest.mark.parametrize(("rate", "periods"), [(0.05, 12), (0.1, 11), (0.2, 7)])
+def test_from_period_to_period_the_plan_moves_by_the_rate_limit_while_it_is_far_away(rate, periods):
+    """What is held of the plan is that of the period before, not a later one."""
+    wrist = Wrist.flexion()
+    controller, c = linear.linear_mpc(MPCProblem(wrist, rate=rate)), wrist.sampled()
+    plant = wrist.rest("line1")
+    state, first, commands = controller.init(Measured(0.0, 0.0, float(plant.pressure))), [], []
+    for _ in range(periods):
+        angle = float(plant.angle)
+        state, command, _ = controller.step(state, Measured(12.0 - angle, angle, float(plant.pressure)))
+        first.append(float(state.plan[1, 0]))
+        commands.append(command)
+        for _ in range(controller.problem.substeps):
+            plant = step(plant, command, c)
+    assert np.diff(first) == pytest.approx(np.full(periods - 1, controller.planner.rate), rel=1e-6)
+    assert np.diff(commands).max() <= rate + 1e-12
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_observer_is_its_rule_in_plain_python(seed):
+    """A period of the plant by its own law, bent to end at the measured pressure; then the corrections."""
+    wrist, draw = Wrist.flexion(), np.random.default_rng(seed)
+    problem = MPCProblem(wrist)
+    g, flat, c = observer.gains(problem), coefficients(wrist), wrist.sampled()
+    believed = observer.begin(2.0, 120.0, wrist)
+    for _ in range(25):
+        volts = float(draw.uniform(0.5, 3.5))
+        lost = draw.random(2) < 0.2
+        pressure = np.nan if lost[0] else float(believed.plant.pressure) + draw.normal(0.0, 8.0)
+        angle = np.nan if lost[1] else float(believed.plant.angle) + draw.normal(0.0, 2.0)
+        found = observer.update(believed, volts, Measured(0.0, angle, pressure), g, flat)
+        pushed, path = volts + believed.lack / wrist.regulator.gain, [believed.plant.pressure]
+        free = believed.plant
+        for _ in range(problem.substeps):
+            free = step(free, pushed, c)
+            path.append(float(free.pressure))
+        missed = 0.0 if lost[0] else pressure - path[-1]
+        plant = believed.plant
+        for i in range(1, problem.substeps + 1):
+            plant = bend(plant, path[i] + missed * i / problem.substeps, (), c)
+        assert found.plant.pressure == pytest.approx(float(plant.pressure), abs=1e-9)
+        assert found.plant.memory.h == pytest.approx(float(plant.memory.h), abs=1e-9)
+        off = 0.0 if lost[1] else angle - (float(plant.angle) + believed.shift)
+        assert found.shift == pytest.approx(believed.shift + g.shift * off, abs=1e-9)
+        assert found.plant.angle + found.shift == pytest.approx(
+            float(plant.angle) + believed.shift + g.angle * off, abs=1e-9
+        )
+        error = wrist.regulator.gain * pushed - path[0]
+        share = (path[-1] - path[0]) / error
+        limited = np.clip(missed, -observer.MOST_MISSED, observer.MOST_MISSED)
+        learnt = g.lack * limited * share / (share**2 + observer.LEAST_SHARE**2)
+        assert found.lack == pytest.approx(believed.lack + learnt, abs=1e-9)
+        believed = found
+
+
+def test_at_rest_the_lack_is_learnt_with_the_share_of_a_slow_regulator():
+    wrist = Wrist.flexion()
+    problem = MPCProblem(wrist)
+    g, believed = observer.gains(problem), observer.begin(0.0, 100.0, wrist)
+    found = observer.update(
+        believed, 100.0 / wrist.regulator.gain, Measured(0.0, 0.0, 100.1), g, coefficients(wrist)
+    )
+    share = 1.0 - np.exp(-wrist.regulator.k_slow * problem.period)
+    assert found.lack == pytest.approx(g.lack * 0.1 * share / (share**2 + observer.LEAST_SHARE**2), rel=1e-6)

@@ -1,6 +1,10 @@
 """The QPs of the MPCs are solved to the optimality conditions, whatever the guess of the active set."""
 
+import sys
+from types import SimpleNamespace
+
 import numpy as np
+import pytest
 from scipy.optimize import lsq_linear
 
 from design.mpc import qp
@@ -65,3 +69,41 @@ def test_an_infeasible_problem_is_said_to_be_and_does_no_lasting_harm():
 
 def test_the_guess_for_the_next_period_is_that_of_this_one_a_step_on():
     assert qp.shifted(np.arange(10, dtype=np.int32), 5).tolist() == [1, 2, 3, 4, 4, 6, 7, 8, 9, 9]
+
+
+class Failing:
+    """A model of daqp that fails with a flag, at its setup or at its solution."""
+
+    def __init__(self, setup, solution):
+        self.flags = setup, solution
+
+    def setup(self, *_):
+        return (self.flags[0],)
+
+    def solve(self):
+        return np.zeros(2), 0.0, self.flags[1], {"iterations": 7, "lam": np.zeros(4)}
+
+
+@pytest.mark.parametrize(
+    ("flag", "words"),
+    [
+        (-1, "infeasible"),
+        (-2, "cycling"),
+        (-3, "unbounded"),
+        (-4, "iteration limit"),
+        (-5, "not convex"),
+        (-6, "start not feasible"),
+        (-99, "daqp says -99"),
+        (0, "daqp says 0"),
+    ],
+)
+def test_why_nothing_was_found_is_said_as_daqp_means_it(monkeypatch, flag, words):
+    """Its exit flags, of `daqp/constants.h`."""
+    for setup, solution in ((flag, 1), (1, flag)) if flag < 0 else ((1, flag),):
+        module = SimpleNamespace(Model=lambda: Failing(setup, solution))  # noqa: B023
+        monkeypatch.setitem(sys.modules, "daqp", module)
+        solve = qp.solver(np.eye(2))
+        found = solve(np.eye(2), np.ones(2), -np.ones(4), np.ones(4), np.ones(4, np.int32))
+        assert (found.found, found.reason) == (False, words)
+        assert found.iterations == (7 if setup == 1 else 0)
+        assert not found.active.any()

@@ -55,23 +55,30 @@ def test_a_play_that_engages_smoothly_is_bouc_wens_law():
     np.testing.assert_allclose(ours - plain, weight * (x - z), atol=2e-3)
 
 
-def test_a_curved_transit_meets_the_line_with_its_slope():
-    """From line 2 up to line 1: dh/dx = s + (a1 - s) way^power, in the gap between the lines."""
-    loop, power = WRIST.hysteresis, 1.5
+@pytest.mark.parametrize("power", [0.5, 1.0, 1.5])
+@pytest.mark.parametrize("share", [0.6, 1.0])
+@pytest.mark.parametrize("up", [True, False], ids=["up", "down"])
+def test_a_curved_transit_meets_the_line_ahead_with_its_slope(up, share, power):
+    """Between lines that are not as steep as each other, dh/dx = s + share (a - s) way^power, a of the line
+    ahead and way what is gone of the gap."""
+    wrist = WRIST.with_values(a2=0.8 * WRIST.hysteresis.a1)
+    loop, ends = wrist.hysteresis, (60.0, 150.0) if up else (150.0, 60.0)
+    steep = loop.a1 if up else loop.a2
 
     def rate(x, h):
         low, high = loop.ascending(x), loop.descending(x)
-        way = np.clip((high - h[0]) / (high - low), 0.0, 1.0)
-        return [loop.s + (loop.a1 - loop.s) * way**power]
+        way = np.clip((high - h[0] if up else h[0] - low) / (high - low), 0.0, 1.0)
+        return [loop.s + share * (steep - loop.s) * way**power]
 
-    path = np.concatenate([ramp(100.0, 160.0, 60.0, rate=100.0), ramp(60.0, 150.0, rate=100.0)[1:]])
-    h, _ = moved(WRIST + CurvedTransit(1.0, power), path)
-    turn = int(np.argmin(path))
+    path = np.concatenate([ramp(100.0, 250.0 - ends[0], ends[0]), ramp(*ends)[1:]])
+    h, _ = moved(wrist + CurvedTransit(share, power), path)
+    turn = len(path) - len(ramp(*ends))
     back = path[turn:]
-    expected = solve_ivp(rate, (60.0, 150.0), [h[turn]], t_eval=back, rtol=1e-10, max_step=0.5).y[0]
-    np.testing.assert_allclose(h[turn:], np.maximum(expected, loop.ascending(back)), atol=2e-3)
-    plain, _ = moved(WRIST, path)
-    assert np.abs(h - plain)[turn:].max() > 0.3
+    free = solve_ivp(rate, ends, [h[turn]], t_eval=back, rtol=1e-10, max_step=0.5).y[0]
+    kept = np.clip(free, loop.ascending(back), loop.descending(back))
+    np.testing.assert_allclose(h[turn:], kept, atol=2e-3)
+    plain, _ = moved(wrist, path)
+    assert np.abs(h - plain)[turn:].max() > 0.05
 
 
 @pytest.mark.parametrize("effect", [SEVERAL, SmoothLoop(0.1, 20.0, 1.5)])

@@ -139,6 +139,37 @@ def test_every_slope_of_the_branches_occurs():
         assert np.abs(slopes - slope).min() < 1e-9
 
 
+@given(sums_of_plays(), between(-60.0, 120.0), between(60.0, 200.0))
+def test_the_outer_branches_are_as_flat_and_as_steep_as_it_says(loop, low, width):
+    """Over any pressures: slopes of both branches looked at closely there, and in a little more."""
+    told = loop.branches(low, low + width)
+    least = told.get("outer branch, flattest", told.get("outer branch"))
+    most = told.get("outer branch, steepest", told.get("outer branch"))
+
+    def seen(more):
+        x = np.linspace(low - more, low + width + more, 4001)
+        return np.concatenate([np.diff(of(x)) for of in (loop.ascending, loop.descending)]) / np.diff(x)[0]
+
+    assert least <= seen(0.0).min() + 1e-9
+    assert most >= seen(0.0).max() - 1e-9
+    assert np.abs(seen(0.01 * width) - least).min() < 1e-9
+    assert np.abs(seen(0.01 * width) - most).min() < 1e-9
+    assert told["after a reversal"] == pytest.approx(least * loop.v0 / (loop.v0 + sum(loop.v)))
+
+
+@given(sums_of_plays(), between(0.0, 6.0))
+def test_the_output_curve_has_a_slope_of_its_own_beyond_each_knot(loop, beyond):
+    """Written out piece by piece, on either side."""
+    s = loop.span
+    for sign, first, second in ((1.0, loop.c1, loop.c2), (-1.0, loop.b1, loop.b2)):
+        for u, expected in (
+            (min(beyond, s), min(beyond, s)),
+            (s + min(beyond, s), s + first * min(beyond, s)),
+            (2.0 * s + beyond, s + first * s + second * beyond),
+        ):
+            assert float(loop.curve(sign * u)) == pytest.approx(sign * expected, abs=1e-9)
+
+
 @given(starts, between(-20.0, 20.0))
 def test_a_plant_at_rest_does_not_move(start, angle):
     wrist = Wrist.of(second_law_set())

@@ -23,7 +23,7 @@ from typing import Any
 import pytest
 
 from tests.mutants.forked import prepare, pytest_forked
-from tests.mutants.mutate import Mutant, drawn
+from tests.mutants.mutate import Mutant, drawn, mutants
 from tests.mutants.reach import Reached, chosen, enclosing, limits, naming, quickest, record
 
 ROOT = Path(__file__).parents[2]
@@ -33,7 +33,8 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("plants/hysteresis", "plants/actuator", "plants/effects", "plants/lag.py", "plants/dynamics.py",
          "plants/wrist.py", "plants/simulation", "plants/equilibrium.py", "design/controllers"),
         ("laws/*", "oracles/*", "control/test_[fipt]*", "control/test_memory*", "control/test_registered*",
-         "control/test_spikes*", "robustness/test_remainder*"),
+         "control/test_spikes*", "design/test_effects*", "design/test_limits*", "measured/test_guess*",
+         "robustness/test_remainder*", "trace/test_excitation*"),
     ),
     "kernels": (
         ("plants/kernel", "design/mpc"), ("kernel/*", "laws/test_k*", "laws/test_l*", "control/test_mpc*"),
@@ -41,7 +42,7 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "statistics": (
         ("plants/measured/residual", "plants/measured/noise.py", "design/contest", "design/evaluation"),
         ("residual/*", "evaluation/*", "measured/test_[engl]*", "control/test_contest*",
-         "control/test_break*", "oracles/test_metrics*", "robustness/test_sequences*"),
+         "control/test_break*", "design/test_t*", "oracles/test_metrics*", "robustness/test_sequences*"),
     ),
     "certificates": (
         ("design/robustness/certificates", "design/limit"), ("robustness/*", "control/test_limit*"),
@@ -71,6 +72,18 @@ def tests_of(room: str) -> list[str]:
 def equivalents() -> list[dict[str, str]]:
     """Mutants that change nothing: ``path``, ``after`` (the changed line), ``reason``."""
     return tomllib.loads(EQUIVALENT.read_text(encoding="utf-8")).get("mutant", [])
+
+
+def survivors(room: str, kept: Path) -> list[Mutant]:
+    """Those of a room that survived in the record of an earlier run, wherever their lines are now."""
+    wanted = {
+        (m["place"].rpartition(":")[0], m["after"])
+        for m in json.loads(kept.read_text(encoding="utf-8"))["mutants"]
+        if m["room"] == room and m["ended"] == "survived"
+    }
+    of = {path for path, _ in wanted}
+    every = [m for p in sources(room) if str(p.relative_to(ROOT)) in of for m in mutants(p)]
+    return [m for m in every if (str(m.path.relative_to(ROOT)), m.after) in wanted]
 
 
 class First:
@@ -157,6 +170,7 @@ def main() -> int:
     parser.add_argument("--most", type=float, default=60.0, help="seconds of tests for a mutant, as recorded")
     parser.add_argument("--ask", type=float, default=95.0)
     parser.add_argument("--only", default="", help="only mutants of files with this in their path")
+    parser.add_argument("--again", type=Path, help="the survivors of an earlier --out, none drawn")
     parser.add_argument("--out", type=Path, default=Path("build/mutants.json"))
     asked = parser.parse_args()
     counts: Counter[str] = Counter()
@@ -169,7 +183,10 @@ def main() -> int:
         known = equivalents()
         for room in asked.room or ROOMS:
             reached, unknown = record(copy, tests_of(room), Path("build/reach.json"), asked.most)
-            for mutant in drawn([p for p in sources(room) if asked.only in str(p)], asked.count, asked.seed):
+            files = [p for p in sources(room) if asked.only in str(p)]
+            for mutant in (
+                survivors(room, asked.again) if asked.again else drawn(files, asked.count, asked.seed)
+            ):
                 begun = time.monotonic()
                 ended, by = judged(mutant, reached, unknown, copy, asked.most, known)
                 counts[ended] += 1

@@ -1,12 +1,13 @@
 """Mutants are programs that differ by one fault, the same for the same seed."""
 
 import ast
+import json
 import multiprocessing
 import time
 
 import pytest
 
-from tests.mutants.__main__ import ROOMS, ROOT, equivalents, sources
+from tests.mutants.__main__ import ROOMS, ROOT, equivalents, sources, survivors
 from tests.mutants.forked import Ended, followed
 from tests.mutants.mutate import drawn, mutants
 from tests.mutants.reach import Reached, chosen, enclosing, limits, quickest
@@ -39,6 +40,22 @@ def test_each_is_a_program_with_one_line_changed(tmp_path):
 def test_a_seed_draws_the_same():
     files = sources("export")
     assert drawn(files, 5, 3) == drawn(files, 5, 3) != drawn(files, 5, 4)
+
+
+def test_survivors_of_an_earlier_run_are_found_again_on_another_line(tmp_path):
+    one, other, third = drawn(sources("export"), 3, 3)
+    records = [
+        {"room": room, "ended": ended, "place": f"{m.path.relative_to(ROOT)}:{m.line + 7}", "after": m.after}
+        for m, room, ended in (
+            (one, "export", "survived"),
+            (other, "export", "caught"),
+            (third, "laws", "survived"),
+        )
+    ]
+    kept = tmp_path / "mutants.json"
+    kept.write_text(json.dumps({"seed": 3, "mutants": records}))
+    assert one in survivors("export", kept)
+    assert {m.after for m in survivors("export", kept)} == {one.after}
 
 
 def test_each_that_changes_nothing_is_one_and_says_why():

@@ -53,7 +53,7 @@ def shares(steps: int, draw: np.random.Generator) -> Array:
     chirp = 0.5 + 0.45 * np.sin(2.0 * np.pi * (0.0002 + 4e-8 * k) * k)
     ramps = np.abs((k / 1500.0) % 2.0 - 1.0)
     small = 0.5 + np.clip(np.cumsum(draw.normal(0.0, 0.01, steps)), -0.4, 0.4)
-    part = np.minimum(k * 4 // max(steps, 1), 3)
+    part = np.minimum(k * 4 // steps, 3)
     return np.asarray(np.select([part == 0, part == 1, part == 2], [jumps, chirp, ramps], small), float)
 
 
