@@ -2,21 +2,21 @@
 finished.
 
 A stage is a function of what it was asked; its result, dictionaries, lists, numbers and text, is kept as
-JSON under a key that is the hash of the question.  Another question, or another version of the workbench's
-stages, is another key, and the stage is done again.
+JSON under a key that is the hash of the question and of the workbench's own sources.  Another question, or
+another version of any source, is another key, and the stage is done again.
 """
 
 import hashlib
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
+import design
+import plants
 from plants.files import json_text, write_atomically
-
-VERSION = 4
-"""Of what stages do; counted up where a stage gives another result for the same question."""
 
 
 @dataclass(frozen=True)
@@ -67,9 +67,24 @@ class Stages:
         return result if alike and kept["key"] == _key(asked) else None
 
 
+@cache
+def source_digest() -> str:
+    """The hash of the workbench's sources, by which a result of another version is told apart.
+
+    A version that somebody counts up is forgotten: an example was once published with names that the sources
+    no longer gave.
+    """
+    digest = hashlib.sha256()
+    for package in (design, plants):
+        root = Path(package.__path__[0])
+        for path in sorted(root.rglob("*.py")):
+            digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
 def _key(asked: Mapping[str, Any]) -> str:
     """The hash of a question."""
-    return hashlib.sha256(json_text({"version": VERSION, **asked}).encode()).hexdigest()
+    return hashlib.sha256(json_text({"sources": source_digest(), **asked}).encode()).hexdigest()
 
 
 NOTHING_KEPT = Stages(None)

@@ -79,3 +79,12 @@ def test_a_check_that_was_cut_off_or_is_of_another_version_is_not_shown(tmp_path
     assert stages.kept("check", {"x": 1}) is None
     kept.write_text(whole[: len(whole) // 2])
     assert stages.kept("check", {"x": 1}) is None
+
+
+def test_a_stage_that_other_sources_made_is_done_again(tmp_path, monkeypatch):
+    stages = Stages(tmp_path)
+    assert stages.done("check", {"x": 1}, lambda: {"y": 2}) == {"y": 2}
+    assert stages.done("check", {"x": 1}, lambda: {"y": 3}) == {"y": 2}
+    monkeypatch.setattr("design.studies.stages.source_digest", lambda: "other sources")
+    assert stages.kept("check", {"x": 1}) is None
+    assert stages.done("check", {"x": 1}, lambda: {"y": 3}) == {"y": 3}
