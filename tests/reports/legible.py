@@ -4,7 +4,7 @@ from itertools import combinations
 from typing import Any
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.text import Text
+from matplotlib.text import Annotation, Text
 from matplotlib.transforms import Bbox
 
 SLACK = 1.5
@@ -37,8 +37,14 @@ def faults(figure: Any) -> list[str]:
 
 
 def _struck(figure: Any, renderer: Any) -> list[str]:
-    """Texts of a panel through whose letters one of its lines runs; an opaque patch hides the line."""
+    """Texts of a panel through whose letters one of its lines runs, or the leader of another; an opaque patch
+    hides the line."""
     found = []
+    leaders = [
+        (t, t.arrow_patch.get_transform().transform_path(t.arrow_patch.get_path()))
+        for t in figure.findobj(Annotation)
+        if t.get_visible() and t.arrow_patch is not None
+    ]
     for axes in figure.axes:
         lines = [
             line
@@ -51,7 +57,8 @@ def _struck(figure: Any, renderer: Any) -> list[str]:
             box = Text.get_window_extent(text, renderer)
             # Of the box of the tallest letters, the middle: where the small ones are.
             letters = Bbox.from_extents(box.x0, box.y0 + 0.3 * box.height, box.x1, box.y1 - 0.3 * box.height)
-            if any(_path(line).intersects_bbox(letters, filled=False) for line in lines):
+            near = [_path(line) for line in lines] + [path for of, path in leaders if of is not text]
+            if any(path.intersects_bbox(letters, filled=False) for path in near):
                 found.append(text.get_text())
     return found
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
@@ -20,7 +21,10 @@ from reports.robustness import page as robust
 from reports.robustness.signature import COMPARED, signature
 from reports.shared.card import CardRow, draw_steps
 from reports.shared.figures.dead_time_figure import dead_time_figure
+from reports.shared.figures.direct_labels import label_ends
 from reports.shared.figures.gain_map import gain_map
+from reports.shared.figures.point_labels import label_points
+from reports.shared.figures.style import new_figure, styled
 from reports.trace import page as trace
 from tests.reports.legible import faults
 from tests.reports.report_samples import (
@@ -82,7 +86,33 @@ def differences():
     return {"differences": differences_figure(replace(small, scores=tuple(scores)))}
 
 
+def crowds():
+    """Speed against robustness of a dozen controllers, several of them close together, beside a limit."""
+    places = {
+        "recommended PI": (180, 1.92), "PI tuned without dead time": (326, 1.72), "SIMC": (135, 2.35),
+        "convex-concave PI": (279, 3.09), "robust LQI": (167, 3.98), "PI + feedforward": (180, 1.43),
+        "feedforward": (6300, 0.34), "paper's PI (stand-in)": (1552, 5.75), "AMIGO": (181, 3.33),
+        "Ziegler-Nichols": (36, 1.86), "linear MPC": (10, 0.378), "real-time MPC": (10, 0.296),
+        "robust MPC": (85, 0.839),
+    }  # fmt: skip
+    ends = {"PI + feedforward": 2.4, "paper's PI (stand-in)": 1.0, "feedforward": 0.0, "AMIGO": 60.0}
+    front = ("robust MPC", "PI + feedforward", "PI tuned without dead time", "paper's PI (stand-in)")
+    with styled():
+        crowd, (axes,) = new_figure(height=3.0)
+        axes.set(xscale="log", yscale="log", xlim=(4, 7000), ylim=(0.2, 9.0))
+        axes.plot(*np.array([places[n] for n in front]).T)
+        axes.axvline(60.0)
+        for x, y in places.values():
+            axes.plot(x, y, "o")
+        label_points(axes, places)
+        curves, (beside,) = new_figure(height=3.0)
+        beside.set(xlim=(0.0, 1.0), ylim=(0.0, 65.0))
+        label_ends(beside, ends)
+    return {"crowd": crowd, "curves": curves}
+
+
 ROOMS = {
+    "crowd": crowds,
     "differences": differences,
     "signature": signatures,
     "gain maps": gain_maps,
@@ -116,3 +146,12 @@ def test_a_line_through_a_text_is_found():
     axes.text(0.5, 0.5, "crossed", va="center")
     axes.text(0.5, 0.8, "clear", va="center")
     assert faults(figure) == ["a line runs through 'crossed'"]
+
+
+def test_a_leader_through_the_name_of_another_is_found():
+    figure = Figure(figsize=(3, 2))
+    axes = figure.add_subplot()
+    axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
+    axes.annotate("far", (0.1, 0.1), (0.8, 0.9), arrowprops={"arrowstyle": "-"})
+    axes.text(0.45, 0.5, "between", va="center", ha="center")
+    assert faults(figure) == ["a line runs through 'between'"]

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import isotonic_regression
 
 from reports.shared.figures.style import GREY
 
@@ -59,13 +60,16 @@ def label_ends(axes: "Axes", ends: Mapping[str, float]) -> None:
     names = sorted(ends, key=lambda n: ends[n])
     true = (np.array([ends[n] for n in names]) - bottom) / (top - bottom)
     apart = 1.3 * SIZE / high * np.arange(len(names))
-    least = np.maximum.accumulate(true - apart)  # each as low as it may be above the one below it
-    places = np.minimum(least, 1.0 - apart[-1:]) + apart
+    near = isotonic_regression(true - apart).x  # least squares of the distances, none below the one before
+    places = np.clip(near, 0.0, 1.0 - apart[-1]) + apart
     for name, y, place in zip(names, true, places, strict=True):
         axes.annotate(
             name, (1.0, y), (1.06, place), xycoords="axes fraction", textcoords="axes fraction",
             fontsize=SIZE, va="center", color="#333333", annotation_clip=False,
-            arrowprops={"arrowstyle": "-", "color": GREY, "linewidth": 0.5, "shrinkA": 0, "shrinkB": 0},
+            arrowprops={
+                "arrowstyle": "-", "color": GREY, "linewidth": 0.5, "shrinkA": 0, "shrinkB": 0,
+                "relpos": (0.0, 0.5),
+            },
         )  # fmt: skip
 
 
