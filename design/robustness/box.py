@@ -28,6 +28,9 @@ RATES = 0.2
 """Half-width of the intervals of an assumed regulator (its rates and e0), as a share; assumed."""
 
 
+NARROWED = 20
+"""Steps in which the intervals of a loop are narrowed where it would run backwards at a corner."""
+
 SHIFT = "remainder.shift"
 """The interval that says which part of a residual a wrist meets."""
 
@@ -167,10 +170,12 @@ def box_of(
 ) -> Box:
     """The box of a parameter set: fitted parameters within `sigmas` standard errors (their correlations
     left out), assumed ones (and the stated transit slope, which scales with the lines) within the shares
-    of `spread`, those of `given` within the bounds given there; what is stated has no interval.
+    of `spread`, those of `given` within the bounds given there; what is stated has no interval.  Where a loop
+    at a corner would run backwards, which no rig's does, the intervals of standard errors are narrowed
+    together, those of the loop, until none does.
 
     Raises InputError for an unknown name, an empty or inverted interval, one outside what the kind of
-    parameter allows, and a box in which the loop runs backwards.
+    parameter allows, and a box in which the loop runs backwards whatever is narrowed.
     """
     given = dict(given or {})
     unknown = [n for n in given if n not in plant.parameters]
@@ -201,9 +206,7 @@ def box_of(
         if share > 0.0:
             origin = AssumedShare(share, names)
             found.append(Interval(group, 1.0 - share, 1.0, 1.0 + share, "1", origin, names))
-    box = Box(plant, tuple(found))
-    _refuse_backwards(box)
-    return box
+    return _forwards(Box(plant, tuple(found)))
 
 
 def _together(plant: ParameterSet) -> dict[str, tuple[str, ...]]:
@@ -247,10 +250,29 @@ def _refuse(name: str, low: float, high: float, least: float, most: float, p: Pa
         )
 
 
-def _refuse_backwards(box: Box) -> None:
-    """Raises InputError where the loop runs backwards at a corner of the box."""
+def _forwards(box: Box) -> Box:
+    """The box, or the widest, in `NARROWED` steps of the loop's intervals, in which no loop runs backwards."""
+    own = {n for names in _together(box.plant).values() for n in names}
+    for share in np.linspace(1.0, 0.0, NARROWED + 1):
+        parts = [_narrowed(i, float(share)) if own & {i.name, *i.scaled} else i for i in box.intervals]
+        narrow = replace(box, intervals=tuple(i for i in parts if i.low < i.high))
+        words = _backwards(narrow)
+        if words is None:
+            return narrow
+    raise InputError(f"box: {words} at a corner of the box; give a smaller one")
+
+
+def _narrowed(interval: Interval, share: float) -> Interval:
+    """An interval of standard errors with this share of its width; any other, which somebody stated, as it
+    is."""
+    if not isinstance(interval.origin, StandardErrors):
+        return interval
+    middle, fewer = interval.nominal, replace(interval.origin, count=share * interval.origin.count)
+    low, high = middle + share * (interval.low - middle), middle + share * (interval.high - middle)
+    return replace(interval, low=low, high=high, origin=fewer)
+
+
+def _backwards(box: Box) -> str | None:
+    """How the loop runs backwards at a corner of the box, in words; None where it does not."""
     low, high = box.wrist.rig.pressure_range
-    for wrist in box.loops():
-        words = wrist.hysteresis.problem(low, high)
-        if words:
-            raise InputError(f"box: {words} at a corner of the box; give a smaller one")
+    return next((w for w in (loop.hysteresis.problem(low, high) for loop in box.loops()) if w), None)

@@ -37,10 +37,10 @@ def main() -> None:
         if number >= asked.first:
             _rig(number, case, rig, asked.without_residual, found)
     for name, rigs in found.items():
-        for verdict in sorted({v for v, _ in rigs}):
-            of = [h for v, h in rigs if v == verdict]
+        for said in sorted({v for v, _ in rigs}):
+            of = [h for v, h in rigs if v == said]
             kept, plain = sum(h.kept for h in of), sum(h.kept_as_it_is for h in of)
-            print(f"{name}, {verdict}: {plain} of {len(of)} hold as it is, {kept} with 50 ms more too")
+            print(f"{name}, {said}: {plain} of {len(of)} hold on the rig, {kept} with 50 ms more too")
 
 
 def _rigs(seed: int, count: int, only: str | None) -> list[tuple[Case, Rig]]:
@@ -70,7 +70,8 @@ def _rig(number: int, case: Case, rig: Rig, bare: bool, found: dict[str, list[tu
         tuned = tune_candidates(required, Region(points=40))
         gains = tuned.best.final.gains
         seen = held(rig, gains, trace.revised)
-        found.setdefault(name, []).append((trace.verdict, seen))
+        promised = "held in the model" if tuned.best.holds else "no gains hold in the model"
+        found.setdefault(name, []).append((f"{trace.verdict}, {promised}", seen))
         said = ", ".join(f"{k} {v:.3g}" for k, v in gains.items())
         print(
             f"   {name}: {said} ({'held' if tuned.best.holds else tuned.best.ended} in the model); {seen}; "

@@ -1,10 +1,12 @@
 """A box is as wide as what is known: standard errors, else assumed shares, else what is given."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
 from design.evaluation.scenarios import Spread
-from design.robustness.box import SIGMAS, box_of
+from design.robustness.box import SIGMAS, StandardErrors, box_of
 from design.status import Status
 from plants import InputError
 from plants.hysteresis import with_values
@@ -74,3 +76,28 @@ def test_a_box_that_makes_no_sense_is_refused_in_one_line(given, words):
 def test_a_spread_that_makes_lines_cross_is_refused():
     with pytest.raises(InputError, match="runs backwards"):
         box_of(built_in("deviation"), Spread(width=0.9, slope=0.1, lag=0.1))
+
+
+def test_standard_errors_of_a_loop_reach_only_as_far_as_no_loop_runs_backwards():
+    """Errors in which the lines would cross are narrowed, all of the loop together, and no further."""
+    wide = fitted(w1=1.2, w2=1.2, a1=0.02, Tw=0.01)
+    box = box_of(wide)
+    counts = {i.name: i.origin.count for i in box.intervals if isinstance(i.origin, StandardErrors)}
+    assert counts["Tw"] == SIGMAS
+    assert 0.0 < counts["w1"] < SIGMAS
+    assert counts["w1"] == counts["w2"] == counts["a1"]
+    more = {n: (1.0 + 0.1 * SIGMAS / counts[n]) for n in ("w1", "w2", "a1")}
+
+    def problems(stretched):
+        corners = product(*([box.bounds(n) for n in ("w1", "w2", "a1", "a2", "s")]))
+        found = []
+        for corner in corners:
+            values = dict(zip(("w1", "w2", "a1", "a2", "s"), corner, strict=True))
+            for n in stretched:
+                middle = box.plant.values[n]
+                values[n] = middle + more[n] * (values[n] - middle)
+            found.append(with_values({**box.plant.values, **values}).problem(0.0, 200.0))
+        return [f for f in found if f]
+
+    assert problems(()) == []
+    assert problems(tuple(more)) != []
