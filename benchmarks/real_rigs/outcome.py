@@ -164,7 +164,7 @@ def _effect(effect: Any) -> dict[str, Any]:
 
 
 def _left(stage: Any) -> dict[str, Any]:
-    learnt = stage.learnt
+    learnt = stage.description
     return {
         "stage": stage.name,
         "depends_on": list(stage.after.depends_on),

@@ -15,7 +15,7 @@ OPTIONS = {
                   "no_remainder", "dead_time", "load", "noise", "quantum", "box", "corners"),
     LIMITS: ("overshoot", "ms", "delay_margin", "variation", "steady_error", "rate_limit"),
     SEARCH: ("points", "starts", "rounds", "samples", "tried", "mpc", "mpc_plants", "budget", "seed", "jobs",
-             "scheduler", "retune"),
+             "scheduler", "retune", "learn"),
     OUTPUT: ("target", "precision", "hand_over", "json", "out", "save", "worst", "verbose", "version",
              "plugin"),
 }  # fmt: skip

@@ -251,7 +251,7 @@ def _refuse(name: str, low: float, high: float, least: float, most: float, p: Pa
 
 
 def _forwards(box: Box) -> Box:
-    """The box, or the widest, in `NARROWED` steps of the loop's intervals, in which no loop runs backwards."""
+    """The box, or the widest, in `NARROWED` steps of the loop's intervals, whose loops all run forwards."""
     own = {n for names in _together(box.plant).values() for n in names}
     for share in np.linspace(1.0, 0.0, NARROWED + 1):
         parts = [_narrowed(i, float(share)) if own & {i.name, *i.scaled} else i for i in box.intervals]

@@ -22,6 +22,7 @@ from plants.effects.wrist.creep import Creep, LogCreep, TwoTimeCreep
 from plants.effects.wrist.cross_coupling import Coupling, PressureCoupling, QuadraticCoupling
 from plants.effects.wrist.end_stop import CompliantStop, GivingStop, HardStop, PadStop, SpringStop
 from plants.effects.wrist.inertia import DraggedInertia, Inertia, StiffeningInertia
+from plants.effects.wrist.learnt_block import LearntBlock
 from plants.effects.wrist.load_step import GradualLoad, LoadStep
 from plants.effects.wrist.loop_shape import CurvedTransit, OneMorePlay, SeveralPlays, SmoothLoop
 from plants.effects.wrist.rate_dependence import PowerWidening, RememberedRate, SaturatingWidening, Viscous
@@ -53,7 +54,17 @@ EFFECTS: dict[str, tuple[type[Effect], ...]] = {
 }
 """The forms of each effect, by name, in the order in which effects of a wrist act."""
 
-__all__ = ["EFFECTS", "Around", "Effect", "form_of", "register"]
+__all__ = ["EFFECTS", "Around", "Effect", "form_of", "known_effects", "register"]
+
+
+def known_effects() -> dict[str, tuple[type[Effect], ...]]:
+    """The forms of all that a plant may have beside the declared wrist, by name, in the order in which they
+    act: the effects, and last what was learnt, which has no cause and which no search tries unasked.
+
+    >>> set(known_effects()) - set(EFFECTS)
+    {'learnt'}
+    """
+    return {**EFFECTS, LearntBlock.NAME: (LearntBlock,)}
 
 
 def form_of(name: str, form: str) -> type[Effect]:

@@ -163,6 +163,7 @@ class Effect(ABC):
     - RUGGED: whether a fit of it has many minima, so that it has to be started from each of its trials;
     - SILENT: whether it grows from nothing once a run begins, so that a wrist rests as it does without;
     - EVENT: whether it happened once, in the recordings, and is no property of the rig;
+    - LEARNT: whether it is a map that was learnt from a residual, without a cause;
     - LOSES: whether air is lost at rest, so that more is commanded than the pressure that is held;
     - BOUND: what the performance bound makes of it: ``kept``, where the wrist is a monotone cascade with it,
       ``taken away``, where the wrist without it goes at least as far, or None, where no bound is known.
@@ -180,6 +181,7 @@ class Effect(ABC):
     RUGGED: ClassVar[bool] = False
     SILENT: ClassVar[bool] = False
     EVENT: ClassVar[bool] = False
+    LEARNT: ClassVar[bool] = False
     LOSES: ClassVar[bool] = False
     BOUND: ClassVar[Literal["kept", "taken away"] | None] = None
 

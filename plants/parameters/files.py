@@ -12,6 +12,7 @@ from plants.parameters.quantities import (
     Assumed,
     Fitted,
     Guessed,
+    Learnt,
     Parameter,
     ParameterSet,
     Provenance,
@@ -35,7 +36,10 @@ KEYS = ("axis", "title", "hysteresis", "rig", "parameters", "effects", "remainde
 OF_SCENARIOS = ("scenario", "controller", "metrics")
 """What a scenario file, which is a parameter set too, says beside."""
 
-PROVENANCE = {"stated": ("source", "section"), "assumed": ("why",), "fitted": ("data", "std_error")}
+PROVENANCE = {
+    "stated": ("source", "section"), "assumed": ("why",), "fitted": ("data", "std_error"),
+    "learnt": ("data",),
+}  # fmt: skip
 """What is said of each kind of evidence."""
 
 
@@ -95,16 +99,17 @@ def _law(path: Path, text: Mapping[str, Any]) -> type[HysteresisLaw]:
 
 def _effects(path: Path, table: Any) -> list[tuple["type[Effect]", Mapping[str, Any]]]:
     """The form of each effect of a file and its table of parameters, in the order in which effects act."""
-    from plants.effects import EFFECTS
+    from plants.effects import known_effects
 
+    known = known_effects()
     if not isinstance(table, dict):
-        raise InputError(f"{path}: effects must be [effects.NAME] tables; known are {', '.join(EFFECTS)}")
-    unknown = [n for n in table if n not in EFFECTS]
+        raise InputError(f"{path}: effects must be [effects.NAME] tables; known are {', '.join(known)}")
+    unknown = [n for n in table if n not in known]
     if unknown:
-        raise InputError(f"{path}: unknown effect {unknown[0]!r}; known are {', '.join(EFFECTS)}")
+        raise InputError(f"{path}: unknown effect {unknown[0]!r}; known are {', '.join(known)}")
     found: list[tuple[type[Effect], Mapping[str, Any]]] = []
-    for name in (n for n in EFFECTS if n in table):
-        entry, forms = table[name], {e.FORM: e for e in EFFECTS[name]}
+    for name in (n for n in known if n in table):
+        entry, forms = table[name], {e.FORM: e for e in known[name]}
         own = entry.get("parameters") if isinstance(entry, dict) else None
         if not isinstance(own, dict):
             raise InputError(
@@ -113,8 +118,8 @@ def _effects(path: Path, table: Any) -> list[tuple["type[Effect]", Mapping[str, 
         check_keys(entry, ("form", "parameters"), f"{path}: effect {name!r}")
         form = entry.get("form")
         if not isinstance(form, str) or form not in forms:
-            known = ", ".join(map(repr, forms))
-            raise InputError(f"{path}: effect {name!r}: unknown form {form!r}; known are {known}")
+            ones = ", ".join(map(repr, forms))
+            raise InputError(f"{path}: effect {name!r}: unknown form {form!r}; known are {ones}")
         found.append((forms[form], own))
     return found
 
@@ -180,9 +185,11 @@ def _provenance(where: str, entry: Any) -> Provenance:
             return Fitted(data, float(error))
         case {"kind": "fitted", "data": str(data)}:
             return Fitted(data, None)
+        case {"kind": "learnt", "data": str(data)}:
+            return Learnt(data)
     raise InputError(
         f'{where}: provenance must be {{kind="stated", source, section}}, {{kind="assumed", why}}, '
-        '{kind="guessed", why} or {kind="fitted", data, std_error}'
+        '{kind="guessed", why}, {kind="fitted", data, std_error} or {kind="learnt", data}'
     )
 
 

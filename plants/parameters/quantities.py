@@ -61,6 +61,16 @@ class Fitted:
         return f"fitted to {self.data}, {error}"
 
 
+@dataclass(frozen=True)
+class Learnt(Fitted):
+    """Part of a map that was learnt from data: which; it has no cause and no standard error."""
+
+    std_error: float | None = None
+
+    def __str__(self) -> str:
+        return f"learnt from {self.data}"
+
+
 Provenance = Stated | Assumed | Fitted
 
 
@@ -206,7 +216,7 @@ class ParameterSet:
             p = changed[name]
             changed[name] = replace(
                 p, value=float(value), low=min(p.low, float(value)), high=max(p.high, float(value)),
-                provenance=Fitted(data, errors[name]),
+                provenance=Learnt(data) if isinstance(p.provenance, Learnt) else Fitted(data, errors[name]),
             )  # fmt: skip
         return replace(self, title=f"{self.axis}, fitted to {data}", parameters=changed, remainder={})
 
@@ -225,19 +235,18 @@ class ParameterSet:
         without.  An effect that the set has already is replaced.  Raises KeyError for
         a parameter of an effect without a value, or a value that is nobody's.
         """
-        from plants.effects import EFFECTS
+        from plants.effects import known_effects
 
         chosen = {e.NAME: e for e in (*self.effects, *forms)}
-        effects = tuple(chosen[n] for n in EFFECTS if n in chosen)
+        effects = tuple(chosen[n] for n in known_effects() if n in chosen)
         gone = {f"{f.NAME}." for f in forms}
         kept = {n: p for n, p in self.parameters.items() if not any(n.startswith(g) for g in gone)}
         added = {}
         for form in forms:
             for own, kind in form.kinds().items():
                 name = f"{form.NAME}.{own}"
-                added[name] = Parameter(
-                    float(values[name]), kind.unit, kind.low, kind.high, Fitted(data, None)
-                )
+                origin = Learnt(data) if form.LEARNT else Fitted(data, None)
+                added[name] = Parameter(float(values[name]), kind.unit, kind.low, kind.high, origin)
         # Declared parameters first, then those of the effects in their order.
         declared = declared_kinds(self.law, self.parameters)
         names = list(declared) + [f"{e.NAME}.{own}" for e in effects for own in e.kinds()]

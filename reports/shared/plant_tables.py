@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from plants.measured.fit import Fit
-from plants.parameters.quantities import Assumed, Fitted, ParameterSet, Stated
+from plants.parameters.quantities import Assumed, Fitted, Learnt, ParameterSet, Stated
 from reports.shared.names import CHANNELS
 from reports.shared.tables import Cell, Column, Group, Table, number, row, with_error
 
@@ -26,6 +26,8 @@ def provenance(origin: Stated | Assumed | Fitted) -> str:
     """Where a value is from, in few words; reasons of assumptions have a table of their own."""
     if isinstance(origin, Assumed):
         return "assumed"
+    if isinstance(origin, Learnt):
+        return "learnt"
     if isinstance(origin, Fitted):
         return "fitted" if origin.std_error is not None else "fitted, at a bound"
     return f"stated, {origin.section}"

@@ -70,7 +70,10 @@ def ranking(stage: StageTrace) -> str:
 def after_words(trace: Trace) -> str:
     """What the second of two models is."""
     if trace.effects:
-        return f"the revised plant, with {added(trace.effects)} added and all parameters fitted anew."
+        block = ", a learnt block" if trace.block else ""
+        return f"the revised plant, with {added(trace.effects)}{block} added and all parameters fitted anew."
+    if trace.block:
+        return "the same wrist, with a learnt block beside it."
     return "the same wrist, since nothing was added."
 
 
@@ -117,12 +120,12 @@ def remainder(stage: StageTrace, after_name: str) -> str:
 
 def after_name(trace: Trace) -> str:
     """What a stage's model after the search is called: it was not adopted where it does not help."""
-    return REVISED if trace.effects else "what was tried"
+    return REVISED if trace.effects or trace.block else "what was tried"
 
 
 def plant_words(trace: Trace) -> str:
     """What the table of parameters shows."""
-    if not trace.effects:
+    if not trace.effects and not trace.block:
         return "Nothing was added: these are the declared parameters, fitted to the recordings."
     return (
         "All parameters were fitted together, so the declared ones changed too. revised.toml beside this "
@@ -155,8 +158,8 @@ def what_is_left(stage: StageTrace, adopted: bool) -> str:
 
 def learnt(stage: StageTrace) -> str:
     """The description of the residual, or that there is none."""
-    if stage.learnt is not None:
-        return description(stage.learnt)
+    if stage.description is not None:
+        return description(stage.description)
     return "No smooth curve of a variable describes it on held-out blocks of time."
 
 

@@ -27,6 +27,7 @@ def trace_record(trace: Trace, control: Mapping[str, Any] | None = None) -> dict
         "noise_floor": {c: trace.noise.get(c) for c in UNITS},
         "effects": [effect_record(e) for e in trace.effects],
         "unexplained": _unexplained(trace.unexplained),
+        "learnt_block": _block(trace),
         "cannot_judge": list(trace.cannot_judge),
         "law": _law(trace),
         "explained_share": {c.split("_")[0]: trace.explained_share.get(c) for c in UNITS},
@@ -35,6 +36,24 @@ def trace_record(trace: Trace, control: Mapping[str, Any] | None = None) -> dict
         "instrument": habits(trace.instrument),
     }
     return record if control is None else record | {"control": control}
+
+
+def _block(trace: Trace) -> dict[str, Any] | None:
+    """The learnt block: its form, the pressures that it was learnt on, and the errors without it; None where
+    the plant has none."""
+    block = trace.block
+    if block is None or trace.named_only is None:
+        return None
+    ends = {"from": float(block.low), "to": float(block.high), "unit": trace.revised.kinds["learnt.low"].unit}
+    parameters = {n: float(v) for n, v in vars(block).items()}
+    return {
+        "note": "a description, not a cause",
+        "stage": "wrist",
+        "form": block.FORM,
+        "range": ends,
+        "without": _errors(trace.named_only),
+        "parameters": parameters,
+    }
 
 
 def _law(trace: Trace) -> dict[str, Any]:
@@ -93,7 +112,7 @@ def _unexplained(left: list[StageTrace]) -> dict[str, Any] | None:
 
 
 def _left(stage: StageTrace) -> dict[str, Any]:
-    after, learnt = stage.after, stage.learnt
+    after, learnt = stage.after, stage.description
     return {
         "stage": stage.name,
         "depends_on": list(after.depends_on),

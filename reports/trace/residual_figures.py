@@ -134,7 +134,7 @@ def described(stage: StageTrace) -> list[str]:
     """Variables to draw an unexplained residual against: those of its description, or else those
     that it was found to depend on, or else time."""
     named = ["time_s" if n == "time" else n for n in stage.after.depends_on]
-    wanted = stage.learnt.variables if stage.learnt is not None else dict.fromkeys(named)
+    wanted = stage.description.variables if stage.description is not None else dict.fromkeys(named)
     there = [v for v in wanted if v in stage.after.curves]
     return there[:3] or ["time_s"]
 
@@ -148,7 +148,7 @@ def draw_description(stage: StageTrace) -> "Figure":
         figure, axes = new_figure(1, len(variables), height=3.6, sharey=True)
         for panel, variable in zip(axes, variables, strict=True):
             _dots(panel, left, variable)
-            for c in () if stage.learnt is None else stage.learnt.curves:
+            for c in () if stage.description is None else stage.description.curves:
                 if c.variable == variable:
                     panel.plot(
                         c.at, c.term, color=BLACK, linewidth=2.0, label="fitted: a description, not a cause"

@@ -8,7 +8,7 @@ from plants.measured.free_run import FreeRun
 from plants.measured.residual.examine import Examination, Finding
 from plants.measured.trace.search.choose import Candidate, SearchRound
 from plants.measured.trace.trace import Trace
-from plants.parameters.quantities import Assumed, Fitted, Provenance
+from plants.parameters.quantities import Assumed, Fitted, Learnt, Provenance
 from reports.shared.names import CHANNELS
 from reports.shared.plant_tables import provenance
 from reports.shared.tables import Cell, Column, Group, Table, fixed, number, row, with_error
@@ -39,12 +39,14 @@ def error_table(trace: Trace) -> Table:
             continue
         intervals = (trace.before_interval.get(channel), trace.after_interval.get(channel))
         ratio = fixed(after / noise, 2) if noise else "–"
+        causes = () if trace.named_only is None else (number(trace.named_only.get(channel)),)
         rows.append(row(
-            f"{words} [{unit}]", _ranged(before, intervals[0]), _ranged(after, intervals[1]), number(noise),
-            ratio,
+            f"{words} [{unit}]", _ranged(before, intervals[0]), *causes, _ranged(after, intervals[1]),
+            number(noise), ratio,
         ))  # fmt: skip
+    between = () if trace.named_only is None else (Column("Without the learnt block"),)
     columns = (
-        Column("Channel", number=False), Column("Before"), Column("After"), Column("Noise"),
+        Column("Channel", number=False), Column("Before"), *between, Column("After"), Column("Noise"),
         Column("After / noise", "1"),
     )  # fmt: skip
     return Table(columns, (Group("", tuple(rows)),))
@@ -120,7 +122,7 @@ def parameter_table(trace: Trace) -> Table:
 
 
 def _where_from(origin: Provenance) -> str:
-    if isinstance(origin, Fitted) and origin.std_error is None:
+    if isinstance(origin, Fitted) and not isinstance(origin, Learnt) and origin.std_error is None:
         return "fitted, at a bound or not determined"
     return provenance(origin)
 

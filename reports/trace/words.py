@@ -7,7 +7,7 @@ from design.synthesis.answer import UNITS as GAIN_UNITS
 from design.synthesis.retune import Control, RetunedSide
 from plants.effects import EFFECTS
 from plants.measured.residual.examine import Examination
-from plants.measured.trace.search.learnt import Learnt
+from plants.measured.trace.search.description import Description
 from plants.measured.trace.trace import Named, StageTrace, Trace
 from reports.shared.figures.fit import law_sentence
 from reports.shared.names import limit_name
@@ -138,6 +138,23 @@ def _law_words(trace: Trace) -> str:
     return f"Four straight segments do not describe this loop; the law {trace.revised.law.NAME} does"
 
 
+def block_words(trace: Trace) -> list[str]:
+    """What a learnt block does, or why there is none, in a sentence; nothing where none was asked for."""
+    if not trace.learning:
+        return []
+    block, before = trace.block, (trace.named_only or {}).get("angle_deg")
+    if block is None or before is None:
+        if all(s.explained for s in trace.stages if s.stage.channel == "angle_deg"):
+            return ["No learnt block: the angle has no residual that is left unexplained."]
+        return ["No learnt block: none lowers the angle error on rows left out by enough."]
+    unit = trace.revised.kinds["learnt.low"].unit
+    return [
+        f"A learnt block, which names no cause, changes the angle error on the held-out recordings from "
+        f"{number(before)} to {_amount(trace.after['angle_deg'], 'angle_deg')}. It was learnt from "
+        f"{number(block.low)} to {number(block.high)} {unit}, and fades to nothing outside."
+    ]
+
+
 def log_words(trace: Trace) -> list[str]:
     """What the log does, how the hysteresis law was chosen, and what was remarked, in sentences."""
     law = [law_sentence(trace.law)] if trace.law is not None else []
@@ -188,7 +205,7 @@ def _unexplained(trace: Trace) -> str:
 
 def _still(trace: Trace, channel: str, first: bool) -> str:
     """The error of the plant in a channel that is not explained; empty where it was not judged."""
-    after, noise = trace.after[channel], trace.noise[channel]
+    after, noise = trace.by_causes[channel], trace.noise[channel]
     if after is None:
         return ""
     times = f" ({number(after / noise, 2)} times the noise)" if noise else ""
@@ -258,7 +275,7 @@ def describe(after: Examination, channel: str) -> str:
     return f"{size}; {depends(after.depends_on)}."
 
 
-def description(learnt: Learnt) -> str:
+def description(learnt: Description) -> str:
     """How much of a residual a description accounts for, in a sentence."""
     curves = "smooth curves of " if len(learnt.variables) > 1 else "a smooth curve of "
     made = curves + listed([VARIABLES.get(v, v) for v in learnt.variables])

@@ -20,7 +20,7 @@ from tests.rig.campaign import make_campaign
 
 KEYS = {
     "axis", "verdict", "before", "after", "noise_floor", "effects", "unexplained", "cannot_judge", "law",
-    "explained_share", "remainder", "correlation", "instrument",
+    "explained_share", "remainder", "correlation", "instrument", "learnt_block",
 }  # fmt: skip
 
 

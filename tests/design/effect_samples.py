@@ -1,11 +1,11 @@
 """Every form of every effect, absent and present."""
 
 from plants import Wrist
-from plants.effects import EFFECTS
+from plants.effects import known_effects
 from plants.effects.effect import Effect
 
 WRIST = Wrist.flexion()
-FORMS = [form for forms in EFFECTS.values() for form in forms]
+FORMS = [form for forms in known_effects().values() for form in forms]
 IDS = [f"{f.NAME}, {f.FORM}" for f in FORMS]
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from plants import InputError, Wrist
-from plants.effects import EFFECTS, Creep, DeadTime, TwoTimeCreep
+from plants.effects import Creep, DeadTime, TwoTimeCreep, known_effects
 from plants.parameters.files import built_in, dump, load
 from plants.parameters.quantities import Fitted, kinds_of
 from tests.design.effect_samples import FORMS, IDS, present
@@ -120,7 +120,7 @@ def test_unbounded_goes_to_the_widest_bounds_of_effects_too(plant):
 
 def test_an_unknown_effect(plant):
     said = refusal(plant("[effects.creep]", "[effects.crepe]\nform = 'x'\n[effects.creep]"))
-    assert said == f"unknown effect 'crepe'; known are {', '.join(EFFECTS)}"
+    assert said == f"unknown effect 'crepe'; known are {', '.join(known_effects())}"
 
 
 def test_an_unknown_form(plant):

@@ -1,7 +1,7 @@
 """``wrist trace``: from a measured campaign to what the declared wrist lacks, and the revised plant; of two
 campaigns of one rig, what changed between them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -52,6 +52,13 @@ def command(
             help="Write the revised plant as TOML, for the other commands' --plant.", autocompletion=files
         ),
     ] = None,
+    learn: Annotated[
+        bool,
+        typer.Option(
+            "--learn",
+            help="Learn what no effect explains of the angle; added where the error on held-out rows falls.",
+        ),
+    ] = False,
     retune: Annotated[
         bool,
         typer.Option(
@@ -74,10 +81,14 @@ def command(
 
     check_places({"--save": save, "--json": json}, out)
     data = load_campaign(campaign, rig_of(plant))
-    later = None if new is None else _later(data, new, plant, save, retune)
+    later = (
+        None
+        if new is None
+        else _later(data, new, plant, {"--save": save, "--retune": retune, "--learn": learn})
+    )
     start = given_set(plant)
     with progress(f"trace {data.name}") as tell:
-        trace = trace_campaign(data, start, seed, tell)
+        trace = trace_campaign(data, start, seed, tell, learn)
     if new is not None and later is not None:
         _tell_change(trace, later, new, seed, json, out)
         return
@@ -107,13 +118,13 @@ def _retuned(trace: "Trace", seed: int, jobs: int | None) -> "Control | None":
         return retune(trace.fit.fitted, trace.revised, seed=seed, jobs=jobs, progress=tell)
 
 
-def _later(old: "Campaign", new: Path, plant: Path | None, save: Path | None, retune: bool) -> "Campaign":
+def _later(old: "Campaign", new: Path, plant: Path | None, of_one: Mapping[str, object]) -> "Campaign":
     """The later of two campaigns; InputError where they cannot be compared, or options are of one alone."""
     from plants.errors import InputError
     from plants.measured.campaign import load_campaign
     from plants.measured.trace.change.refit import check_comparable
 
-    for option, asked in (("--save", save is not None), ("--retune", retune)):
+    for option, asked in of_one.items():
         if asked:
             raise InputError(f"{option}: is of one campaign; run `wrist trace {new} {option}` beside")
     later = load_campaign(new, rig_of(plant))
@@ -174,18 +185,18 @@ def _write_page(out: Path, trace: "Trace", control: "Control | None", seed: int)
 
 def lines(trace: "Trace") -> list[Any]:
     """What people read of a trace: the verdict first, then errors, effects, and what is open."""
-    from reports.trace.words import description, log_words, verdict_sentence
+    from reports.trace.words import block_words, description, log_words, verdict_sentence
 
     said: list[Any] = [verdict_sentence(trace), ""]
     said += ["RMS error of open-loop simulations, on the held-out recordings", _errors(trace)]
     if trace.effects:
         said += ["", _effects(trace.effects)]
     words = [w for e in trace.effects for w in e.separations]
-    words += [description(s.learnt) for s in trace.unexplained if s.learnt is not None]
+    words += [description(s.description) for s in trace.unexplained if s.description is not None]
     if trace.cannot_judge:
         words.append("These recordings cannot decide:")
         words += [f"  {name}: {why}" for name, why in trace.cannot_judge.items()]
-    words += log_words(trace)
+    words += block_words(trace) + log_words(trace)
     return said + (["", *words] if words else [])
 
 

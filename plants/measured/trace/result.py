@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+from plants.effects.wrist.learnt_block import LearntBlock
 from plants.measured.campaign import Campaign
 from plants.measured.estimate import ParameterCorrelation
 from plants.measured.fit import Fit
@@ -11,12 +12,13 @@ from plants.measured.logger import Remark
 from plants.measured.residual.examine import Examination
 from plants.measured.stage import Stage
 from plants.measured.trace.law import LawChoice
-from plants.measured.trace.search.choose import EffectSearch
-from plants.measured.trace.search.learnt import Learnt
+from plants.measured.trace.search.choose import Candidate, EffectSearch
+from plants.measured.trace.search.description import Description
 from plants.measured.trace.size import explained_share
 from plants.measured.trace.stages.model import Model
 from plants.parameters.quantities import ParameterSet
 from plants.parameters.remainder import RemainderSize
+from plants.wrist import Wrist
 
 
 @dataclass(frozen=True)
@@ -41,8 +43,9 @@ class StageTrace:
     """One stage: the search for effects, the residual before and after it, and what to make of it.
 
     explained: whether the residual reaches the noise, or is too small to matter.  cannot_judge: effects
-    that the data never excites, with the reason.  learnt: a description of what
-    is left, where no effect explains it.
+    that the data never excites, with the reason.  description: of what
+    is left, where no effect explains it.  block: the chosen model with a learnt block, where that was asked
+    for and adopted.
     """
 
     stage: Stage
@@ -51,7 +54,8 @@ class StageTrace:
     after: Examination
     explained: bool
     cannot_judge: Mapping[str, str]
-    learnt: Learnt | None
+    description: Description | None
+    block: Candidate | None = None
 
     @property
     def without_effects(self) -> "StageTrace":
@@ -61,8 +65,8 @@ class StageTrace:
 
     @property
     def model(self) -> Model:
-        """The model that was chosen."""
-        return self.search.chosen.model
+        """The model that was chosen, with the learnt block where there is one."""
+        return (self.block or self.search.chosen).model
 
     @property
     def name(self) -> str:
@@ -78,7 +82,8 @@ class Trace:
     errors by channel on the held-out recordings, with intervals at 95 %
     by bootstrap over blocks; revised: the declared parameters refitted, and effects.  law: how the hysteresis
     law was chosen, None where it was given; instrument: what the logger does.  correlations: of the errors of
-    parameters that were estimated together.
+    parameters that were estimated together.  named_only: errors as `after`, of the plant without the learnt
+    block, where one was adopted; learning: whether one was asked for.
     """
 
     campaign: Campaign
@@ -96,12 +101,25 @@ class Trace:
     law: LawChoice | None = None
     instrument: tuple[Remark, ...] = ()
     correlations: tuple[ParameterCorrelation, ...] = ()
+    named_only: Mapping[str, float | None] | None = None
+    learning: bool = False
 
     @property
     def explained_share(self) -> dict[str, float | None]:
-        """Share of the variance above the noise that the declared model leaves and the revised one does not,
-        by channel."""
-        return {c: explained_share(self.before[c], self.after[c], self.noise[c]) for c in self.before}
+        """Share of the variance above the noise that the declared model leaves and its causes take away, by
+        channel."""
+        return {c: explained_share(self.before[c], self.by_causes[c], self.noise[c]) for c in self.before}
+
+    @property
+    def by_causes(self) -> Mapping[str, float | None]:
+        """Errors with all causes that were found, without a learnt block."""
+        return self.after if self.named_only is None else self.named_only
+
+    @property
+    def block(self) -> LearntBlock | None:
+        """The learnt block of the revised plant."""
+        found = [e for e in Wrist.of(self.revised).effects if isinstance(e, LearntBlock)]
+        return found[0] if found else None
 
     @property
     def remainder(self) -> dict[str, RemainderSize | None]:

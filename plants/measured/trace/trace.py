@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.effects.wrist.learnt_block import LearntBlock
 from plants.measured.begin import first_begin, measured
 from plants.measured.campaign import Campaign
 from plants.measured.estimate import HUBER, EstimateErrors, ParameterCorrelation, uncertainty
@@ -25,7 +26,8 @@ from plants.measured.trace.judge import alternatives, explained, not_logged, une
 from plants.measured.trace.law import LawChoice, law_of_rig
 from plants.measured.trace.result import Named, StageTrace, Trace
 from plants.measured.trace.search.choose import search
-from plants.measured.trace.search.learnt import learn
+from plants.measured.trace.search.description import smooth_curves
+from plants.measured.trace.search.learning import learn
 from plants.measured.trace.size import MATTERS, NAMED, explained_share, remainder, remainders_of, span
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import remainders
@@ -49,23 +51,26 @@ def trace_campaign(
     start: ParameterSet | None = None,
     seed: int = 0,
     progress: Callable[[str, float], None] | None = None,
+    learning: bool = False,
 ) -> Trace:
     """Find the effects that the declared wrist lacks, from recordings of a rig.
 
     `start` gives starting values and bounds of the declared parameters; where it is not given they are those
     of the built-in motion of that name, or, for any other, guessed from the log, and the hysteresis law is
-    chosen.  Raises InputError where the recordings cannot be fitted at all.
+    chosen.  learning: what no effect explains of the angle is learnt, and added to the revised plant where
+    that lowers the error on rows left out.  Raises InputError where the recordings cannot be fitted at all.
     """
     from threadpoolctl import threadpool_limits
 
     # Small matrices: a second thread of linear algebra would only get in the way of the simulations.
     with threadpool_limits(1):
-        return _trace(campaign, start, seed, progress or (lambda what, share: None))
+        return _trace(campaign, start, seed, progress or (lambda what, share: None), learning)
 
 
 def _trace(
-    campaign: Campaign, given: ParameterSet | None, seed: int, tell: Callable[[str, float], None]
-) -> Trace:
+    campaign: Campaign, given: ParameterSet | None, seed: int, tell: Callable[[str, float], None],
+    learning: bool,
+) -> Trace:  # fmt: skip
     begun = starting(campaign, given)
     campaign = begun.campaign
     remarks = check(campaign)
@@ -87,8 +92,16 @@ def _trace(
         found = _trace_stage(declared, base, _part(tell, share), seed)
         values |= {n: found.model.values[n] for n in found.model.names}
         traced.append(found)
-    tell("judging", 0.95)
-    return _result(campaign, fit, base, tuple(traced), remarks, law, begun.instrument)
+    tell("judging", 0.9)
+    named = _result(campaign, fit, base, tuple(traced), remarks, law, begun.instrument)
+    if not learning:
+        return named
+    tell("learning what is left", 0.92)
+    stages = tuple(map(_learnt, named.stages))
+    if all(s.block is None for s in stages):
+        return replace(named, learning=True)
+    whole = _result(campaign, fit, base, stages, named.remarks, law, begun.instrument)
+    return replace(whole, named_only=named.after, learning=True)
 
 
 def _part(tell: Callable[[str, float], None], share: float) -> Callable[[str], None]:
@@ -139,8 +152,17 @@ def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: i
     before, after = found.declared.examined, found.chosen.examined
     # Stationary sensor noise, however coloured, is not a missing effect.
     good = explained(found) or (not after.structured and model.chi2 < SLOW_NOISE)
-    learnt = None if good else learn(remainders(model), _numeric(after.depends_on))
-    return StageTrace(stage, found, before, after, good, blind, learnt)
+    words = None if good else smooth_curves(remainders(model), _numeric(after.depends_on))
+    return StageTrace(stage, found, before, after, good, blind, words)
+
+
+def _learnt(stage: StageTrace) -> StageTrace:
+    """The stage with a learnt block, where the angle is left unexplained and the block is worth it."""
+    block = None if stage.explained or stage.stage.channel != "angle_deg" else learn(stage.search.chosen)
+    if block is None:
+        return stage
+    words = smooth_curves(remainders(block.model), _numeric(block.examined.depends_on))
+    return replace(stage, block=block, after=block.examined, description=words)
 
 
 def _numeric(depends_on: Sequence[str]) -> list[str]:
@@ -155,7 +177,7 @@ def _result(
     """base: the fit that was revised: the declared one, or of another hysteresis law."""
     changed = base is not fit
     forms = tuple(f for s in stages for f in s.model.forms)
-    dropped = [s for s in stages if s.model.forms and not _helps(s)]
+    dropped = [s for s in stages if s.search.chosen.model.forms and not _helps(s)]
     if dropped:
         tried = ", ".join(f.NAME for s in dropped for f in s.model.forms)
         remarks = (
@@ -169,26 +191,33 @@ def _result(
     correlations: list[ParameterCorrelation] = []
     for s in stages:
         if forms or changed:
-            values |= {n: s.model.values[n] for n in s.model.names}
-            found = errors_of(s.model)
-            of = dict(zip(s.model.names, found.std_errors, strict=True))
+            named = s.search.chosen.model
+            values |= {n: named.values[n] for n in named.names}
+            found = errors_of(named)
+            of = dict(zip(named.names, found.std_errors, strict=True))
             errors |= of
-            together = ParameterCorrelation(s.model.names, found.correlation)
+            together = ParameterCorrelation(named.names, found.correlation)
             correlations += [together.of(n for n, e in of.items() if e is not None)]
+    for block in (s.block.model for s in stages if s.block is not None):
+        values |= {n: v for n, v in block.values.items() if n.startswith(f"{LearntBlock.NAME}.")}
     origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
     revised = base.fitted.revised(forms, values, errors, origin) if values else fit.fitted
     runs = tuple(_played(fit, Wrist.of(revised), changed))
     effects = tuple(n for s in stages for n in _named(s, errors, revised))
     before = fit.validate_rmse
     after = {c: rmse(runs, c) for c in CHANNELS} if values else before
-    stages = tuple(s if s.explained else replace(s, explained=not _matters(s, fit, runs)) for s in stages)
+    stages = tuple(
+        # A learnt block names no cause: what was unexplained without it stays so.
+        s if s.explained or s.block else replace(s, explained=not _matters(s, fit, runs))
+        for s in stages
+    )
     whole = all(s.explained for s in stages)
     said = "explained" if effects or changed else "nothing-missing"
     revised = replace(revised, remainder=remainders_of(runs, fit.noise))
     return Trace(
         campaign, fit, said if whole else "unexplained", stages, effects, revised, runs, before, after,
         intervals(runs, before=True), intervals(runs),
-        (*remarks, *rigs_differ(stages)), law, instrument,
+        tuple(dict.fromkeys((*remarks, *rigs_differ(stages)))), law, instrument,
         tuple(correlations) if values else fit.correlations,
     )  # fmt: skip
 
@@ -242,22 +271,22 @@ def _helps(s: StageTrace) -> bool:
     chi-square has above 1.  That a free run from the command falls on rows left out each of them had to
     show before it was taken."""
     excess = s.search.declared.model.chi2 - 1.0
-    return s.explained or s.model.chi2 - 1.0 <= REMAINS * excess
+    return s.explained or s.search.chosen.model.chi2 - 1.0 <= REMAINS * excess
 
 
 def _named(s: StageTrace, errors: Mapping[str, float | None], revised: ParameterSet) -> list[Named]:
     beside = alternatives(s.search)
     found = []
-    for form in s.model.forms:
+    mine = s.search.chosen.model
+    for form in mine.forms:
         prefix = f"{form.NAME}."
         parameters = {
             n: (revised.values[prefix + n], kind.unit, errors[prefix + n]) for n, kind in form.kinds().items()
         }
-        others = {_other(s.model, c.model): c.model for c in beside[form.NAME]}
-        mine = s.model.wrist
+        others = {_other(mine, c.model): c.model for c in beside[form.NAME]}
         words = tuple(
             sentence(form.NAME, name, separate(
-                mine, m.wrist, s.stage.channel, s.stage.noise
+                mine.wrist, m.wrist, s.stage.channel, s.stage.noise
             ))
             for name, m in others.items()
         )  # fmt: skip

@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from plants.effects.wrist.learnt_block import LearntBlock
 from plants.measured.trace.search.choose import SearchRound
-from plants.measured.trace.search.learnt import Learnt, LearntCurve
+from plants.measured.trace.search.description import Description, LearntCurve
 from reports.shared.html import Made
 from reports.shared.tables import fixed, number
 from reports.trace.page import draw_all, shown_channels, trace_page
@@ -15,7 +16,7 @@ from reports.trace.parameter_figure import draw_parameters
 from reports.trace.record import trace_record
 from reports.trace.residual_figures import means, telling, thinned
 from reports.trace.tables import decision_table
-from reports.trace.words import FEW, depends, summary, verdict_sentence
+from reports.trace.words import FEW, block_words, depends, summary, verdict_sentence
 from tests.reports.html_page import Page, summary_of
 from tests.reports.report_samples import small_trace
 
@@ -38,9 +39,9 @@ def unexplained(bent):
     """The same with the effect tried and not adopted, and something left."""
     regulator, wrist = bent.stages
     at = np.linspace(-20.0, 20.0, 60)
-    learnt = Learnt(("angle_deg",), 0.4, (LearntCurve("angle_deg", at, 0.1 * np.sin(at)),))
+    learnt = Description(("angle_deg",), 0.4, (LearntCurve("angle_deg", at, 0.1 * np.sin(at)),))
     after = replace(wrist.before, depends_on=("angle_deg", "events"))
-    left = replace(wrist, explained=False, learnt=learnt, after=after)
+    left = replace(wrist, explained=False, description=learnt, after=after)
     return stripped(bent, verdict="unexplained", stages=(regulator, left), remarks=("Tried & dropped.",))
 
 
@@ -283,3 +284,25 @@ def test_means_in_bins_and_a_thinned_spectrum_keep_the_mean(bent):
     f, power = thinned(replace(curve, mean=np.ones_like(curve.mean)))
     np.testing.assert_allclose(power, 1.0)
     assert np.all(np.diff(f) > 0.0)
+
+
+def test_a_learnt_block_is_told_beside_the_causes_and_is_none(bent):
+    values = {f"learnt.{n}": v for n, v in vars(LearntBlock(low=10.0, high=190.0, static3=0.4)).items()}
+    revised = bent.revised.revised([LearntBlock], values, {}, "a rig")
+    learnt = replace(bent, revised=revised, named_only={"angle_deg": 0.5, "pressure_kPa": 1.0}, learning=True)
+    text = trace_page(learnt, Made.now("wrist trace <c>", 7, {"x": revised}, {"c": "0"}))
+    (said,) = block_words(learnt)
+    assert said.startswith("A learnt block, which names no cause, changes the angle error on the held-out")
+    assert "from 0.5 to " in said
+    assert "from 10 to 190 kPa" in said
+    assert "Without the learnt block" in text
+    assert said in text
+    assert "learnt.static3" in text
+    record = trace_record(learnt)["learnt_block"]
+    assert record["range"] == {"from": 10.0, "to": 190.0, "unit": "kPa"}
+    assert record["without"]["angle_rmse_deg"] == 0.5
+    assert record["parameters"]["static3"] == 0.4
+    assert [e["name"] for e in trace_record(learnt)["effects"]] == [e.name for e in bent.effects]
+    assert block_words(replace(bent, learning=True)) == [
+        "No learnt block: the angle has no residual that is left unexplained."
+    ]

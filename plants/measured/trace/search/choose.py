@@ -134,10 +134,14 @@ def falls(before: Candidate, after: Candidate) -> bool:
     """Whether the error of a free run from the command falls on rows left out: in total over all recordings,
     and for certain: the lower bound of that total (Student's, one-sided) from its scatter over blocks of ten
     seconds is above zero."""
+    return lower(before.left_out.free, after.left_out.free, before.model.stage.blocks(BLOCK))
+
+
+def lower(before: Array, after: Array, blocks: NDArray[np.intp]) -> bool:
+    """Whether residuals (rows,) of rows left out are smaller than others for certain; see `falls`."""
     from scipy.stats import t
 
-    blocks = before.model.stage.blocks(BLOCK)
-    gain = np.bincount(blocks, before.left_out.free**2 - after.left_out.free**2)
+    gain = np.bincount(blocks, before**2 - after**2)
     n = len(gain)
     if n < 2:
         return float(gain.sum()) > 0.0

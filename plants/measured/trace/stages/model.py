@@ -21,7 +21,7 @@ class Model:
     """A declared wrist and effects of some forms, with values for all parameters of both.
 
     start: bounds and starting values of the declared parameters.  fixed:
-    declared parameters that the recordings do not determine, kept.
+    parameters that the recordings do not determine, kept.
     """
 
     stage: Stage
@@ -43,8 +43,8 @@ class Model:
     @property
     def names(self) -> tuple[str, ...]:
         """Parameters that are fitted: the stage's declared ones, then those of the effects."""
-        declared = tuple(n for n in self.stage.declared if n not in self.fixed)
-        return declared + tuple(f"{f.NAME}.{n}" for f in self.forms for n in f.kinds())
+        own = (f"{f.NAME}.{n}" for f in self.forms for n in f.kinds())
+        return tuple(n for n in (*self.stage.declared, *own) if n not in self.fixed)
 
     @property
     def problem(self) -> FitProblem:
@@ -113,7 +113,7 @@ class Model:
 
 def ordered(forms: Sequence[Form]) -> tuple[Form, ...]:
     """Forms in the order in which their effects act, so that one wrist has one kernel."""
-    from plants.effects import EFFECTS
+    from plants.effects import known_effects
 
-    order = list(EFFECTS)
+    order = list(known_effects())
     return tuple(sorted(forms, key=lambda f: order.index(f.NAME)))

@@ -35,7 +35,7 @@ class LearntCurve:
 
 
 @dataclass(frozen=True)
-class Learnt:
+class Description:
     """A description of a residual.
 
     variables: what it is made of, in order of gain.  described: share of the
@@ -55,7 +55,7 @@ class Learnt:
         )
 
 
-def learn(remainders: Sequence[Remainder], variables: Sequence[str]) -> Learnt | None:
+def smooth_curves(remainders: Sequence[Remainder], variables: Sequence[str]) -> Description | None:
     """Describe residuals by curves of some of `variables`, chosen one after the other.
 
     None where none of them earns its place.
@@ -90,7 +90,7 @@ def learn(remainders: Sequence[Remainder], variables: Sequence[str]) -> Learnt |
     if not chosen:
         return None
     made = np.column_stack([columns[n][thin] for n in chosen])
-    return Learnt(tuple(chosen), min(described, 1.0), _curves(chosen, made, value[thin]))
+    return Description(tuple(chosen), min(described, 1.0), _curves(chosen, made, value[thin]))
 
 
 def _model() -> object:

@@ -1,0 +1,104 @@
+"""A learnt block for what no effect explains: splines fitted to the residual, adopted where rows left out are
+the better for it.
+
+The coefficients are linear in the residual, so that a few ways of a turn and time constants of the slow
+pressure are tried by one linear least squares each; from the best, all of the block is fitted.  The
+parameters of the wrist and of its effects stay what they are: the block adds to what is known.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
+
+from plants.effects.wrist.learnt_block import LearntBlock
+from plants.measured.estimate import jacobian
+from plants.measured.stage import BLOCK
+from plants.measured.trace.search.choose import FOLDS, Candidate, lower
+from plants.measured.trace.stages.model import Model
+from plants.measured.trace.stages.remainders import remainders
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.bool_] | None
+TURNS = (0.02, 0.08, 0.25)
+"""Ways of a turn that are tried, as shares of the range of the pressure."""
+
+MEMORIES = (0.2, 1.0, 5.0, 25.0)
+"""Time constants of the slow pressure that are tried [s]."""
+
+EDGE = 0.005
+"""Share of the rows that lie beyond each end of the pressures that a block is learnt on."""
+
+LEAST = 0.1
+"""Share of the mean square on rows left out that a block must take away: it has two dozen parameters."""
+
+ROUGHLY = (6, 1e-4)
+"""Evaluations and tolerance of fits to half of the rows, as of `choose.left_out`."""
+
+RIDGE = 1e-2
+"""Weight of a coefficient against the largest column: one that hardly shows stays small."""
+
+TINY = 1e-12
+"""Room that a bounded least squares asks for between two bounds."""
+
+PREFIX = f"{LearntBlock.NAME}."
+ENDS = (f"{PREFIX}low", f"{PREFIX}high")
+
+
+def learn(now: Candidate) -> Candidate | None:
+    """The model with a learnt block; None where it does not lower the error of a free run from the command on
+    rows left out, by more than its uncertainty (`choose.lower`) and by `LEAST` of its mean square.
+
+    Each half of the rows is judged by a block that was learnt from nothing on the other half: one that was
+    learnt on all of them and only refitted would remember some of what is left out.
+    """
+    model = now.model
+    blocks = model.stage.blocks(BLOCK)
+    fold, free = blocks % FOLDS, np.empty(blocks.size)
+    for k in range(FOLDS):
+        apart = fold == k
+        half = _learnt(model.fitted(*ROUGHLY, ~apart), ~apart)
+        free[apart] = half.freely.residual[apart]
+    before = now.left_out.free
+    if not lower(before, free, blocks) or np.mean(free**2) > (1.0 - LEAST) * np.mean(before**2):
+        return None
+    return Candidate(_learnt(model, None))
+
+
+def _learnt(model: Model, rows: Rows) -> Model:
+    """The model with a block that was learnt on some of the rows."""
+    begun = min((_linear_fit(m, rows) for m in _begins(model)), key=lambda found: found[1])[0]
+    return begun.fitted(rows=rows)
+
+
+def _begins(model: Model) -> list[Model]:
+    """The model with a block that is nothing yet, of every way of a turn and time constant that is tried."""
+    pressure = np.concatenate([r.variables["pressure_kPa"] for r in remainders(model)])
+    low, high = map(float, np.quantile(pressure, (EDGE, 1.0 - EDGE)))
+    nothing: Mapping[str, float] = {n: 0.0 for n in LearntBlock.kinds()}
+    found = []
+    for turn, memory in product(TURNS, MEMORIES):
+        own = {"low": low, "high": high, "turn": turn * (high - low), "memory": memory}
+        begun = model.plus(LearntBlock, {**nothing, **own})
+        found.append(replace(begun, fixed=(*model.fixed, *model.names, *ENDS)))
+    return found
+
+
+def _linear_fit(model: Model, rows: Rows) -> tuple[Model, float]:
+    """The model with the coefficients of its block at the least squares of its linearisation, all else as it
+    is, and its chi-square on these rows."""
+    residual, slopes = jacobian(model.problem.on(rows), model.vector, model.bounds)
+    own = np.array([n.startswith(PREFIX) for n in model.names])
+    x, low, high = model.bounds
+    step = np.zeros(own.size)
+    columns = slopes[:, own]
+    ridge = RIDGE * np.linalg.norm(columns, axis=0).max() * np.eye(columns.shape[1])
+    room = low[own] - x[own], high[own] - x[own] + TINY
+    aim = np.concatenate([-residual, np.zeros(len(ridge))])
+    step[own] = lsq_linear(np.vstack([columns, ridge]), aim, room).x
+    begun = model.at(np.clip(x + step, low, high))
+    left = begun.residual if rows is None else begun.residual[rows]
+    return begun, float(np.mean(left**2))
