@@ -38,6 +38,7 @@ _HOMES = {  # the module of each name, and what it is called there where that is
     "box_of": "design.robustness.box",
     "break_even": "design.comparison.break_even",
     "by_python_control": "design.open_loops",
+    "check_log": "design.studies.check.check",
     "corners": "design.evaluation.scenarios",
     "decide": "design.studies.decision",
     "default_problem": "design.synthesis.requirements",

@@ -22,6 +22,7 @@ _HOMES = {
     "branch_slopes": "plants.linearisation",
     "wrist_x0": "plants.linearisation",
     "load_campaign": "plants.measured.campaign",
+    "load_recording": "plants.measured.campaign",
     "fit_campaign": "plants.measured.fit",
     "trace_campaign": "plants.measured.trace.trace",
 }
@@ -49,6 +50,7 @@ __all__ = [
     "fit_campaign",
     "load",
     "load_campaign",
+    "load_recording",
     "trace_campaign",
     "wrist_x0",
 ]

@@ -61,6 +61,10 @@ def answer(trace: Trace) -> str:
     falls = f"{error} falls from {number(before)} to {_amount(after, channel)}, {floor}"
     if trace.verdict == "explained":
         return f"{head[0].upper()}{head[1:]} the residual: {falls}."
+    if trace.block and not trace.effects:
+        named = f"{error} {_amount(trace.by_causes[channel], channel)}"
+        less = f"{_amount(after, channel)} with a learnt block"
+        return f"No effect explains the residual: {named}, {less}, {floor}."
     if not trace.effects:
         falls = f"{error} {_amount(after, channel)}, {floor}"
     return f"None of the {len(EFFECTS)} effects explains the residual: {falls}."
@@ -148,10 +152,11 @@ def block_words(trace: Trace) -> list[str]:
             return ["No learnt block: the angle has no residual that is left unexplained."]
         return ["No learnt block: none lowers the angle error on rows left out by enough."]
     unit = trace.revised.kinds["learnt.low"].unit
+    low, high = (round(float(end), 1) for end in (block.low, block.high))
     return [
         f"A learnt block, which names no cause, changes the angle error on the held-out recordings from "
         f"{number(before)} to {_amount(trace.after['angle_deg'], 'angle_deg')}. It was learnt from "
-        f"{number(block.low)} to {number(block.high)} {unit}, and fades to nothing outside."
+        f"{number(low)} to {number(high)} {unit}, and fades to nothing outside."
     ]
 
 

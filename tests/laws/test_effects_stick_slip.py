@@ -56,6 +56,17 @@ def test_after_a_reversal_it_stays_until_the_pull_has_turned_round():
     assert ours[-1] < at - 1.0
 
 
+@pytest.mark.parametrize(
+    "effect", [RubbingSlip(1.0, 0.5, 0.2), FreeSlip(1.0, 0.3), BristleFriction(1.0, 0.5)]
+)
+def test_friction_is_the_same_in_both_directions(effect):
+    """Sticking, sliding and sticking again are odd in the static angle, on the way out and back."""
+    path = np.concatenate([0.004 * np.arange(1501), np.full(2000, 6.0), 6.0 - 0.004 * np.arange(2501)])
+    there = joint(effect, path)
+    assert np.ptp(there) > 5.0
+    np.testing.assert_allclose(joint(effect, -path), -there, atol=1e-12)
+
+
 def lugre(breakaway, sliding, stribeck, stiffness, static, end):
     """LuGre's joint without mass, by scipy's implicit integrator: angle at every ms."""
 
