@@ -37,7 +37,8 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
          "robustness/test_remainder*", "trace/test_excitation*"),
     ),
     "kernels": (
-        ("plants/kernel", "design/mpc"), ("kernel/*", "laws/test_k*", "laws/test_l*", "control/test_mpc*"),
+        ("plants/kernel", "design/mpc"),
+        ("kernel/*", "laws/test_k*", "laws/test_l*", "control/test_mpc*", "control/test_export_[pr]*"),
     ),
     "statistics": (
         ("plants/measured/residual", "plants/measured/noise.py", "design/contest", "design/evaluation"),
@@ -47,7 +48,7 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "certificates": (
         ("design/robustness/certificates", "design/limit"), ("robustness/*", "control/test_limit*"),
     ),
-    "export": (("design/export",), ("control/test_export*",)),
+    "export": (("design/export",), ("control/test_export*", "cli/test_export*")),
 }  # fmt: skip
 """Sources, and the tests that are run on them, by what they are of."""
 OF_ALL = ("tests/test_frozen.py",)

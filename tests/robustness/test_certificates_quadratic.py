@@ -7,6 +7,7 @@ from design.robustness.certificates.continuous import quadratic
 from design.robustness.certificates.continuous.quadratic import common_quadratic
 from design.robustness.certificates.continuous.search import fastest, search
 from design.robustness.loop_model import LoopModel
+from design.synthesis.convex import Unsolved
 
 
 def pair(a: float) -> list[np.ndarray]:
@@ -56,3 +57,16 @@ def test_of_one_linear_loop_the_best_decay_is_its_slowest_pole(
 def test_a_switched_loop_with_an_unstable_corner_has_none() -> None:
     model = LoopModel(20.0, 200.0, {"transit": 0.08, "line": 0.36}, 0.55, 9.0, 0.16)
     assert search(model, quadratic.RUNG).form is None
+
+
+def test_where_the_solver_finds_nothing_nothing_is_claimed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without a function there is no rate, no margin, and plain matrices have no dead time."""
+
+    def unsolved(*_: object) -> None:
+        raise Unsolved("CLARABEL: infeasible")
+
+    monkeypatch.setattr(quadratic, "widest", unsolved)
+    found = common_quadratic(pair(1.0), decay=0.5)
+    assert (found.holds, found.decay, found.margin, found.dead_time) == (False, None, None, 0.0)
+    assert found.about is None
+    assert "infeasible" in str(found.reason)
