@@ -81,11 +81,8 @@ def command(
 
     check_places({"--save": save, "--json": json}, out)
     data = load_campaign(campaign, rig_of(plant))
-    later = (
-        None
-        if new is None
-        else _later(data, new, plant, {"--save": save, "--retune": retune, "--learn": learn})
-    )
+    of_one = {"--save": save, "--retune": retune, "--learn": learn}
+    later = None if new is None else _later(data, new, plant, of_one)
     start = given_set(plant)
     with progress(f"trace {data.name}") as tell:
         trace = trace_campaign(data, start, seed, tell, learn)

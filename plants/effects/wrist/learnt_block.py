@@ -14,12 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plants.effects.effect import Around, Effect, Linear, Number, parameter
-from plants.hysteresis.law import SIDES
+from plants.effects.wrist.beside_loop import between
 from plants.hysteresis.play import kept
 from plants.meanings import remembers
-
-FLAT = 1e-6
-"""Least slope of a branch [deg/kPa]; a flatter one counts as this."""
 
 
 @remembers(
@@ -187,7 +184,4 @@ class LearntBlock(Effect):
         engaged, moved = turning / float(self.turn), slow / wrist.rig.half_range
         least = float(np.min(static - swing + np.minimum(engaged, 0.0) + np.minimum(moved, 0.0)))
         most = float(np.max(static + swing + np.maximum(engaged, 0.0) + np.maximum(moved, 0.0)))
-        loop = wrist.hysteresis
-        slopes = zip(SIDES, (*loop.steepness, loop.flattest), strict=True)
-        steep = {side: max(float(slope), FLAT) for side, slope in slopes}
-        return Linear(slopes={side: (1.0 + least / k, 1.0 + most / k) for side, k in steep.items()})
+        return between(wrist.hysteresis, least, most)

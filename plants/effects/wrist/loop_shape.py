@@ -8,20 +8,16 @@ Sprekels, Hysteresis and Phase Transitions, 1996).
 """
 
 from abc import abstractmethod
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from plants.effects.effect import Around, Effect, ExcitationHints, Linear, Nothing, Number, parameter
-from plants.hysteresis.law import SIDES, Side
+from plants.effects.wrist.beside_loop import FLAT, between
+from plants.hysteresis.law import SIDES
 from plants.hysteresis.play import kept
 from plants.meanings import remembers
-
-FLAT = 1e-6
-"""Least slope of a branch [deg/kPa] and least gap between two [deg]; flatter and narrower ones count as
-these."""
 
 
 @remembers(
@@ -147,10 +143,7 @@ class _Plays(_Shape):
         """Between none of the plays engaged and all of them, whatever the signs of their weights."""
         weights = [float(w) for w in self.weights]
         least, most = sum(w for w in weights if w < 0.0), sum(w for w in weights if w > 0.0)
-        loop = wrist.hysteresis
-        slopes: Mapping[Side, float] = dict(zip(SIDES, (*loop.steepness, loop.flattest), strict=True))
-        steep = {side: max(float(slope), FLAT) for side, slope in slopes.items()}
-        return Linear(slopes={side: (1.0 + least / k, 1.0 + most / k) for side, k in steep.items()})
+        return between(wrist.hysteresis, least, most)
 
 
 def _weight(trials: tuple[float, ...]) -> Any:

@@ -6,7 +6,6 @@ pressure are tried by one linear least squares each; from the best, all of the b
 parameters of the wrist and of its effects stay what they are: the block adds to what is known.
 """
 
-from collections.abc import Mapping
 from dataclasses import replace
 from itertools import product
 
@@ -44,8 +43,8 @@ RIDGE = 1e-2
 TINY = 1e-12
 """Room that a bounded least squares asks for between two bounds."""
 
-PREFIX = f"{LearntBlock.NAME}."
-ENDS = (f"{PREFIX}low", f"{PREFIX}high")
+ENDS = (f"{LearntBlock.NAME}.low", f"{LearntBlock.NAME}.high")
+"""What is taken from the rows, and not fitted."""
 
 
 def learn(now: Candidate) -> Candidate | None:
@@ -78,7 +77,7 @@ def _begins(model: Model) -> list[Model]:
     """The model with a block that is nothing yet, of every way of a turn and time constant that is tried."""
     pressure = np.concatenate([r.variables["pressure_kPa"] for r in remainders(model)])
     low, high = map(float, np.quantile(pressure, (EDGE, 1.0 - EDGE)))
-    nothing: Mapping[str, float] = {n: 0.0 for n in LearntBlock.kinds()}
+    nothing = dict.fromkeys(LearntBlock.kinds(), 0.0)
     found = []
     for turn, memory in product(TURNS, MEMORIES):
         own = {"low": low, "high": high, "turn": turn * (high - low), "memory": memory}
@@ -88,17 +87,12 @@ def _begins(model: Model) -> list[Model]:
 
 
 def _linear_fit(model: Model, rows: Rows) -> tuple[Model, float]:
-    """The model with the coefficients of its block at the least squares of its linearisation, all else as it
-    is, and its chi-square on these rows."""
-    residual, slopes = jacobian(model.problem.on(rows), model.vector, model.bounds)
-    own = np.array([n.startswith(PREFIX) for n in model.names])
+    """The model at the least squares of its linearisation in the block, and its chi-square on these rows."""
+    residual, columns = jacobian(model.problem.on(rows), model.vector, model.bounds)
     x, low, high = model.bounds
-    step = np.zeros(own.size)
-    columns = slopes[:, own]
-    ridge = RIDGE * np.linalg.norm(columns, axis=0).max() * np.eye(columns.shape[1])
-    room = low[own] - x[own], high[own] - x[own] + TINY
-    aim = np.concatenate([-residual, np.zeros(len(ridge))])
-    step[own] = lsq_linear(np.vstack([columns, ridge]), aim, room).x
+    ridge = RIDGE * np.linalg.norm(columns, axis=0).max() * np.eye(x.size)
+    aim = np.concatenate([-residual, np.zeros(x.size)])
+    step = lsq_linear(np.vstack([columns, ridge]), aim, (low - x, high - x + TINY)).x
     begun = model.at(np.clip(x + step, low, high))
     left = begun.residual if rows is None else begun.residual[rows]
     return begun, float(np.mean(left**2))
