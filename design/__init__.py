@@ -64,7 +64,7 @@ _HOMES = {  # the module of each name, and what it is called there where that is
     "study": "design.studies.study",
     "tune": "design.synthesis.tuning",
     "tune_pi": "design.synthesis.tune_pi:tune_pi",
-    "tune_robustly": "design.robustness.robust_tuning",
+    "tune_robustly": "design.robustness.tuning.robust_tuning",
     "tuning_scenarios": "design.evaluation.scenarios",
     "worst_run": "design.studies.robustness_study",
     "write_gains": "design.tuner.gains_file:write",

@@ -11,8 +11,8 @@ from typing import Any
 from design.controllers.pi import PI
 from design.robustness.checks import check, worst_found
 from design.robustness.requirement import Requirement, requirement_record
-from design.studies.limits_matrix import matrix, step_band
 from design.studies.proof import kept_proof, not_asked
+from design.studies.shown.limits_matrix import matrix, step_band
 from design.studies.stages import NOTHING_KEPT, Stages
 
 Tell = Callable[[str, float], None]

@@ -20,14 +20,14 @@ from design.alternatives.designs import ROBUST_MPC
 from design.cluster import each
 from design.controllers.pi import PI
 from design.robustness.box import Box
-from design.robustness.recommended import PLAIN, TWO_DOF, pays
 from design.robustness.requirement import Requirement, requirement, requirement_record
-from design.robustness.robust_tuning import GUARD
+from design.robustness.tuning.recommended import PLAIN, TWO_DOF, pays
+from design.robustness.tuning.robust_tuning import GUARD
 from design.studies.decision import checked
 from design.studies.designs import BARE, DesignEffort, mpc_design, tuned_designs
-from design.studies.limits_matrix import matrix, step_band
-from design.studies.prices import Tasks, price_rows
 from design.studies.proof import kept_proof
+from design.studies.shown.limits_matrix import matrix, step_band
+from design.studies.shown.prices import Tasks, price_rows
 from design.studies.stages import Stages
 from design.synthesis.designed_plant import designed, left_out
 from design.synthesis.structure import with_gains

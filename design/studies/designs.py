@@ -14,11 +14,11 @@ import numpy as np
 from design.alternatives.designs import LQI_NAME, ROBUST_MPC
 from design.robustness.box import Box
 from design.robustness.checks import worst_found
-from design.robustness.recommended import PLAIN, TWO_DOF, tune_candidates
 from design.robustness.requirement import Requirement
-from design.robustness.robust_lqi import tune_lqi
-from design.robustness.robust_mpc import tune_mpc
-from design.robustness.robust_tuning import RobustTuning, tune_robustly
+from design.robustness.tuning.recommended import PLAIN, TWO_DOF, tune_candidates
+from design.robustness.tuning.robust_lqi import tune_lqi
+from design.robustness.tuning.robust_mpc import tune_mpc
+from design.robustness.tuning.robust_tuning import RobustTuning, tune_robustly
 from design.synthesis.answer import LimitBroken, OutOfReach
 from design.synthesis.convex import Unsolved
 from design.synthesis.requirements import excesses

@@ -12,7 +12,7 @@ import numpy as np
 from design.controllers.pi import PI
 from design.evaluation.scenarios import STEP
 from design.evaluation.steps import run
-from design.studies.panels import Array, Panel, Series
+from design.studies.shown.panels import Array, Panel, Series
 from design.synthesis.tuning_rules import paper_range
 from plants.actuator.regulator import Regulator
 from plants.parameters.quantities import REGULATOR_NAMES

@@ -10,9 +10,9 @@ from design.robustness.certificates.continuous.search import RUNGS
 from design.robustness.gain_plane import GainPlane, gain_plane
 from design.robustness.samples.monte_carlo import Envelopes, envelopes
 from design.robustness.samples.worst import Worst
-from design.studies.branch_steps import BranchSteps, branch_steps
-from design.studies.cell_steps import CellSteps, cell_steps
-from design.studies.load_response import LoadResponse, load_response
+from design.studies.shown.branch_steps import BranchSteps, branch_steps
+from design.studies.shown.cell_steps import CellSteps, cell_steps
+from design.studies.shown.load_response import LoadResponse, load_response
 from design.synthesis.requirements import default_problem
 from design.synthesis.tuning_rules import PAPER_GAINS, baselines
 

@@ -29,14 +29,14 @@ from design.contest import Contest, contest
 from design.controllers.controller import Controller
 from design.controllers.pi import PI
 from design.mpc.timing import Ledger
-from design.robustness.gain_search import with_evidence
-from design.robustness.given_gains import given_gains
-from design.robustness.recommended import tune_candidates
 from design.robustness.requirement import requirement
-from design.studies.cell_steps import CellSteps, map_steps
+from design.robustness.tuning.gain_search import with_evidence
+from design.robustness.tuning.given_gains import given_gains
+from design.robustness.tuning.recommended import tune_candidates
 from design.studies.decision import Decision, decide
-from design.studies.panels import Panel
 from design.studies.paper import redrawn
+from design.studies.shown.cell_steps import CellSteps, map_steps
+from design.studies.shown.panels import Panel
 from design.studies.stages import NOTHING_KEPT, Stages
 from design.studies.verdict import Verdict, verdicts
 from design.synthesis.answer import Answer, OutOfReach, Refusal, answer

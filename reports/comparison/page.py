@@ -9,7 +9,7 @@ from design.comparison.break_even import BreakEven
 from design.comparison.compare import FORWARD, Comparison
 from design.contest import Contest
 from design.mpc.timing import Ledger
-from design.studies.cell_steps import CellSteps
+from design.studies.shown.cell_steps import CellSteps
 from design.studies.study import Study
 from design.synthesis.answer import Answer
 from plants.measured.fit import Fit

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from design.alternatives.designs import LQI_NAME, ROBUST_MPC
-from design.robustness.recommended import PLAIN
+from design.robustness.tuning.recommended import PLAIN
 from design.studies.design_study import DesignStudy, MotionDesign
 from design.studies.designs import BARE, FORWARD
 from reports.shared.card import gains_words

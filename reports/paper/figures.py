@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from design.studies.panels import Panel
+from design.studies.shown.panels import Panel
 from design.synthesis.tuning_rules import PAPER_FACTOR, PAPER_GAINS
 from plants.parameters.files import built_in
 from plants.parameters.quantities import REGULATOR_NAMES, Fitted, ParameterSet

@@ -7,8 +7,8 @@ import numpy as np
 
 from design.evaluation.metrics import SETTLING_BAND
 from design.evaluation.scenarios import STEP
-from design.studies.panels import Panel, Series
 from design.studies.paper import HOLD, STAIRCASE
+from design.studies.shown.panels import Panel, Series
 from plants.wrist import COMMAND_RANGE
 from reports.shared.figures.style import (
     BLACK,

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from design.studies.branch_steps import BranchSteps
+from design.studies.shown.branch_steps import BranchSteps
 from design.synthesis.requirements import Limits
 from plants.wrist import STARTS, Wrist
 from reports.robustness.branch_figures import frequencies, overlaid

@@ -3,7 +3,7 @@
 from typing import Any
 
 from design.robustness.requirement import Requirement, requirement_record
-from design.robustness.robust_tuning import GUARD, RobustTuning
+from design.robustness.tuning.robust_tuning import GUARD, RobustTuning
 from design.synthesis.answer import refusal
 from design.synthesis.tuning import Tuning
 from reports.shared.tuning import refused

@@ -9,8 +9,8 @@ from design.robustness.certificates.statements import (
     TasksDieAway,
 )
 from design.status import Status
-from design.studies.limits_matrix import CONDITIONS
 from design.studies.robustness_study import RobustnessStudy
+from design.studies.shown.limits_matrix import CONDITIONS
 from design.synthesis.requirements import LIMIT_UNITS
 from reports.shared.card import CardRow
 from reports.shared.names import pi_name

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from design.status import Status
-from design.studies.limits_matrix import CONDITIONS
+from design.studies.shown.limits_matrix import CONDITIONS
 from design.synthesis.requirements import LIMIT_UNITS
 from reports.shared.figures.style import (
     BLACK,
@@ -48,7 +48,7 @@ HEADS = dict(
 @dataclass(frozen=True)
 class CardRow:
     """What the card shows of a motion: its controller by name, gains (Kp, Ki, b, Tf), rows of the matrix as
-    `design.studies.limits_matrix.matrix` makes them, the proof, the band of steps, and a short reason."""
+    `design.studies.shown.limits_matrix.matrix` makes them, the proof, the band of steps, a short reason."""
 
     motion: str
     controller: str

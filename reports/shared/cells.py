@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design.studies.cell_steps import CellSteps
+from design.studies.shown.cell_steps import CellSteps
 from design.synthesis.evaluate import Evaluation
 from design.synthesis.requirements import LIMIT_UNITS
 from reports.shared.card import LIMIT_NAMES

@@ -11,7 +11,7 @@ import time
 import warnings
 from pathlib import Path
 
-from design.robustness.recommended import tune_candidates
+from design.robustness.tuning.recommended import tune_candidates
 from design.studies.design_study import Taken, required_of
 from design.synthesis.designed_plant import designed
 from design.synthesis.tuning import Region

@@ -23,10 +23,10 @@ from design.robustness.box import box_of
 from design.robustness.certificates.continuous.search import RUNGS
 from design.robustness.gain_plane import gain_plane
 from design.robustness.requirement import requirement
-from design.studies.cell_steps import map_steps
 from design.studies.decision import Decision, decide
 from design.studies.paper import redrawn
 from design.studies.robustness_study import RobustnessStudy, study_of
+from design.studies.shown.cell_steps import map_steps
 from design.studies.study import Question, Study
 from design.synthesis.answer import answer
 from design.synthesis.requirements import Problem

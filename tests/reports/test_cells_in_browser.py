@@ -9,7 +9,7 @@ import pytest
 from design.controllers.pi import PI
 from design.evaluation.scenarios import tuning_scenarios
 from design.evaluation.steps import run
-from design.studies.cell_steps import cell_steps
+from design.studies.shown.cell_steps import cell_steps
 from design.synthesis.evaluate import evaluate
 from design.synthesis.requirements import Problem
 from plants import Wrist

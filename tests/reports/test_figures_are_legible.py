@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 
 from design.controllers.pi import PI
 from design.evaluation.scenarios import tuning_scenarios
-from design.studies.branch_steps import branch_steps
 from design.studies.paper import redrawn
+from design.studies.shown.branch_steps import branch_steps
 from design.synthesis.requirements import Limits, Problem
 from design.synthesis.tuning import Region, tune
 from design.synthesis.tuning_rules import baselines

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from design.robustness.requirement import requirement
-from design.robustness.robust_tuning import tune_robustly
+from design.robustness.tuning.robust_tuning import tune_robustly
 from design.synthesis.requirements import default_problem
 from design.synthesis.tuning import Region, tune
 from plants.parameters.files import built_in

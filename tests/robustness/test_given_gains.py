@@ -7,8 +7,8 @@ import pytest
 
 from design.controllers.pi_two_dof import TwoDofPI
 from design.evaluation.sequence import play
-from design.robustness.given_gains import DEAR, NEAR, given_gains
 from design.robustness.requirement import requirement
+from design.robustness.tuning.given_gains import DEAR, NEAR, given_gains
 from design.synthesis.answer import answer, refusal
 from design.synthesis.tuning import Region
 from plants import Wrist

@@ -9,8 +9,8 @@ import pytest
 from design.controllers.lqi import LQI
 from design.evaluation.sequence import play
 from design.robustness.checks import check
-from design.robustness.robust_lqi import tune_lqi
-from design.robustness.robust_tuning import GUARD, tune_robustly
+from design.robustness.tuning.robust_lqi import tune_lqi
+from design.robustness.tuning.robust_tuning import GUARD, tune_robustly
 from design.synthesis.requirements import Limits
 from plants import Wrist
 from tests.robustness.test_lqi import continuous

@@ -13,10 +13,10 @@ from design.evaluation.scenarios import Scenario
 from design.evaluation.sequence import Sequence, play
 from design.robustness.box import Box
 from design.robustness.checks import check, worst_found
-from design.robustness.gain_search import law_with, printed, zoomed
 from design.robustness.requirement import requirement
-from design.robustness.robust_tuning import GUARD, tune_robustly
 from design.robustness.samples.conditions import Conditions
+from design.robustness.tuning.gain_search import law_with, printed, zoomed
+from design.robustness.tuning.robust_tuning import GUARD, tune_robustly
 from design.synthesis.answer import refusal
 from design.synthesis.evaluate import evaluate
 from design.synthesis.requirements import COSTS, Limits, Problem

@@ -7,7 +7,7 @@ from design.controllers.feedforward import FeedforwardPI
 from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
 from design.robustness.checks import check
-from design.robustness.robust_tuning import tune_robustly
+from design.robustness.tuning.robust_tuning import tune_robustly
 from design.synthesis.structure import TWO_DOF_PI, forward_pi, with_gains
 from plants.effects.wrist.creep import Creep
 from plants.wrist import Wrist

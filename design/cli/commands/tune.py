@@ -175,7 +175,7 @@ def command(
         with progress("tune") as tell:
             found = tune(problem, region, starts, seed, tell, scheduler)
     else:
-        from design.robustness.robust_tuning import tune_robustly
+        from design.robustness.tuning.robust_tuning import tune_robustly
         from design.synthesis.structure import TWO_DOF_PI
         from reports.robustness import tuning as robust_words
 

@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 
 from design.evaluation.sequence import Sequence
 from design.robustness.checks import Check, check, worst_of
-from design.robustness.gain_search import solved, with_evidence
 from design.robustness.requirement import Requirement
 from design.robustness.samples.hunt import Hunted
+from design.robustness.tuning.gain_search import solved, with_evidence
 from design.synthesis.answer import out_of_reach
 from design.synthesis.evaluate import evaluate
 from design.synthesis.requirements import COSTS, Problem

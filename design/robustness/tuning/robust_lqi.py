@@ -14,7 +14,7 @@ from design.alternatives.lqi_design import RobustLQI, design_lqi
 from design.input_loop import InputLoop
 from design.margins import BranchResponse
 from design.robustness.requirement import LINEAR, Requirement
-from design.robustness.robust_tuning import GUARD, RobustTuning, grow
+from design.robustness.tuning.robust_tuning import GUARD, RobustTuning, grow
 from design.synthesis.requirements import Problem, excesses
 from design.synthesis.tuning import Tuning
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from design.robustness.requirement import Requirement
-from design.robustness.robust_tuning import RobustTuning, tune_robustly
+from design.robustness.tuning.robust_tuning import RobustTuning, tune_robustly
 from design.synthesis.structure import PLAIN_PI, TWO_DOF_PI
 from design.synthesis.tuning import Region, Tuning
 

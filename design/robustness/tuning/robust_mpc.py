@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from design.evaluation.sequence import Sequence, play, stack
 from design.robustness.requirement import LINEAR, Requirement
-from design.robustness.robust_tuning import GUARD, RobustTuning, RoundEffort, grow
+from design.robustness.tuning.robust_tuning import GUARD, RobustTuning, RoundEffort, grow
 from design.synthesis.judged import JudgedDesign
 from design.synthesis.requirements import COSTS, Problem, excesses
 from design.synthesis.structure import weighted_mpc
@@ -78,7 +78,7 @@ def tune_mpc(
     effort: RoundEffort = EFFORT,
 ) -> RobustTuning[RobustMPC]:
     """Weights of an MPC of least worst cost that hold the limits of runs, as far as pool and fresh samples
-    can tell; arguments as of `design.robustness.robust_tuning.grow`.
+    can tell; arguments as of `design.robustness.tuning.robust_tuning.grow`.
 
     Raises InputError where its solver is not installed, or a plant has no MPC.
     """

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from design.controllers.controller import Controller
 from design.evaluation.runner import play, step_from
-from design.robustness.gain_search import law_of
+from design.robustness.tuning.gain_search import law_of
 from design.synthesis.tuning import Tuning
 from plants.simulation.disturbance import at_rest, burdened
 from plants.wrist import Wrist
