@@ -225,9 +225,9 @@ def robust(wrist: Wrist, **changes: Any) -> MPCProblem:
 
     Moves and swings keep the dead time: with these weights the limits of the whole requirement hold on the
     example campaigns (`design.robustness.tuning.robust_mpc` searches that of the swing; 30 overshoots by
-    26 % there, 300 can stand still on a branch).  The observer is slow enough for the noise of the sensor, of which a
-    bandwidth of 60 rad/s makes 18 V of total variation.  The slower `lack` is what the dead time would
-    disturb.
+    26 % there, 300 can stand still on a branch).  The observer is slow enough for the noise of the sensor,
+    of which a bandwidth of 60 rad/s makes 18 V of total variation.  The slower `lack` is what the dead time
+    would disturb.
     """
     slow = _for_rig(
         wrist,
