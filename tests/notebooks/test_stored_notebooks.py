@@ -43,7 +43,7 @@ def prose(notebook) -> str:
 
 
 def test_they_are_in_order_each_paired():
-    assert [p.name[0] for p in TEXTS] == list("012345")
+    assert [p.name[0] for p in TEXTS] == list("0123456")
     assert sorted(p.stem for p in HERE.glob("*.ipynb")) == [p.stem for p in TEXTS]
 
 
