@@ -9,6 +9,7 @@ import pytest
 
 from design.controllers.controller import Measured
 from design.mpc import fallback, qp
+from design.mpc.converged import converged_mpc
 from design.mpc.fallback import BY_PI, HELD, SHIFTED, SOLVED, Fallback, Info
 from design.mpc.linear import linear_mpc
 from design.mpc.loop import run
@@ -199,11 +200,15 @@ class Noted:
         return self.now
 
 
-@pytest.mark.parametrize("make", [linear_mpc, real_time_mpc])
+@pytest.mark.parametrize("make", [linear_mpc, real_time_mpc, converged_mpc])
 def test_the_times_of_a_period_add_up_to_it(make):
     clock = Noted()
-    controller = make(PROBLEM, Fallback(clock=clock))
+    controller = make(replace(PROBLEM, horizon=6), Fallback(clock=clock))
     state = controller.init(resting("virgin"))
+    begun = clock.now
+    _, _, info = controller.step(state, Measured(5.0, float("nan"), 100.0))
+    assert info.solve_ns == 0  # nothing was solved
+    assert info.preparation_ns + info.wrapper_ns == info.total_ns < clock.now - begun
     for _ in range(3):
         begun = clock.now + clock.took + 1_000
         state, _, info = controller.step(state, Measured(5.0, 0.0, 100.0))
