@@ -44,6 +44,7 @@ def test_every_motion_field_and_family_has_every_controller_once():
 def test_the_declared_plant_is_played_without_a_load_or_dead_time():
     plain, uncertainty = nominal(Wrist.flexion()), built_in_rig().uncertainty
     noisy = Conditions(0.0, 0.0, uncertainty.noise, uncertainty.resolution)
+    assert small().conditions == noisy  # what is told of it
     asked = side_by_side(built_in_rig())
     for family in FAMILIES:
         here = [i for i, t in enumerate(asked) if t.family == family]
