@@ -131,12 +131,9 @@ def vector(part: Part, wrist: Wrist, steps: int = STEPS, seed: int = 0) -> Vecto
     lost = draw.choice(steps, LOST, replace=False)
     which = dict(zip(lost.tolist(), draw.integers(0, 3, LOST).tolist(), strict=True))
     spikes = spoiled(part, steps, np.random.default_rng((seed, 1)))
-    held, c, state = (
-        MPCProblem(wrist, period=part.period),
-        coefficients(wrist),
-        start_of(begin(0.0, wrist.hysteresis.rest_pressure, wrist)),
-    )
-    at = float(state[0]), float(state[-1])
+    at = float(wrist.hysteresis.rest_pressure), 0.0
+    held, c = MPCProblem(wrist, period=part.period), coefficients(wrist)
+    state = start_of(begin(at[1], at[0], wrist))
     law = TargetReplay(part)
     law.begin(*at)
     rows = np.empty((steps, 1 + len(part.seen._fields)))

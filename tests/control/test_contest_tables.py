@@ -41,6 +41,26 @@ def test_every_motion_field_and_family_has_every_controller_once():
     assert all([s.controller for s in found.of(*table)] == list(PIS) for table in expected)
 
 
+def test_the_declared_plant_is_played_without_a_load_or_dead_time():
+    plain, uncertainty = nominal(Wrist.flexion()), built_in_rig().uncertainty
+    noisy = Conditions(0.0, 0.0, uncertainty.noise, uncertainty.resolution)
+    assert small().conditions == noisy  # what is told of it
+    asked = side_by_side(built_in_rig())
+    for family in FAMILIES:
+        here = [i for i, t in enumerate(asked) if t.family == family]
+        played = play(plain, PIS, asked, noisy, seed=0)
+        for s in small().of("flexion", "nominal plant", family):
+            values = by_plant(played[s.controller], here)
+            assert s.mean == {m: pytest.approx(float(values[m].mean()), rel=1e-12) for m in METRICS}
+
+
+def test_the_coupled_plants_are_those_with_other_effects():
+    """Every fifth of those drawn, the first among them."""
+    coupled = small().of(*next(k for k in small().tables if k[0] == BOTH))
+    others = [s for k in small().tables if k[1] in RIGS for s in small().of(*k)]
+    assert {s.plants for s in (*coupled, *others)} == {3}
+
+
 def test_the_same_gains_under_two_names_differ_nowhere_and_share_their_ranks():
     for table in small().tables:
         tuned, again, timid = small().of(*table)

@@ -1,13 +1,16 @@
 """What docs/targets.md says of a Cortex-M4F is counted, and rightly for code of known size."""
 
+import shutil
+
+import numpy as np
 import pytest
 
 from design.export.catalogue import CATALOGUE
-from design.export.cortex import toolchain
+from design.export.cortex import emulator, toolchain
 from design.export.cortex.__main__ import CLOCK_MHZ, HEAD, HEADING, row
 from design.export.cortex.emulator import SHIFT, counted
 from design.export.cortex.stack import deepest
-from design.export.cortex.toolchain import COMPILER, FLAGS, missing, objects, said, sizes
+from design.export.cortex.toolchain import COMPILER, CORE, FLAGS, missing, objects, said, sizes
 from design.export.folder import around
 from design.export.table import exemplary, written
 from design.export.vectors import vector
@@ -147,3 +150,62 @@ EDGE = 'edge: {{ sourcename: "{0}" targetname: "{1}" }}\n'
 def test_a_stack_without_a_bound_is_refused(graph, words):
     with pytest.raises(InputError, match=words):
         deepest([graph], "f")
+
+
+KNOWN_SIZES = """
+int f_init(void *s, double pressure, double angle) {{ (void)s; (void)pressure; (void)angle; return 0; }}
+static volatile char kept[{bss}];
+static volatile char given[{data}] = {{1}};
+int f_step(void *s, const void *m, double *out)
+{{
+    (void)s; (void)m; (void)out;
+    __asm volatile(".rept {nops}\\n nop\\n .endr");
+    return kept[0] + given[0];
+}}
+"""
+HEADER = "typedef struct { double x; } f_state;\ntypedef struct { double y; } f_measured;\n"
+HEADER += "int f_init(void *s, double p, double a);\nint f_step(void *s, const void *m, double *out);\n"
+
+
+@pytest.fixture
+def on_this_machine(monkeypatch):
+    """The compiler of this machine for the one for ARM, and an emulator that has counted already."""
+    if shutil.which("gcc") is None or shutil.which("size") is None:
+        pytest.skip("no gcc on this machine")
+    really = toolchain.said
+
+    def here(words, folder):
+        if words[0] == toolchain.QEMU:
+            return "mean 1200.4 most 1680 stack 96 worst 2e-07 tick 2.4\n"
+        own = [w for w in words if w not in CORE and not w.startswith("--specs")]
+        return "" if "measure.c" in own else really([own[0].removeprefix(toolchain.PREFIX), *own[1:]], folder)
+
+    for module in (toolchain, emulator):
+        monkeypatch.setattr(module, "said", here)
+    return here
+
+
+def test_flash_is_code_and_what_data_begin_with_and_ram_is_all_data(on_this_machine, tmp_path):
+    (tmp_path / "f.h").write_text(HEADER)
+
+    def measured(**sizes_of):
+        (tmp_path / "f.c").write_text(KNOWN_SIZES.format(**{"bss": 64, "data": 64, "nops": 0, **sizes_of}))
+        on_this_machine([COMPILER, *FLAGS, "-c", "f.c", "-o", "f.o"], tmp_path)
+        return np.array(sizes("f", "double", ["f.o"], tmp_path))
+
+    plain = measured()
+    assert measured(nops=4096) - plain == pytest.approx([4096, 0], abs=16)  # a nop is a byte here
+    assert measured(bss=64 + 4096) - plain == pytest.approx([0, 4096], abs=16)
+    assert measured(data=64 + 4096) - plain == pytest.approx([4096, 4096], abs=16)
+
+
+def test_a_line_of_the_table_has_what_the_tools_said(on_this_machine, pi, tmp_path):
+    written(around(*pi), tmp_path)
+    made = objects("flexion_pi", tmp_path)
+    flash, ram = sizes("flexion_pi", pi[0].real, made, tmp_path)
+    graphs = [(tmp_path / f"{name}.ci").read_text() for name in ("flexion_pi", "flexion_pi_law")]
+    begun, stepped = (deepest(graphs, f"flexion_pi_{entry}")[0] for entry in ("init", "step"))
+    assert begun < stepped
+    cells = row("pi", *pi)
+    assert cells[:6] == ["pi", "single", f"{flash:,}", f"{ram:,}", f"{stepped:,}", "96"]
+    assert cells[6:] == ["1,200", "1,680", "10.0", "2e-07 V"]  # 1,680 at 168 MHz

@@ -1,5 +1,7 @@
 """Vectors of a plant go through the whole range of the command, and say what the simulator says."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,7 @@ from plants.effects.wrist.cross_coupling import Coupling
 from tests.control.c_target import WRIST
 
 COUPLED = Wrist.deviation() + Coupling(0.05)
+FROM_50_kPa = replace(COUPLED, rig=replace(COUPLED.rig, pressure_range=(50.0, 200.0)))
 
 
 def test_both_kinds_of_vectors_have_ten_thousand_samples():
@@ -40,7 +43,7 @@ def test_a_quarter_of_the_samples_each_are_jumps_a_chirp_ramps_and_small_steps()
     assert len(shares(3, np.random.default_rng(1))) == 3
 
 
-@pytest.mark.parametrize("wrist", [WRIST, COUPLED], ids=["alone", "coupled"])
+@pytest.mark.parametrize("wrist", [WRIST, COUPLED, FROM_50_kPa], ids=["alone", "coupled", "from 50 kPa"])
 def test_what_a_vector_shows_is_the_law_sample_by_sample(wrist):
     made = of_plant("plant", "a wrist", wrist)
     found = plant_vector(made, wrist, 800, seed=4)
@@ -50,7 +53,7 @@ def test_what_a_vector_shows_is_the_law_sample_by_sample(wrist):
         found.given[:, 0], low + (high - low) * shares(800, np.random.default_rng(4)), atol=1e-12
     )
     other = np.full(800, wrist.rig.rest_pressure)
-    if wrist is COUPLED:
+    if wrist is not WRIST:
         other = found.given[:, 1]
         wave = (other - wrist.rig.rest_pressure) / (0.3 * (last - first))
         np.testing.assert_allclose(wave, np.sin(np.arange(800) * 2.0 * np.pi / 3700.0 + 0.5), atol=1e-12)

@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 
 from design.export.catalogue import CATALOGUE
+from design.export.plant import __main__ as plant_page
 from design.export.plant.__main__ import HEAD as PLANT_HEAD
 from design.export.plant.__main__ import HEADING as PLANT_HEADING
 from design.export.plant.__main__ import plant_row, showing
@@ -17,6 +18,7 @@ from design.export.table import (
     difference_in_c,
     difference_in_unit,
     exemplary,
+    into_page,
     of_plays,
     replaced,
     row,
@@ -101,6 +103,28 @@ def test_a_page_without_a_place_for_the_table_is_refused():
         replaced("## A\n| x |\n", "## B", "| y |")
     with pytest.raises(InputError, match="no table under '## B'"):
         replaced("## B\nwords\n\n## A\n| x |\n", "## B", "| y |")
+
+
+def test_a_table_takes_the_place_of_the_one_in_the_page(tmp_path, monkeypatch, capsys):
+    page = tmp_path / "page.md"
+    page.write_text("# A page\n\n## A\nwords\n\n| x |\n| --- |\n| 1 |\n\n## B\n\n| x |\n")
+    monkeypatch.setattr("sys.argv", ["prog", "--page", str(page)])
+    into_page("prog", "## A", ("law", "V"), iter([("pi", "0"), ("lqi", "2")]), "Words.")
+    made = "| law | V |\n| --- | --- |\n| pi | 0 |\n| lqi | 2 |\n"
+    assert page.read_text() == f"# A page\n\n## A\nwords\n\n{made}\n## B\n\n| x |\n"
+    assert capsys.readouterr().out == "pi 0\nlqi 2\n"
+    never = iter(lambda: pytest.fail("a row was made for a page without a place for it"), None)
+    with pytest.raises(SystemExit, match=r"page.md: no table under '## C'"):
+        into_page("prog", "## C", ("law", "V"), never, "Words.")
+
+
+def test_the_plant_is_compared_under_each_law_and_with_each_effect(monkeypatch):
+    """The rows are made, none is played."""
+    monkeypatch.setattr(plant_page, "plant_row", lambda label, wrists, steps: [label, len(wrists), steps])
+    monkeypatch.setattr(plant_page, "showing", lambda form, wrist, steps: wrist)
+    rows = list(plant_page.plant_rows(WRIST, 77))
+    assert rows[:2] == [["declared", 1, 77], ["declared, of plays", 1, 77]]
+    assert rows[2:] == [[name, len(forms), 77] for name, forms in EFFECTS.items()]
 
 
 def test_the_second_law_is_about_as_wide_and_as_steep_as_the_first_and_curved():

@@ -5,6 +5,8 @@ import pytest
 from scipy.optimize import brentq
 
 from design.limit import bound
+from design.limit.bound import _envelope
+from design.limit.braking import AFTER, LATEST, settles_after
 from plants import Wrist
 from plants.wrist import STARTS
 from tests.control.limit_plant import iae, lanes, of_state, random_switching, settled_at
@@ -148,3 +150,18 @@ def test_from_the_virgin_curve_the_best_of_all_dips_reaches_its_envelope(motion,
     left = sign * bound(wrist, reference, state).envelope[:400] - (sign * angles).max(axis=1)[:400]
     assert left.min() >= -1e-9
     assert left.max() < 0.0125
+
+
+def test_the_bound_is_raised_by_so_many_samples_at_most_and_only_where_all_of_them_are_known():
+    """A slow wrist comes back into a narrow band later than is looked ahead."""
+    wrist, band = WRISTS["flexion"].with_values(Tw=0.5, k_fast=3.0, k_slow=3.0), 1e-3
+    fastest = _envelope(wrist, wrist.rest("line2", -12.0), 1.0, 4000, 0.0)
+    first = int(np.flatnonzero(4.0 - fastest.angle < band)[0])
+    whole = first + LATEST + AFTER[-1]
+
+    def raised(samples):
+        static = fastest.memory.h[:samples]
+        return settles_after(wrist, first, -12.0, 4.0, band, fastest.pressure, static) - first
+
+    assert raised(4000) == raised(whole + 1) == LATEST
+    assert raised(whole) == 0

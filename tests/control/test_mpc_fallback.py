@@ -9,12 +9,13 @@ import pytest
 
 from design.controllers.controller import Measured
 from design.mpc import fallback, qp
+from design.mpc.converged import converged_mpc
 from design.mpc.fallback import BY_PI, HELD, SHIFTED, SOLVED, Fallback, Info
 from design.mpc.linear import linear_mpc
 from design.mpc.loop import run
 from design.mpc.prediction import start_of
 from design.mpc.problem import MPCProblem
-from design.mpc.real_time import real_time_mpc
+from design.mpc.real_time import JUMP, RealTimeMPC, real_time_mpc
 from design.mpc.timing import ledger
 from plants import Wrist
 from plants.kernel import pytrees as tree
@@ -199,11 +200,15 @@ class Noted:
         return self.now
 
 
-@pytest.mark.parametrize("make", [linear_mpc, real_time_mpc])
+@pytest.mark.parametrize("make", [linear_mpc, real_time_mpc, converged_mpc])
 def test_the_times_of_a_period_add_up_to_it(make):
     clock = Noted()
-    controller = make(PROBLEM, Fallback(clock=clock))
+    controller = make(replace(PROBLEM, horizon=6), Fallback(clock=clock))
     state = controller.init(resting("virgin"))
+    begun = clock.now
+    _, _, info = controller.step(state, Measured(5.0, float("nan"), 100.0))
+    assert info.solve_ns == 0  # nothing was solved
+    assert info.preparation_ns + info.wrapper_ns == info.total_ns < clock.now - begun
     for _ in range(3):
         begun = clock.now + clock.took + 1_000
         state, _, info = controller.step(state, Measured(5.0, 0.0, 100.0))
@@ -236,3 +241,18 @@ def test_a_plan_is_as_long_as_the_horizon_however_often_it_is_shifted(make):
         _, plan = controller.resume(plan, state.believed, state.command)
         end = np.repeat(whole[:, -1:], min(k, PROBLEM.horizon), axis=1)
         np.testing.assert_array_equal(np.atleast_2d(plan), np.hstack([whole[:, k:], end]))
+
+
+def test_a_plan_is_begun_afresh_where_the_reference_jumps_and_only_there(monkeypatch):
+    """The first of all is, there being no reference before."""
+    begun, really = [], RealTimeMPC.start_plan
+    monkeypatch.setattr(RealTimeMPC, "start_plan", lambda *a: begun.append(1) or really(*a))
+    controller = real_time_mpc(PROBLEM)
+    state, counts = controller.init(resting("line1")), []
+    for reference in (5.0, 5.0, 5.0 + 0.9 * JUMP, 5.0, 5.0 + 1.1 * JUMP, 15.0, 15.0, 5.0):
+        plant = state.believed.plant
+        seen = Measured(reference - plant.angle, plant.angle, plant.pressure)
+        state, _, info = controller.step(state, seen)
+        assert info.rung == SOLVED
+        counts.append(len(begun))
+    assert np.diff(counts, prepend=0).tolist() == [1, 0, 0, 0, 1, 1, 0, 1]

@@ -11,7 +11,7 @@ from scipy.optimize import linprog
 from design.controllers.controller import Measured
 from design.mpc import observer
 from design.mpc.converged import converged_mpc
-from design.mpc.hybrid import Effort, cost, solve
+from design.mpc.hybrid import Effort, _Milp, cost, solve
 from design.mpc.hybrid_model import piecewise, play, sampled_lag
 from design.mpc.nlp import within
 from design.mpc.prediction import coefficients, roll, start_of
@@ -112,6 +112,25 @@ def test_a_tiny_case_agrees_with_the_enumeration_of_branches(wrist, start, refer
     assert found.bound == pytest.approx(least, rel=1e-6)
 
 
+@pytest.mark.parametrize("norm", ["one", "square"])
+def test_a_segment_a_branch_and_the_virgin_curve_are_either_so_or_not(norm):
+    """Binaries of a period: one a segment, three branches, and virgin or not; nothing else is whole."""
+    problem = MPCProblem(FLEXION, horizon=3)
+    believed, before = at_rest(FLEXION, "virgin")
+    law = piecewise(problem, 197.6, 2)
+    made = _Milp(problem, FLEXION.hysteresis, believed, law, norm)
+    made.build(before, 6.0)
+    binary = made.integral == 1.0
+    assert np.count_nonzero(binary) == 3 * (len(law.segments) + 3 + 1) == np.count_nonzero(made.integral)
+    assert set(made.low[binary]) == {0.0}
+    assert set(made.high[binary]) == {1.0}
+    whole = binary.reshape(3, made.width)
+    assert (whole == whole[0]).all()
+    assert not whole[:, 0].any()  # the commands
+    assert set(made.low[made.commands]) == {problem.low}
+    assert set(made.high[made.commands]) == {problem.high}
+
+
 def test_on_the_virgin_curve_the_angle_stays_however_the_pressure_moves():
     """Up to 2.3 V, line 1 is not met: there is nothing that helps, and nothing is done."""
     problem = MPCProblem(FLEXION, period=0.08, horizon=3, low=1.9, high=2.3)
@@ -169,6 +188,8 @@ def test_lack_and_shift_are_believed():
     # A lack of 4.94 kPa asks for 0.1 V more, a shift of 1 deg for a reference lower by that.
     shifted = solve(problem, believed._replace(shift=1.0), before, 6.0)
     assert np.abs(shifted.commands - plain.commands).max() < 1e-6
+    np.testing.assert_allclose(shifted.angles, plain.angles + 1.0, atol=1e-6)
+    assert shifted.cost == pytest.approx(plain.cost, rel=1e-6)
     lacking = believed._replace(lack=-4.94)
     higher = solve(MPCProblem(FLEXION, period=0.08, horizon=3, low=0.1, high=4.1), lacking, before + 0.1, 5.0)
     assert higher.cost == pytest.approx(plain.cost, rel=5e-3)

@@ -21,6 +21,7 @@ from plants.effects import (
     PressureCoupling,
     QuadraticCoupling,
     SpringStop,
+    StiffeningInertia,
     TwoTimeCreep,
 )
 from plants.effects.effect import Around, Nothing
@@ -69,6 +70,23 @@ def test_inertia_is_the_second_order_response_to_a_broken_line(inertia):
         ours.append(y)
     _, theirs, _ = lsim(([1.0], [inertia**2, WRIST.Tw, 1.0]), h, np.arange(3001) * DT)
     np.testing.assert_allclose(ours, theirs, atol=1e-6)
+
+
+@pytest.mark.parametrize("inertia", [0.05, 0.15])
+@pytest.mark.parametrize(("stiffening", "pressure"), [(0.5, 160.0), (-0.4, 130.0), (0.5, 40.0)])
+def test_a_stiffer_joint_is_pulled_as_much_more_as_its_pressure_makes_it(inertia, stiffening, pressure):
+    """m^2 y'' + Tw y' + (1 + k) (y - h) = 0, k in proportion to how far the pressure is from rest."""
+    effect = StiffeningInertia(inertia, stiffening)
+    k = stiffening * (pressure - 100.0) / WRIST.rig.half_range
+    time = np.arange(3001) * DT
+    h = np.interp(time, [0.0, 0.2, 1.0, 1.5, 3.0], [0.0, 10.0, 10.0, -5.0, 0.0])
+    c, y, v = effect.sampled(WRIST, DT), 0.0, effect.rest(WRIST, 100.0, 0.0)
+    ours = [0.0]
+    for before, after in pairwise(h):
+        v, y = c.joint(v, y, before, after, pressure)
+        ours.append(y)
+    _, theirs, _ = lsim(([1.0 + k], [inertia**2, WRIST.Tw, 1.0 + k]), h, time)
+    np.testing.assert_allclose(ours, theirs, atol=2e-3)
 
 
 def test_drag_takes_from_the_speed_what_its_square_does():

@@ -32,13 +32,16 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "laws": (
         ("plants/hysteresis", "plants/actuator", "plants/effects", "plants/lag.py", "plants/dynamics.py",
          "plants/wrist.py", "plants/simulation", "plants/equilibrium.py", "design/controllers"),
-        ("laws/*", "oracles/*", "control/test_[fipt]*", "control/test_memory*", "control/test_registered*",
-         "control/test_spikes*", "design/test_effects*", "design/test_limits*", "measured/test_guess*",
-         "robustness/test_remainder*", "trace/test_excitation*"),
+        ("laws/*", "oracles/*", "control/test_[fipt]*", "control/test_export_hand*",
+         "control/test_export_second*", "control/test_limit_effects*", "control/test_memory*",
+         "control/test_mpc_loop*", "control/test_registered*", "control/test_spikes*", "design/test_effects*",
+         "design/test_limits*", "design/test_tasks*", "measured/test_guess*", "robustness/test_lqi*",
+         "robustness/test_remainder*", "robustness/test_structures*", "trace/test_excitation*"),
     ),
     "kernels": (
         ("plants/kernel", "design/mpc"),
-        ("kernel/*", "laws/test_k*", "laws/test_l*", "control/test_mpc*", "control/test_export_[pr]*"),
+        ("kernel/*", "laws/test_k*", "laws/test_l*", "control/test_inverse*", "control/test_mpc*",
+         "control/test_export_[pr]*"),
     ),
     "statistics": (
         ("plants/measured/residual", "plants/measured/noise.py", "design/contest", "design/evaluation"),

@@ -57,3 +57,25 @@ def test_moments_move_as_the_transport_says() -> None:
     vector = np.concatenate([[x0, 0.0, 0.0], Z, [np.exp(-p * tau)]])
     # The derivative of the first four moments of an exponential is p times themselves.
     assert np.allclose((signals.rate(0.36, 2.0) @ vector)[3:], p * Z, atol=1e-12)
+
+
+@pytest.mark.parametrize("decay", [0.0, 0.7])
+def test_what_is_under_way_changes_as_its_integrals_do(decay: float) -> None:
+    """S int z^2 + R int (1 - s) z^2 over the dead time, of a polynomial z, of which the moments have all:
+    what sets out comes in, what arrives goes out, and the decay adds both integrals at most."""
+    model, tau = LoopModel(2.0, 3.0, {"only": 0.36}, 2.0, 2.0, TW), 0.2
+    signals = LoopSignals.of(model, tau, open_law=False, order=4)
+    s, w = np.polynomial.legendre.leggauss(20)
+    for coefficients in np.random.default_rng(2).standard_normal((4, 4)):
+        z = np.polynomial.legendre.Legendre(coefficients)
+        sent, arrived = float(z(-1.0)), float(z(1.0))  # from the newest to the oldest
+        Z = [0.5 * np.sum(w * z(s) * np.polynomial.legendre.Legendre.basis(k)(s)) for k in range(4)]
+        vector = np.concatenate([[sent / model.Ki, 0.0, 0.0], Z, [arrived]])
+        whole = 0.5 * np.sum(w * z(s) ** 2)
+        found = {n: vector @ m @ vector for n, m in quadratic.transport(signals, decay).items()}
+        assert found["S"] == pytest.approx((sent**2 - arrived**2) / tau + 2.0 * decay * whole)
+        assert found["R"] == pytest.approx((sent**2 - whole) / tau + 2.0 * decay * whole)
+        for sign in (-1.0, 1.0):  # each bound is one where what it leaves out has the right sign
+            price = quadratic.paid(signals, sign * decay)[0]
+            assert price["R"] == pytest.approx(1.0 / tau - sign * 2.0 * decay)
+            assert price["S"] == pytest.approx(-sign * 2.0 * decay)

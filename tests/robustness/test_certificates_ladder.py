@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
+from design.robustness.certificates.certificate import Switching
 from design.robustness.certificates.continuous import popov, quadratic
-from design.robustness.certificates.continuous.ladder import certifies, certify
+from design.robustness.certificates.continuous.ladder import certifies, certify, class_of
 from design.robustness.certificates.statements import of_ladder
 from design.robustness.loop_model import LoopModel
 from plants import Wrist
@@ -25,6 +26,16 @@ def test_a_common_quadratic_form_exists_for_timid_gains_only() -> None:
     assert certifies(loop(1.0, 1.0), quadratic.RUNG)
     for gains in [(1.2, 2.2), (2.32, 6.38), (3.13, 5.2), (6.0, 10.0)]:
         assert not certifies(loop(*gains), quadratic.RUNG)
+
+
+def test_a_common_form_lets_the_rate_change_at_will_and_popov_has_the_law() -> None:
+    """One form for all corners does not know what a corner hangs on; Popov's integral is of one law."""
+    model = loop(1.2, 2.2)
+    free, law = (class_of(model, rung) for rung in (quadratic.RUNG, popov.RUNG))
+    assert (free.switching, law.switching) == (Switching.ANY_TIME, Switching.FIXED_LAW)
+    for about in (free, law):
+        assert about.rates == (FLEXION.regulator.k_slow, FLEXION.regulator.k_fast)
+        assert about.slopes == (FLEXION.hysteresis.s, max(FLEXION.hysteresis.a1, FLEXION.hysteresis.a2))
 
 
 @pytest.mark.parametrize("gains", [(1.2, 2.2), (2.32, 6.38), (3.13, 5.2), (6.0, 10.0), (30.0, 35.0)])

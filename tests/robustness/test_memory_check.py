@@ -8,7 +8,7 @@ import pytest
 
 from design.controllers.pi import PI
 from design.robustness.certificates.memory import programme
-from design.robustness.certificates.memory.check import _fall, confirm_common, confirm_line
+from design.robustness.certificates.memory.check import _fall, below, confirm_common, confirm_line
 from design.robustness.certificates.memory.loop import FixedLawLoop, growth_of
 from design.robustness.certificates.reasons import NoneOfThisKind, NotConfirmed
 from design.robustness.loop_model import LoopModel
@@ -116,11 +116,14 @@ def test_the_growth_of_a_sample_is_at_least_that_of_the_rate() -> None:
         assert float(growth_of(decay, 0.001)) <= np.exp(decay * 0.001) + 1e-12
 
 
-def test_what_is_under_way_loses_what_arrives_and_what_time_takes() -> None:
-    """Of dt sum_i (S + R (N + 1 - i) dt) u[k-i]^2 over N samples, whose sum of u^2 the moments bound."""
+@pytest.mark.parametrize("scale", [1, 3])
+def test_what_is_under_way_loses_what_arrives_and_what_time_takes(scale: int) -> None:
+    """Of dt sum_i (S + R (N + 1 - i) dt) u[k-i]^2 over N samples, whose sum of u^2 the moments bound,
+    whatever the size of the orthogonal polynomials that they are taken with."""
     loop = FixedLawLoop.of(LOOP, 50)
     made = programme.line(loop, SLOPE, 0.15).form
     assert made is not None
+    loop = replace(loop, window=replace(loop.window, size=tuple(scale * s for s in loop.window.size)))
     S, R, dt, N = 0.7, 0.3, LOOP.dt, loop.samples
     form = replace(made.line, P=np.zeros_like(made.line.P), popov=0.0, S=S, R=R)
     step = loop.steps(SLOPE)[0]
@@ -133,3 +136,5 @@ def test_what_is_under_way_loses_what_arrives_and_what_time_takes() -> None:
         squares = N * sum(float(w[3 + j]) ** 2 / float(s) for j, s in enumerate(loop.window.size))
         expected = dt * ((S + R * N * dt) * sent**2 - S * arrived**2) - R * dt**2 * squares
         assert w[kept] @ fall @ w[kept] * dt == pytest.approx(expected, rel=1e-9)
+        of_states = w[: loop.states]
+        assert of_states @ below(form, loop) @ of_states == pytest.approx(S * dt * squares, rel=1e-9)

@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from design.robustness.certificates.constant.mu import Block, Scalings, margin, proved, scalings, upper_bound
+from design.robustness.certificates.constant.mu import (
+    Block,
+    Scalings,
+    balance,
+    margin,
+    proved,
+    scalings,
+    upper_bound,
+)
 
 REAL, COMPLEX = Block("real"), Block("complex")
 RNG = np.random.default_rng(7)
@@ -130,3 +138,19 @@ def test_the_margin_says_by_how_much_and_sees_a_wrong_proof():
     assert margin(M, s, (REAL, REAL), 1.0) == pytest.approx(-3.0)
     assert proved(M, s, (REAL, REAL)) == pytest.approx(2.0)
     assert margin(M, Scalings(-identity, 0.0 * identity, ""), (REAL, REAL), 4.0) == -np.inf
+
+
+@pytest.mark.parametrize("sizes", [(1,), (2,), (1, 1), (2, 1), (1, 2, 1), (1, 1, 3, 1)])
+def test_a_balanced_matrix_has_as_much_going_into_a_block_as_coming_out(sizes):
+    """Of all blocks but the one itself, whatever the units were; one factor a block."""
+    n, blocks = sum(sizes), tuple(Block("full", size) for size in sizes)
+    of = np.repeat(np.arange(len(sizes)), sizes)
+    units = 10.0 ** RNG.uniform(-1.0, 1.0, len(sizes))[of]
+    M = units[:, None] * matrix(n) / units
+    T = balance(M, blocks)
+    assert T.shape == (n,)
+    assert len(set(T.tolist())) == len(sizes)
+    even = T[:, None] * M / T
+    for k in range(len(sizes)):
+        into, out = even[np.ix_(of == k, of != k)], even[np.ix_(of != k, of == k)]
+        assert np.linalg.norm(into) == pytest.approx(np.linalg.norm(out), rel=1e-4)

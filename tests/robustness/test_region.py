@@ -1,5 +1,7 @@
 """From within the region of a certificate the command is never clipped."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from design.controllers.pi import PI
 from design.evaluation.steps import run
 from design.robustness.certificates.continuous import popov, quadratic, region
 from design.robustness.certificates.continuous.ladder import certify
+from design.robustness.certificates.continuous.virgin import time_on_virgin_curve
 from design.robustness.loop_model import LoopModel
 from plants import Wrist
 from plants.effects.regulator.dead_time import DeadTime
@@ -96,3 +99,25 @@ def test_a_reference_beyond_the_range_leaves_no_region() -> None:
     found = region.largest(LoopModel.of(wrist, controller), wrist, controller, popov.RUNG)
     assert found.form is not None
     assert region.level(found.form, *region.planes(wrist, controller, 40.0, 0.0, 0)) == 0.0
+
+
+def test_a_step_off_the_virgin_curve_is_covered_where_the_function_is_below_the_level_at_both_ends() -> None:
+    """It leaves with the errors (r, 0) and q of the step's sign; without dead time V is a form of these."""
+    wrist, controller = Wrist.flexion(), PI(1.2, 2.2)
+    model = LoopModel.of(wrist, controller)
+    found = region.largest(model, wrist, controller, popov.RUNG)
+    assert found.form is not None
+    M, told = region.start_matrix(found.form, model), []
+    virgin = time_on_virgin_curve(wrist, controller, 5.0)
+    assert virgin.leaves
+    for r in (-14.0, -11.0, -8.0, -3.0, 3.0, 8.0, 12.0, 14.0):
+        c = region.level(found.form, *region.planes(wrist, controller, r, 0.0, 0))
+        for least, most in ((0.0, 10.0), (5.0, 30.0), (20.0, 60.0), (60.0, 200.0), (100.0, 400.0)):
+            starts = [np.array([r, 0.0, np.sign(r) * q]) for q in (least, most)]
+            leaves = replace(virgin, q_least=least, q_most=most)
+            told.append(region.covers(found, model, wrist, controller, r, leaves))
+            assert told[-1] == all(x @ M @ x <= c for x in starts)
+            clipped, never = replace(leaves, clipped=True), replace(leaves, latest=np.inf)
+            assert not region.covers(found, model, wrist, controller, r, clipped)
+            assert not region.covers(found, model, wrist, controller, r, never)
+    assert 5 < sum(told) < len(told) - 5

@@ -118,3 +118,13 @@ def test_a_system_of_one_mode_has_a_word_of_one_letter() -> None:
     found = search_word(system, 0.1, 1.0, letters=1)
     assert set(found.letters) == {0}
     assert found.growth == pytest.approx(-0.2, abs=1e-9)  # the real part of its eigenvalues
+
+
+def test_no_word_has_more_letters_than_asked_for() -> None:
+    """Of two turns along ellipses lying across each other, either alone decays and both in turn grow."""
+    spins = [np.array([[0.0, 2.0], [-0.5, 0.0]]), np.array([[0.0, 0.5], [-2.0, 0.0]])]
+    system = continuous([s - 0.3 * np.eye(2) for s in spins])
+    alone, both = (search_word(system, 0.05, 4.0, letters=n) for n in (1, 2))
+    assert (len(alone.letters), len(both.letters)) == (1, 2)
+    assert alone.growth == pytest.approx(-0.3)
+    assert both.grows
