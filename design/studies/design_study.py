@@ -94,6 +94,11 @@ class MotionDesign:
         return dict(self.designs[self.recommended]["gains"])
 
     @property
+    def guard(self) -> dict[str, float]:
+        """Shares of the limits that the gains were tuned below them by."""
+        return dict(self.designs[self.recommended]["guard"])
+
+    @property
     def controller(self) -> PI:
         """The recommended controller."""
         return cast(PI, with_gains(Wrist.of(self.plant), self.gains))
@@ -234,7 +239,8 @@ def _designed(
         )
     relaxed = designs.pop("relaxed")
     one, two = designs[PLAIN], designs[TWO_DOF]
-    best = TWO_DOF if pays((one["holds"], two["holds"]), [one["cost"], two["cost"]]) else PLAIN
+    costs, guards = [one["cost"], two["cost"]], [d["guard"]["overshoot_percent"] for d in (one, two)]
+    best = TWO_DOF if pays((one["holds"], two["holds"]), costs, guards) else PLAIN
     gains = designs[best]["gains"]
     mine = {**asked, "gains": gains}
     controller = with_gains(wrist, gains)

@@ -192,7 +192,7 @@ def _tuning_record(found: RobustTuning[Any]) -> dict[str, Any]:
     elif not t.feasible:
         nearest = {"limit": t.active, "words": LimitBroken.__name__}
     return {
-        "gains": t.gains, "cost": float(t.at.cost[0]),
+        "gains": t.gains, "cost": float(t.at.cost[0]), "guard": found.guard,
         "holds": found.holds, "ended": found.ended, "active": t.active, "nearest": nearest,
         "cases": len(t.problem.adverse), "rounds": len(found.rounds),
     }  # fmt: skip

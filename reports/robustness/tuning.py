@@ -3,7 +3,7 @@
 from typing import Any
 
 from design.robustness.requirement import Requirement, requirement_record
-from design.robustness.tuning.robust_tuning import GUARD, RobustTuning
+from design.robustness.tuning.robust_tuning import RobustTuning
 from design.synthesis.answer import refusal
 from design.synthesis.tuning import Tuning
 from reports.shared.tuning import refused
@@ -26,7 +26,7 @@ def lines(found: RobustTuning[Tuning]) -> list[str]:
             f"{100 * found.fresh.upper_bound:.2g} % at 95 % confidence)"
         )
         said.append(
-            f"tuned to {100 * (1 - GUARD['overshoot_percent']):.0f} % of the overshoot limit, since "
+            f"tuned to {100 * (1 - found.guard['overshoot_percent']):.3g} % of the overshoot limit, since "
             "overshoot changes abruptly between cases; the verdict uses the limit itself"
         )
     return said
@@ -70,7 +70,7 @@ def record(found: RobustTuning[Tuning]) -> dict[str, Any]:
         "ended": found.ended,
         "refusal": None if no is None else refused(no),
         "requirement": requirement_record(found.requirement),
-        "guard": dict(GUARD),
+        "guard": found.guard,
         "samples": None
         if fresh is None
         else {"broken": fresh.broken, "total": fresh.total, "upper_bound": fresh.upper_bound},

@@ -8,8 +8,9 @@ import pytest
 from design.evaluation.sequence import play
 from design.mpc.problem import robust
 from design.mpc.real_time import real_time_mpc
+from design.robustness.tuning.case_pool import pool_of
 from design.robustness.tuning.robust_mpc import MOVE, SWINGS, tune_mpc
-from design.robustness.tuning.robust_tuning import GUARD, RoundEffort, pool_of
+from design.robustness.tuning.robust_tuning import GUARD, RoundEffort
 from design.synthesis.requirements import Limits
 from design.synthesis.structure import with_gains
 from plants import Wrist

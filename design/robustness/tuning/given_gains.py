@@ -7,8 +7,8 @@ import numpy as np
 from design.controllers.pi import PI
 from design.robustness.requirement import Requirement
 from design.robustness.samples.hunt import Hunted
+from design.robustness.tuning.case_pool import pool_of
 from design.robustness.tuning.gain_search import evaluate_law, law_with, with_evidence
-from design.robustness.tuning.robust_tuning import pool_of
 from design.synthesis.answer import out_of_reach
 from design.synthesis.requirements import COSTS
 from design.synthesis.structure import PLAIN_PI, TWO_DOF_PI

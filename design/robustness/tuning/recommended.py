@@ -27,17 +27,25 @@ class Candidates:
         """The one that is recommended."""
         if self.two_dof is None:
             return self.plain
-        costs = [float(t.final.at.cost[0]) for t in (self.plain, self.two_dof)]
-        return self.two_dof if pays((self.plain.holds, self.two_dof.holds), costs) else self.plain
+        both = (self.plain, self.two_dof)
+        costs = [float(t.final.at.cost[0]) for t in both]
+        guards = [t.guard["overshoot_percent"] for t in both]
+        return self.two_dof if pays((self.plain.holds, self.two_dof.holds), costs, guards) else self.plain
 
 
-def pays(holds: tuple[bool, bool], costs: list[float]) -> bool:
-    """Whether the second of two tunings is recommended, that holds the requirement or not, at a cost.
+def pays(holds: tuple[bool, bool], costs: list[float], guards: list[float]) -> bool:
+    """Whether the second of two tunings is recommended, that holds the requirement or not, at a cost, tuned
+    below the limits by a guard: where both hold it, one with a thinner guard is not preferred for its cost.
 
-    >>> pays((True, True), [10.0, 9.0]), pays((True, True), [10.0, 9.9]), pays((False, True), [10.0, 12.0])
-    (True, False, True)
+    >>> same = [0.1, 0.1]
+    >>> pays((True, True), [10.0, 9.0], same), pays((True, True), [10.0, 9.9], same)
+    (True, False)
+    >>> pays((False, True), [10.0, 12.0], same), pays((True, True), [10.0, 9.0], [0.1, 0.025])
+    (True, False)
     """
     if all(holds):
+        if guards[0] != guards[1]:
+            return guards[1] > guards[0]
         return costs[1] < (1.0 - PAYS) * costs[0]
     return holds[1]
 

@@ -7,8 +7,9 @@ parameters. Cases come from a pool that is the same for every seed, then from a 
 no proof that there is none.
 
 The overshoot jumps where a branch is reached or just not: gains that lie on their limit break it by another
-integrator, another seed, or noise.  So gains are tuned below the limits by a `GUARD`, and judged by the
-limits.  Gains are rounded before anything judges them (`gain_search`).
+integrator, another seed, or noise.  So gains are tuned below the limits by a `GUARD`, or by a `THIN` one
+where that leaves none, and judged by the limits.  Gains are rounded before anything judges them
+(`gain_search`).
 """
 
 from collections.abc import Callable, Mapping
@@ -22,6 +23,7 @@ from design.evaluation.sequence import Sequence
 from design.robustness.checks import Check, check, worst_of
 from design.robustness.requirement import Requirement
 from design.robustness.samples.hunt import Hunted
+from design.robustness.tuning.case_pool import POOL, harshest, pool_of
 from design.robustness.tuning.gain_search import solved, with_evidence
 from design.synthesis.answer import out_of_reach
 from design.synthesis.evaluate import evaluate
@@ -40,6 +42,10 @@ GUARD: Mapping[str, float] = {
 five: it jumps, noise of the sensor moves it, and no set of cases holds the very worst; for the margins what
 the grid of frequencies leaves."""
 
+THIN: Mapping[str, float] = {n: 0.25 * share for n, share in GUARD.items()}
+"""The guard of a second try, where no gains in the region meet the limits with the first: some plants hold
+the limits, and not a tenth less.  Who shows such gains says so."""
+
 SLACK = 0.85
 """A case that leaves this share of the guard unused is not chased any further; the less is let go, the less
 gains hang on the seed of the search."""
@@ -56,7 +62,7 @@ class RoundEffort:
     """Cases of the pool, runs of a round's search for the worst case, none where 0, and fresh samples that
     must find nothing."""
 
-    pool: int = 8192
+    pool: int = POOL
     search: int = 12_000
     fresh: int = 2000
 
@@ -131,6 +137,11 @@ class RobustTuning(Generic[T]):
         return self.rounds[-1].tuning
 
     @property
+    def guard(self) -> dict[str, float]:
+        """Shares of the limits that the last gains were tuned below them by."""
+        return dict(self.final.problem.guard)
+
+    @property
     def holds(self) -> bool:
         """Whether the gains hold the grown set and no worse case was found."""
         return self.ended == "no worse case found" and self.final.feasible
@@ -189,13 +200,14 @@ def grow(
     effort: RoundEffort = USUAL,
 ) -> RobustTuning[T]:
     """Design on a problem, look for worse cases of the requirement, add them, design again, until none is
-    found, for any kind of controller.
+    found, for any kind of controller; where no gains hold the grown set, once more with a thin guard.
 
     design: the gains of least cost on a problem, from those of the round before; the problem of its result is
     what cases are added to.
     """
     tell = progress or (lambda stage, share: None)
     pool = pool_of(requirement, effort.pool)
+    whole = pool.shape[1]
     done: list[Round[T]] = []
     found: T | None = None
     fresh: Check | None = None
@@ -205,8 +217,11 @@ def grow(
         tell(f"round {number + 1}: gains", share)
         found = design(problem, found)
         if not found.feasible:
-            ended = "no gains hold the grown set"
             done.append(Round(found, 0.0, "pool", 0, ()))
+            if found.problem.guard == GUARD:
+                problem = replace(found.problem, guard=dict(THIN))
+                continue
+            ended = "no gains hold the grown set"
             break
 
         def said(stage: str, at: int = number, share: float = share) -> None:
@@ -216,8 +231,8 @@ def grow(
         values = requirement.run(pool, found.controller, jobs=jobs)
         worse, fresh = _worse(requirement, found, (pool, values), effort, seed + number, jobs, said)
         done.append(worse)
-        if number == 0:  # what is mild under the boldest gains is milder under any later
-            pool = pool[:, _harshest(requirement, pool, values, effort.pool)]
+        if pool.shape[1] == whole:  # what is mild under the boldest gains is milder under any later
+            pool = pool[:, harshest(requirement, pool, values, effort.pool)]
         if not worse.added:
             ended = "no worse case found"
             break
@@ -239,27 +254,6 @@ def _noise_alone(done: list[Round[T]]) -> bool:
     )
 
 
-def pool_of(requirement: Requirement, count: int = USUAL.pool) -> Array:
-    """Places that every tuning begins with, the same for all seeds: half of them at corners of the box, with
-    the ends of dead time and load, within reach."""
-    space = requirement.space
-    x = np.random.default_rng(0).random((space.size, count))
-    n = len(space.box.intervals)
-    corner = slice(0, count // 2)
-    x[:n, corner] = np.round(x[:n, corner])
-    x[n + 2 * space.steps : space.size - (len(space.kinds) > 1), corner] = np.round(
-        x[n + 2 * space.steps : space.size - (len(space.kinds) > 1), corner]
-    )
-    return np.asarray(x[:, space.reachable(x)])
-
-
-def _harshest(requirement: Requirement, pool: Array, values: dict[str, Array], of: int) -> NDArray[np.intp]:
-    """The quarter of a pool that comes nearest to the limits in what runs gave, and its dearest cases."""
-    cost = np.where(requirement.space.of_task(pool), values[COSTS[requirement.cost]], 0.0)
-    near, dear = np.argsort(-requirement.excess(values)), np.argsort(-cost)
-    return np.unique(np.concatenate([near[: of // 4], dear[: of // 32]]))
-
-
 def _worse(
     requirement: Requirement,
     found: T,
@@ -273,7 +267,7 @@ def _worse(
     places and values are given, else of a search, else of fresh samples; the round, and the samples where
     they were asked."""
     (pool, values), controller = at_places, found.controller
-    half = {n: SLACK * v for n, v in GUARD.items()}
+    half = {n: SLACK * v for n, v in found.problem.guard.items()}
     at_pool = Hunted(pool, requirement.excess(values, half))
     added = _sequences(requirement, at_pool, 0.0)
     cost = np.where(requirement.space.of_task(pool), values[COSTS[requirement.cost]], 0.0)
