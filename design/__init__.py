@@ -8,8 +8,9 @@ True
 Names are imported when they are first used, so that the command starts fast.
 """
 
-from importlib import import_module
 from typing import Any
+
+from plants.facade import named
 
 _HOMES = {  # the module of each name, and what it is called there where that is something else
     "PAPER_GAINS": "design.synthesis.tuning_rules",
@@ -73,7 +74,4 @@ __all__ = list(_HOMES)
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'design' has no attribute {name!r}")
-    module, _, there = _HOMES[name].partition(":")
-    return getattr(import_module(module), there or name)
+    return named("design", _HOMES, name)

@@ -12,10 +12,7 @@ from tempfile import mkdtemp
 
 import design
 import plants
-from reports.notebooks.tables import shown
-from reports.shared.card import CardRow, draw_steps, matrix_table
-from reports.shared.figures.fit import draw_fit
-from reports.shared.figures.gain_map import gain_map
+from reports import CardRow, draw_fit, draw_steps, gain_map, matrix_table, shown
 
 # %% [markdown]
 # ## Fit

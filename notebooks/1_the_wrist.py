@@ -21,10 +21,7 @@ import design
 import plants
 from design import PAPER_GAINS, STEP, Scenario, paper_series, stack
 from plants import RATES, STARTS, Memory, branch_slopes, built_in, wrist_x0
-from reports.notebooks.tables import rows, shown
-from reports.paper import figures as paper
-from reports.shared.figures.style import LINES, new_figure, styled
-from reports.shared.plant_tables import parameter_table
+from reports import LINES, PAPER_FIGURES, draw_paper, new_figure, parameter_table, rows, shown, styled
 
 flexion, deviation = plants.Wrist.flexion(), plants.Wrist.deviation()
 
@@ -47,12 +44,12 @@ shown(parameter_table(sets))
 # %%
 assumed = {
     number: [n for n in figure.names if n in sets.assumed] + ["the PI's gains"] * figure.stand_in
-    for number, figure in paper.FIGURES.items()
+    for number, figure in PAPER_FIGURES.items()
 }
 rows(
     {
         "figure": f"Fig. {number}",
-        "title in the paper": paper.FIGURES[number].title,
+        "title in the paper": PAPER_FIGURES[number].title,
         "rests on the assumed": ", ".join(names) or "nothing",
     }
     for number, names in assumed.items()
@@ -65,7 +62,7 @@ rows(
 # of the command does not quite reach the highest pressure of the paper's experiments.
 
 # %%
-paper.draw(5, paper_series(5, flexion, deviation))
+draw_paper(5, paper_series(5, flexion, deviation))
 
 # %% [markdown]
 # *What to see: nine held commands, nine pressures on one line.*
@@ -77,10 +74,10 @@ paper.draw(5, paper_series(5, flexion, deviation))
 # slow for small errors.
 
 # %%
-paper.draw(6, paper_series(6, flexion, deviation))
+draw_paper(6, paper_series(6, flexion, deviation))
 
 # %%
-paper.draw(8, paper_series(8, flexion, deviation))
+draw_paper(8, paper_series(8, flexion, deviation))
 
 # %% [markdown]
 # *What to see: the same rise in both, but in Fig. 8 the last kilopascals take seconds.* In numbers:
@@ -110,13 +107,13 @@ assert regulator.k_fast / regulator.k_slow > 10
 # while it moves in the minus direction, and a *transit* of small slope from one to the other.
 
 # %%
-paper.draw(10, paper_series(10, flexion, deviation))
+draw_paper(10, paper_series(10, flexion, deviation))
 
 # %%
-paper.draw(11, paper_series(11, flexion, deviation))
+draw_paper(11, paper_series(11, flexion, deviation))
 
 # %%
-paper.draw(12, paper_series(12, flexion, deviation))
+draw_paper(12, paper_series(12, flexion, deviation))
 
 # %% [markdown]
 # *What to see: Fig. 10, the shaded dead zone; Fig. 11, the input; Fig. 12, two angles at every pressure,
@@ -179,7 +176,7 @@ for name, wrist in {"flexion": flexion, "deviation": deviation}.items():
 # Fig. 13 is its response to the staircase.
 
 # %%
-paper.draw(13, paper_series(13, flexion, deviation))
+draw_paper(13, paper_series(13, flexion, deviation))
 
 # %% [markdown]
 # *What to see: at 100 kPa, three times on the way, three different angles.*
@@ -191,10 +188,10 @@ paper.draw(13, paper_series(13, flexion, deviation))
 # the range.
 
 # %%
-paper.draw(14, paper_series(14, flexion, deviation))
+draw_paper(14, paper_series(14, flexion, deviation))
 
 # %%
-paper.draw(15, paper_series(15, flexion, deviation))
+draw_paper(15, paper_series(15, flexion, deviation))
 
 # %% [markdown]
 # *What to see: a short delay while the dead zone is crossed, then a slow approach to the reference; the

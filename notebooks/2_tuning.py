@@ -33,13 +33,21 @@ from design import (
     tuning_scenarios,
 )
 from plants import STARTS, built_in
-from reports.comparison.tables import limits_table, tuning_table
-from reports.notebooks.tables import limits_held, rows, shown
-from reports.robustness.branch_figures import nyquist
-from reports.shared.figures.gain_map import gain_map
-from reports.shared.figures.style import LINES, new_figure, styled
-from reports.shared.names import limit_name
-from reports.shared.tables import Cell, number
+from reports import (
+    LINES,
+    Cell,
+    gain_map,
+    limit_name,
+    limits_held,
+    limits_table,
+    new_figure,
+    number,
+    nyquist,
+    rows,
+    shown,
+    styled,
+    tuning_table,
+)
 
 wrist = plants.Wrist.flexion()
 

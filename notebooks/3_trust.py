@@ -34,15 +34,27 @@ from design import (
     worst_run,
 )
 from plants import built_in
-from reports.notebooks.figures import word_growth
-from reports.notebooks.tables import Markdown, limits_held, rows, shown
-from reports.robustness import captions
-from reports.robustness.branch_figures import describing, sensitivities
-from reports.robustness.disagreements import disagreement_sentences
-from reports.robustness.figures import draw_envelopes, draw_gain_plane, draw_worst
-from reports.robustness.tables import box_table, cycle_table, margin_table
-from reports.shared.figures.style import LINES, new_figure, styled
-from reports.shared.tables import number
+from reports import (
+    LINES,
+    Markdown,
+    box_table,
+    cycle_table,
+    describing,
+    disagreement_sentences,
+    draw_envelopes,
+    draw_gain_plane,
+    draw_worst,
+    limits_held,
+    margin_table,
+    new_figure,
+    number,
+    rows,
+    sensitivities,
+    shown,
+    styled,
+    word_growth,
+    worst_words,
+)
 
 wrist = plants.Wrist.flexion()
 gains = {"tuned": (3.13, 10.37), "cautious": (2.3, 6.4)}
@@ -219,7 +231,7 @@ for name, cases in {"with up to 50 ms of dead time": tuned.cases, "without": wit
 # references finds more:
 
 # %% tags=["varies"]
-Markdown("\n".join(f"- *{name}*: {captions.worst_words(a)}" for name, a in found.items()))
+Markdown("\n".join(f"- *{name}*: {worst_words(a)}" for name, a in found.items()))
 
 # %%
 draw_worst(tuned.worst, worst_run(tuned.worst))

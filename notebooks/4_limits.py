@@ -29,16 +29,16 @@ from design import (
     run_mpc,
 )
 from plants import DeadTime, built_in
-from reports.comparison.break_even_figure import break_even_figure
-from reports.notebooks.tables import rows
-from reports.shared.figures.style import (
+from reports import (
     BLACK,
     DASHED,
     DOTTED,
     GREY,
     LINES,
+    break_even_figure,
     controller_line,
     new_figure,
+    rows,
     styled,
 )
 

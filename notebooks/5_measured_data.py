@@ -21,14 +21,22 @@ from benchmarks.real_rigs.outcome import outcome
 from benchmarks.section_7_2 import draw_departure, reconstruct
 from design import Region, retune
 from plants import built_in, fit_campaign, load_campaign, trace_campaign
-from reports.notebooks.tables import Markdown, rows, shown
-from reports.shared.figures.fit import draw_fit
-from reports.shared.plant_tables import error_table, parameter_table
-from reports.trace.fit_figures import draw_control, draw_errors, draw_series
-from reports.trace.residual_figures import draw_remainder
-from reports.trace.search_figures import draw_ranking
-from reports.trace.tables import error_table as errors_before_and_after
-from reports.trace.words import control_sentence, verdict_sentence
+from reports import (
+    Markdown,
+    control_sentence,
+    draw_control,
+    draw_errors,
+    draw_fit,
+    draw_ranking,
+    draw_remainder,
+    draw_series,
+    error_table,
+    errors_before_and_after,
+    parameter_table,
+    rows,
+    shown,
+    verdict_sentence,
+)
 
 # %% [markdown]
 # ## A campaign

@@ -16,11 +16,7 @@ from pathlib import Path
 from tempfile import mkdtemp
 
 import plants
-from reports.notebooks.tables import rows
-from reports.shared.figures.fit import draw_fit
-from reports.shared.figures.style import LINES, new_figure, styled
-from reports.trace.fit_figures import draw_errors
-from reports.trace.words import block_words, verdict_sentence
+from reports import LINES, block_words, draw_errors, draw_fit, new_figure, rows, styled, verdict_sentence
 from tests.promise.turn import REFERENCE, TIME, campaign, turn
 from tests.rig.campaign import make_rig, record
 

@@ -5,13 +5,13 @@
 np.float64(11.28)
 """
 
-from importlib import import_module
 from typing import Any
 
 from plants.actuator.regulator import Regulator
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.wrist.creep import Creep
 from plants.errors import InputError, InputWarning
+from plants.facade import named
 from plants.hysteresis import FourSegment, HysteresisLaw, Memory, PrandtlIshlinskii
 from plants.parameters.files import built_in, load
 from plants.parameters.quantities import ParameterSet
@@ -57,6 +57,4 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name in _HOMES:
-        return getattr(import_module(_HOMES[name]), name)
-    raise AttributeError(f"module 'plants' has no attribute {name!r}")
+    return named("plants", _HOMES, name)
