@@ -11,7 +11,7 @@ from design.cli.terminal.screen import Sheet
 HEADINGS = ("controller", "Kp", "settle\n/bound", "what it says", "IAE\ndeg s")
 ROWS = (
     ("convex-concave PI", "3.71", "13.7 ", "settles later than any other", "9.26"),
-    ("paper", "1.2", "-12345.678!", "stands in for [the] one that is lost", "1.17e-05"),
+    ("paper", "1.2", "-12345.678▲", "stands in for [the] one that is lost", "1.17e-05"),
 )
 SHEET = Sheet(HEADINGS, ROWS, "flexion: a title that is much longer than the table", words=(0, 3))
 

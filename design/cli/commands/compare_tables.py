@@ -11,12 +11,15 @@ if TYPE_CHECKING:
     from design.contest import Contest
     from design.contest.scores import Score
 
+NONE = "–"
+"""What is shown where there is no value, as in the pages."""
+
 STANDING = (
     "controller", "Kp", "Ki", "settle\ns", "settle\n/bound", "over\n%", "IAE\ndeg s", "IAE\n/bound",
     "Ms", "delay\nms",
 )  # fmt: skip
 LEGEND = (
-    "! beyond its limit; /bound: largest ratio over the tasks to a lower bound",
+    "▲ limit broken; – not judged; /bound: largest ratio over the tasks to a lower bound",
     "~ dead time tolerated in simulation, for a controller without a linear law",
 )
 SCORE = (
@@ -35,6 +38,7 @@ def table(comparison: "Comparison") -> list[object]:
 
 
 def _standing(s: "Standing") -> tuple[str, ...]:
+    from reports.shared.glossary import BROKEN
     from reports.shared.names import name_of
 
     over = s.worst_overshoot_percent
@@ -49,18 +53,18 @@ def _standing(s: "Standing") -> tuple[str, ...]:
         (_short(s.Ms), "Ms"),
         (_delay(s), "delay_margin_s"),
     )
-    return (name_of(s.controller), *(text + ("!" if limit in s.breaks else " ") for text, limit in cells))
+    return (name_of(s.controller), *(text + (BROKEN if limit in s.breaks else " ") for text, limit in cells))
 
 
 def _delay(s: "Standing") -> str:
     """The delay margin [ms], with a tilde where it is what a simulation tolerates."""
     if s.tolerated_delay_s is not None:
         return f"~{1000 * s.tolerated_delay_s:.0f}"
-    return f"{1000 * s.delay_margin_s:.0f}" if isfinite(s.delay_margin_s) else "-"
+    return f"{1000 * s.delay_margin_s:.0f}" if isfinite(s.delay_margin_s) else NONE
 
 
 def _short(value: float | None) -> str:
-    return "-" if value is None or not isfinite(value) else f"{value:.3g}"
+    return NONE if value is None or not isfinite(value) else f"{value:.3g}"
 
 
 def contest_table(broad: "Contest") -> list[object]:
@@ -88,8 +92,8 @@ def _score(s: "Score", reference: str) -> tuple[str, ...]:
     return (
         name_of(s.controller),
         f"{s.mean['iae_deg_s']:.3g}",
-        f"{i.low:+.2f} to {i.high:+.2f}" if known and s.controller != reference else "-",
-        "-" if not known else f"{best}" if best == worst else f"{best}-{worst}",
+        f"{i.low:+.2f} to {i.high:+.2f}" if known and s.controller != reference else NONE,
+        NONE if not known else f"{best}" if best == worst else f"{best}-{worst}",
         f"{s.mean['settling_time_s']:.2f}",
         f"{s.settling_q95:.2f}",
         f"{s.mean['overshoot_percent']:.2g}",
