@@ -10,6 +10,9 @@ from reports.shared.card import gains_words
 from reports.shared.names import limit_in_text
 from reports.shared.tables import listed, number
 
+OTHER_MOTION = "other_pressure_kPa"
+"""The column of a log that an effect of the other motion needs."""
+
 
 def title(study: DesignStudy) -> str:
     """The heading: what is recommended, or that nothing is; the gains stand in the card."""
@@ -102,6 +105,12 @@ def remarks(study: DesignStudy) -> list[str]:
         f"{number(100 * m.guard['overshoot_percent'])} %, so a small change of the plant may break a limit."
         for m in thin
         if m.holds
+    ]
+    found += [
+        f"{m.motion}: the other motion moves this angle. The design keeps the other motion at rest: while it "
+        "moves, the overshoot may exceed its limit and settling takes longer."
+        for m in study.motions
+        if any(OTHER_MOTION in effect.LOG for effect in m.plant.effects)
     ]
     left = [remainder_words(m, study.requirements[m.motion]["remainder"]) for m in study.motions]
     found += [words for words in left if words]

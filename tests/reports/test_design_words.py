@@ -8,14 +8,17 @@ import pytest
 from design.alternatives.designs import LQI_NAME
 from design.studies.design_study import DesignStudy, MotionDesign
 from design.studies.designs import FORWARD, DesignEffort
+from plants.effects.wrist.cross_coupling import Coupling
+from plants.parameters.files import built_in
 from reports.design import tables
-from reports.design.words import feedforward_words, last_line, lqi_words, summary, title
+from reports.design.words import feedforward_words, last_line, lqi_words, remarks, summary, title
 
 GAINS = {"Kp": 2.89, "Ki": 7.39, "b": 1.0, "Tf": 0.0}
 
 
 def motion(name, broken, proved):
-    design = {"gains": GAINS, "holds": not broken, "cost": 10.0}
+    guard = {"overshoot_percent": 0.1}
+    design = {"gains": GAINS, "holds": not broken, "cost": 10.0, "guard": guard}
     row = {
         "guarantee": "proved", "controller": "PI", "gains": None, "worst_iae_deg_s": None,
         "worst_settling_s": None, "worst_overshoot_percent": None, "ratio_to_bound": None,
@@ -25,7 +28,7 @@ def motion(name, broken, proved):
         "proved": {"status": proved, "rate_1_s": None},
     }  # fmt: skip
     return MotionDesign(
-        name, None, (), {}, {"PI": design, "2-DOF PI": design}, "PI", evidence, (row,), (), {},
+        name, built_in(name), (), {}, {"PI": design, "2-DOF PI": design}, "PI", evidence, (row,), (), {},
         "the dead time" if broken else None,
     )  # fmt: skip
 
@@ -35,7 +38,8 @@ CASES = list(itertools.product((0, 7), ("open", "proved"), (1, 2)))
 
 def study(broken, proved, count):
     names = ("flexion", "deviation")[:count]
-    about = {n: {"longest_dead_time_s": 0.05, "limits": {"overshoot_percent": 5.0}} for n in names}
+    limits = {"overshoot_percent": 5.0}
+    about = {n: {"longest_dead_time_s": 0.05, "limits": limits, "remainder": None} for n in names}
     return DesignStudy(
         tuple(motion(n, broken, proved) for n in names), about, {"overshoot_percent": 0.1}, DesignEffort()
     )
@@ -106,3 +110,17 @@ def test_an_lqi_is_told_with_the_limit_that_it_breaks_or_that_none_was_found():
     assert "no broken limit was found" in words
     assert "20 % higher" in words
     assert lqi_words(with_one) == ""
+
+
+def test_gains_with_a_thin_reserve_are_told_and_so_is_an_other_motion_that_moves_the_angle():
+    usual = study(0, "proved", 2)
+    assert len(remarks(usual)) == 1
+    first, second = usual.motions
+    thin = {**first.designs["PI"], "guard": {"overshoot_percent": 0.025}}
+    changed = (
+        replace(first, designs={**first.designs, "PI": thin}),
+        replace(second, plant=replace(second.plant, effects=(Coupling,))),
+    )
+    _, reserve, other = remarks(replace(usual, motions=changed))
+    assert reserve.startswith("flexion: no gains meet the limits with that reserve; these keep 2.5 %")
+    assert other.startswith("deviation: the other motion moves this angle")
