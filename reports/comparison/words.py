@@ -21,6 +21,7 @@ from plants.measured.fit import Fit
 from plants.parameters.quantities import Assumed
 from reports.comparison.contest import MAIN as PERTURBED
 from reports.comparison.figures import PIS
+from reports.shared.card import broken_words
 from reports.shared.figures.dead_time_figure import SETTLED, kept_up_to
 from reports.shared.figures.fit import shown_run
 from reports.shared.names import COST_WORDS, WINDOW, limit_name, name_of, pi_name, title_of
@@ -150,7 +151,7 @@ def reason(d: Decision) -> str:
     """Why a controller is recommended, in a few words: how often it was seen to break a limit."""
     c = d.candidates[d.controller]
     broken, total = c["samples_broken"] + c["runs_broken"], c["samples"] + c["runs"]
-    return f"{broken} of {total} runs break a limit"
+    return broken_words(broken, total)
 
 
 def paper_summary(study: Study) -> list[str]:

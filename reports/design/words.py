@@ -6,7 +6,7 @@ from design.alternatives.designs import LQI_NAME, ROBUST_MPC
 from design.robustness.tuning.recommended import PLAIN
 from design.studies.design_study import DesignStudy, MotionDesign
 from design.studies.designs import BARE, FORWARD
-from reports.shared.card import gains_words
+from reports.shared.card import broken_words, gains_words
 from reports.shared.names import limit_in_text
 from reports.shared.tables import listed, number
 
@@ -106,6 +106,7 @@ def remarks(study: DesignStudy) -> list[str]:
         for m in thin
         if m.holds
     ]
+    found += [words for words in map(weight_words, study.motions) if words]
     found += [
         f"{m.motion}: the other motion moves this angle. The design keeps the other motion at rest: while it "
         "moves, the overshoot may exceed its limit and settling takes longer."
@@ -218,8 +219,15 @@ def mpc_words(m: MotionDesign) -> str:
 
 
 def controller_words(m: MotionDesign) -> str:
-    """Why this controller is recommended for a motion."""
-    plain, best = m.designs[PLAIN]["cost"], m.designs[m.recommended]["cost"]
-    if m.recommended == PLAIN:
-        return "the plain PI: a reference weight lowers the worst IAE by less than 5 %"
-    return f"a reference weight lowers the worst IAE by {number(100 * (1 - best / plain), 2)} %"
+    """What is known of a recommended controller: how often it was seen to break a limit."""
+    samples, worst = m.evidence["samples"], m.evidence["worst_case"]
+    return broken_words(samples["broken"] + worst["broken"], samples["total"] + worst["runs"])
+
+
+def weight_words(m: MotionDesign) -> str:
+    """What a reference weight gains; nothing where it is not recommended, or where the plain PI fails."""
+    plain, best = m.designs[PLAIN], m.designs[m.recommended]
+    if m.recommended == PLAIN or not (plain["holds"] and best["holds"]):
+        return ""
+    share = number(100 * (1 - best["cost"] / plain["cost"]), 2)
+    return f"{m.motion}: the reference weight lowers the worst IAE by {share} %."

@@ -139,6 +139,11 @@ def _matrix(of: CardRow, known: Sequence[str]) -> tuple[tuple[Cell, ...], ...]:
     return tuple(rows)
 
 
+def broken_words(broken: int, total: int) -> str:
+    """In how many samples and runs of a search a controller breaks a limit."""
+    return f"{broken} of {total} runs break a limit"
+
+
 def gains_words(gains: Mapping[str, float]) -> str:
     """Gains in a line.
 

@@ -11,7 +11,15 @@ from design.studies.designs import FORWARD, DesignEffort
 from plants.effects.wrist.cross_coupling import Coupling
 from plants.parameters.files import built_in
 from reports.design import tables
-from reports.design.words import feedforward_words, last_line, lqi_words, remarks, summary, title
+from reports.design.words import (
+    controller_words,
+    feedforward_words,
+    last_line,
+    lqi_words,
+    remarks,
+    summary,
+    title,
+)
 
 GAINS = {"Kp": 2.89, "Ki": 7.39, "b": 1.0, "Tf": 0.0}
 
@@ -124,3 +132,18 @@ def test_gains_with_a_thin_reserve_are_told_and_so_is_an_other_motion_that_moves
     _, reserve, other = remarks(replace(usual, motions=changed))
     assert reserve.startswith("flexion: no gains meet the limits with that reserve; these keep 2.5 %")
     assert other.startswith("deviation: the other motion moves this angle")
+
+
+def test_evidence_counts_runs_and_what_a_reference_weight_gains_is_a_remark():
+    usual = study(0, "proved", 1)
+    (only,) = usual.motions
+    assert controller_words(only) == "0 of 70688 runs break a limit"
+    two = replace(only, recommended="2-DOF PI", designs={**only.designs, "2-DOF PI": better(only, 8.7)})
+    said = " ".join(remarks(replace(usual, motions=(two,))))
+    assert "flexion: the reference weight lowers the worst IAE by 13 %." in said
+    fails = {**two.designs, "PI": {**two.designs["PI"], "holds": False}}
+    assert "reference weight" not in " ".join(remarks(replace(usual, motions=(replace(two, designs=fails),))))
+
+
+def better(of, cost):
+    return {**of.designs["PI"], "cost": cost}
