@@ -8,7 +8,7 @@ import numpy as np
 
 from plants.kernel import pytrees
 
-NO_GRAPH = (TypeError, NotImplementedError, RuntimeError)
+NO_GRAPH = (TypeError, RuntimeError)
 """What `graph` raises of a law that takes no symbols: NumPy and CasADi each say so in their own way."""
 
 

@@ -99,12 +99,11 @@ def remarks(study: DesignStudy) -> list[str]:
         "between "
         "cases; the verdict uses the limit itself. A search that finds no broken limit proves nothing."
     ]
-    thin = [m for m in study.motions if m.guard["overshoot_percent"] < study.guard["overshoot_percent"]]
     found += [
         f"{m.motion}: no gains meet the limits with that reserve; these keep "
         f"{number(100 * m.guard['overshoot_percent'])} %, so a small change of the plant may break a limit."
-        for m in thin
-        if m.holds
+        for m in study.motions
+        if m.holds and m.guard["overshoot_percent"] < study.guard["overshoot_percent"]
     ]
     found += [words for words in map(weight_words, study.motions) if words]
     found += [

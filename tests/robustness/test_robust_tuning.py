@@ -208,7 +208,7 @@ def test_adverse_sequences_join_the_evaluation():
 
 
 def test_where_the_guard_leaves_no_gains_a_thin_one_is_tried_and_said():
-    """A travel of the command that no gains keep by a tenth: they keep it, by less, in fresh runs too."""
+    """A limit on the total variation of the command that no gains meet with a guard of a tenth."""
     asked = replace(small(), limits=replace(Limits(), total_variation_V=1.98))
     found = tune_robustly(asked, COARSE, 0)
     first = next(r for r in found.rounds if not r.tuning.feasible)

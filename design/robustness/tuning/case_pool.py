@@ -20,9 +20,8 @@ def pool_of(requirement: Requirement, count: int = POOL) -> Array:
     n = len(space.box.intervals)
     corner = slice(0, count // 2)
     x[:n, corner] = np.round(x[:n, corner])
-    x[n + 2 * space.steps : space.size - (len(space.kinds) > 1), corner] = np.round(
-        x[n + 2 * space.steps : space.size - (len(space.kinds) > 1), corner]
-    )
+    ends = slice(n + 2 * space.steps, space.size - (len(space.kinds) > 1))
+    x[ends, corner] = np.round(x[ends, corner])
     return np.asarray(x[:, space.reachable(x)])
 
 
