@@ -16,7 +16,6 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from design.alternatives.designs import ROBUST_MPC
 from design.cluster import each
 from design.controllers.pi import PI
 from design.robustness.box import Box
@@ -24,10 +23,10 @@ from design.robustness.requirement import Requirement, requirement, requirement_
 from design.robustness.tuning.recommended import PLAIN, TWO_DOF, pays
 from design.robustness.tuning.robust_tuning import GUARD
 from design.studies.decision import checked
-from design.studies.designs import BARE, DesignEffort, mpc_design, tuned_designs
+from design.studies.designs import DesignEffort, mpc_design, tuned_designs
 from design.studies.proof import kept_proof
 from design.studies.shown.limits_matrix import matrix, step_band
-from design.studies.shown.prices import Tasks, price_rows
+from design.studies.shown.prices import price_rows, proved_row
 from design.studies.stages import Stages
 from design.synthesis.designed_plant import designed, left_out
 from design.synthesis.structure import with_gains
@@ -41,13 +40,10 @@ from plants.wrist import Wrist
 Array = NDArray[np.float64]
 Tell = Callable[[str, float], None]
 
-STAGES = ("trace", "tune", "check", "proof", "prices", "page")
-"""Stages of a motion, in order; shares of the time that each takes."""
+STAGES = ("trace", "tune", "check", "prices", "page")
+"""Stages of a motion, in order; shares of the time that each takes.  The proof goes on beside two of them."""
 
-GUARANTEES = {BARE: "without the residual", ROBUST_MPC: "fresh samples"}
-"""What a design was tuned to hold, where that is not the worst case that a search finds."""
-
-SHARES = (0.18, 0.46, 0.16, 0.08, 0.10, 0.02)
+SHARES = (0.12, 0.66, 0.10, 0.10, 0.02)
 
 
 @dataclass(frozen=True)
@@ -244,17 +240,28 @@ def _designed(
     gains = designs[best]["gains"]
     mine = {**asked, "gains": gains}
     controller = with_gains(wrist, gains)
-    evidence = stages.done(
-        f"check-{motion}",
-        mine,
-        lambda: checked(required, controller, effort.samples, effort.runs, seed, jobs, _at("check", tell)),
-    )
-    _at("proof", tell)("proof", 0.0)
-    evidence["proved"] = kept_proof(stages, motion, required, controller, about["dead_time_s"][1])
-    prices = stages.done(
-        f"prices-{motion}", {**mine, "designs": designs},
-        lambda: {"rows": _priced(required, designs, best, evidence["proved"], jobs, _at("prices", tell))},
-    )["rows"]  # fmt: skip
+
+    def checked_and_priced() -> tuple[dict[str, Any], list[dict[str, Any]]]:
+        found = stages.done(
+            f"check-{motion}",
+            mine,
+            lambda: checked(
+                required, controller, effort.samples, effort.runs, seed, jobs, _at("check", tell)
+            ),
+        )
+        prices = stages.done(
+            f"prices-{motion}", {**mine, "designs": designs},
+            lambda: {"rows": price_rows(required, designs, jobs, _at("prices", tell))},
+        )["rows"]  # fmt: skip
+        return found, prices
+
+    def proved() -> dict[str, Any]:
+        return kept_proof(stages, motion, required, controller, about["dead_time_s"][1])
+
+    # The proof is Python on one processor, the simulations are compiled: side by side they share both.
+    side_by_side: list[Callable[[], Any]] = [checked_and_priced, proved]
+    (evidence, prices), proof = each(lambda work: work(), side_by_side, jobs=jobs or default_jobs())
+    evidence["proved"] = proof
     _at("page", tell)("steps", 0.0)
     shown = stages.done(
         f"shown-{motion}", {**mine, "evidence": evidence},
@@ -264,37 +271,5 @@ def _designed(
     )  # fmt: skip
     return MotionDesign(
         motion, plant, left_out(plant), {k: v for k, v in traced.items() if k != "plant"}, designs, best,
-        evidence, tuple(prices), tuple(shown["matrix"]), shown["band"], relaxed,
+        evidence, (*prices, proved_row(prices, best, proof)), tuple(shown["matrix"]), shown["band"], relaxed,
     )  # fmt: skip
-
-
-def _priced(
-    required: Requirement,
-    designs: Mapping[str, Mapping[str, Any]],
-    best: str,
-    proved: Mapping[str, Any],
-    jobs: int | None,
-    tell: Tell,
-) -> list[dict[str, Any]]:
-    """The price list: less than the requirement, all of it, and what of it is proved."""
-    rows = price_rows(required, jobs, tell)
-    tasks = Tasks.of(required)
-    for name, found in designs.items():
-        row = tasks.row(with_gains(required.wrist, found["gains"]), jobs)
-        own = {
-            "guarantee": GUARANTEES.get(name, "worst case found"),
-            "controller": name,
-            "gains": found["gains"],
-        }
-        held = found["holds"] or found.get("worst_excess", 1.0) <= 0.0
-        rows.append({**own, "feasible": held, "own_worst_iae_deg_s": found["cost"], **row})
-    last = next(dict(r) for r in reversed(rows) if r["controller"] == best)
-    if proved["status"] == "proved":
-        rows.append({**last, "guarantee": "proved"})
-    else:
-        gone = dict.fromkeys(
-            ("gains", "worst_iae_deg_s", "worst_settling_s", "worst_overshoot_percent", "ratio_to_bound",
-             "own_worst_iae_deg_s")
-        )  # fmt: skip
-        rows.append({**last, **gone, "guarantee": "proved", "feasible": False})
-    return rows

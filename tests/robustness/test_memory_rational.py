@@ -8,6 +8,7 @@ import pytest
 from design.robustness.certificates.memory.rational import (
     exact,
     positive_definite,
+    product,
     range_on_unit,
     window_polynomials,
 )
@@ -48,3 +49,11 @@ def test_definiteness_is_decided_where_floats_cannot() -> None:
     assert positive_definite(singular + hair)
     assert not positive_definite(singular - hair)
     assert not positive_definite(exact([[1.0, 0.5], [0.4, 1.0]]))
+
+
+def test_a_product_is_that_of_the_fractions_whatever_their_denominators() -> None:
+    random = np.random.default_rng(3)
+    a, b = exact(random.normal(size=(3, 5)) * 10.0 ** random.integers(-30, 30, (3, 5))), exact(np.eye(5))
+    b[0, 4], b[2, 1] = Fraction(1, 3), Fraction(-7, 11)
+    assert product(a, b, a.T).tolist() == a.dot(b).dot(a.T).tolist()
+    assert product(a).tolist() == a.tolist()

@@ -12,19 +12,23 @@ known to the bound: a dead time adds at least itself to any settling time, and t
 IAE.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from design.alternatives.designs import ROBUST_MPC
 from design.controllers.pi import PI
 from design.evaluation.sequence import Sequence, play
 from design.evaluation.tasks import steps as step_tasks
 from design.limit import limits_of
 from design.robustness.requirement import Requirement
+from design.status import Status
+from design.studies.designs import BARE
 from design.synthesis.requirements import Problem, default_problem, late_problem
+from design.synthesis.structure import with_gains
 from design.synthesis.tuning import Region, tune
 from plants.errors import InputError
 from plants.simulation.disturbance import burdened
@@ -33,6 +37,9 @@ Array = NDArray[np.float64]
 Tell = Callable[[str, float], None]
 TASKS = 3000
 """Places that the task's steps are taken from, the same for every row."""
+
+GUARANTEES = {BARE: "without the residual", ROBUST_MPC: "fresh samples"}
+"""What a design was tuned to hold, where that is not the worst case that a search finds."""
 
 POINTS = 20
 """Points of the map, in each gain, of a row that is not tuned elsewhere."""
@@ -105,10 +112,13 @@ def simpler(requirement: Requirement, jobs: int | None = None) -> dict[str, Prob
 
 
 def price_rows(
-    requirement: Requirement, jobs: int | None = None, progress: Tell | None = None
+    requirement: Requirement,
+    designs: Mapping[str, Mapping[str, Any]],
+    jobs: int | None = None,
+    progress: Tell | None = None,
 ) -> list[dict[str, Any]]:
     """Rows of the guarantees that are less than the whole requirement, each with the gains of its own
-    tuning."""
+    tuning; then those of all of it, a row for each of the designs, records by controller."""
     tell, tasks = progress or (lambda stage, share: None), Tasks.of(requirement)
     rows = []
     problems = simpler(requirement, jobs)
@@ -119,4 +129,22 @@ def price_rows(
         pi = PI.of(requirement.wrist, found.Kp, found.Ki)
         own = {"guarantee": guarantee, "controller": "PI", "gains": gains, "feasible": found.feasible}
         rows.append({**own, "own_worst_iae_deg_s": float(found.at.cost[0]), **tasks.row(pi, jobs)})
+    for name, design in designs.items():
+        guarantee, gains = GUARANTEES.get(name, "worst case found"), design["gains"]
+        held = design["holds"] or design.get("worst_excess", 1.0) <= 0.0
+        own = {"guarantee": guarantee, "controller": name, "gains": gains, "feasible": held}
+        row = tasks.row(with_gains(requirement.wrist, gains), jobs)
+        rows.append({**own, "own_worst_iae_deg_s": design["cost"], **row})
     return rows
+
+
+def proved_row(rows: list[dict[str, Any]], best: str, proved: Mapping[str, Any]) -> dict[str, Any]:
+    """The row of the recommended controller once more, empty where its gains are not proved."""
+    last = {**next(r for r in reversed(rows) if r["controller"] == best), "guarantee": "proved"}
+    if proved["status"] == Status.PROVED.value:
+        return last
+    gone = dict.fromkeys(
+        ("gains", "worst_iae_deg_s", "worst_settling_s", "worst_overshoot_percent", "ratio_to_bound",
+         "own_worst_iae_deg_s")
+    )  # fmt: skip
+    return {**last, **gone, "feasible": False}

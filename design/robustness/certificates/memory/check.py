@@ -25,7 +25,7 @@ import numpy as np
 from design.robustness.certificates.continuous.check import positive
 from design.robustness.certificates.memory.form import CommonForm, LineForm, WindowForm
 from design.robustness.certificates.memory.loop import FixedLawLoop, OneSample, growth_of
-from design.robustness.certificates.memory.rational import Exact, exact, positive_definite
+from design.robustness.certificates.memory.rational import Exact, exact, positive_definite, product
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,7 @@ def _fall(
     P[:n, :n] = exact(form.P)
     if cross is not None and gap is not None:
         P[:n, n], P[n, :n], P[n, n] = cross, cross, -gap
-    total = r.after.T.dot(P).dot(r.after) - r.now.T.dot(P).dot(r.now)
+    total = product(r.after.T, P, r.after) - product(r.now.T, P, r.now)
     S, R, popov = Fraction(form.S), Fraction(form.R), Fraction(form.popov)
     if loop.samples:
         total = total + dt * ((S + R * loop.samples * dt) * _square(r.sent) - S * _square(r.arrived))

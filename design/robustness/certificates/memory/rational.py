@@ -6,8 +6,8 @@ A float is a rational number, so that what a solver hands over can be checked wi
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
-from math import comb
+from functools import cache, reduce
+from math import comb, lcm, prod
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,6 +97,28 @@ def range_on_unit(coefficients: Sequence[Fraction]) -> tuple[Fraction, Fraction]
         for i in range(n + 1)
     ]
     return min(found), max(found)
+
+
+def product(*matrices: Exact) -> Exact:
+    """The product of matrices of fractions, each brought to whole numbers over one denominator first.
+
+    A product of whole numbers needs no greatest common divisor; one of fractions spends most of its time on
+    these.
+
+    >>> product(exact([[0.5, 0.25]]), exact([[2.0], [1.0]])).tolist()
+    [[Fraction(5, 4)]]
+    """
+    whole, below = zip(*map(_whole, matrices), strict=True)
+    numbers, denominator = reduce(np.dot, whole), prod(below)
+    found = np.array([Fraction(x, denominator) for x in numbers.ravel()], dtype=object)
+    return found.reshape(numbers.shape)
+
+
+def _whole(matrix: Exact) -> tuple[Exact, int]:
+    """A matrix of fractions as one of whole numbers, and the denominator of all."""
+    below = lcm(*(x.denominator for x in matrix.ravel()))
+    whole = [x.numerator * (below // x.denominator) for x in matrix.ravel()]
+    return np.array(whole, dtype=object).reshape(matrix.shape), below
 
 
 def positive_definite(matrix: Exact) -> bool:
