@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.alternatives.designs import ROBUST_MPC
-from design.controllers.pi import PI
 from design.evaluation.sequence import Sequence, play
 from design.evaluation.tasks import steps as step_tasks
 from design.limit import limits_of
@@ -120,21 +119,23 @@ def price_rows(
     """Rows of the guarantees that are less than the whole requirement, each with the gains of its own
     tuning; then those of all of it, a row for each of the designs, records by controller."""
     tell, tasks = progress or (lambda stage, share: None), Tasks.of(requirement)
+
+    def row(guarantee: str, controller: str, gains: Any, feasible: bool, cost: float) -> dict[str, Any]:
+        asked = {"guarantee": guarantee, "controller": controller, "gains": gains, "feasible": feasible}
+        seen = tasks.row(with_gains(requirement.wrist, gains), jobs)
+        return {**asked, "own_worst_iae_deg_s": cost, **seen}
+
     rows = []
     problems = simpler(requirement, jobs)
     for number, (guarantee, problem) in enumerate(problems.items()):
         tell(f"price of: {guarantee}", number / len(problems))
         found = tune(problem, Region(points=POINTS), 1)
         gains = {"Kp": found.Kp, "Ki": found.Ki, "b": 1.0, "Tf": 0.0}
-        pi = PI.of(requirement.wrist, found.Kp, found.Ki)
-        own = {"guarantee": guarantee, "controller": "PI", "gains": gains, "feasible": found.feasible}
-        rows.append({**own, "own_worst_iae_deg_s": float(found.at.cost[0]), **tasks.row(pi, jobs)})
+        rows.append(row(guarantee, "PI", gains, found.feasible, float(found.at.cost[0])))
     for name, design in designs.items():
-        guarantee, gains = GUARANTEES.get(name, "worst case found"), design["gains"]
         held = design["holds"] or design.get("worst_excess", 1.0) <= 0.0
-        own = {"guarantee": guarantee, "controller": name, "gains": gains, "feasible": held}
-        row = tasks.row(with_gains(requirement.wrist, gains), jobs)
-        rows.append({**own, "own_worst_iae_deg_s": design["cost"], **row})
+        guarantee = GUARANTEES.get(name, "worst case found")
+        rows.append(row(guarantee, name, design["gains"], held, design["cost"]))
     return rows
 
 
