@@ -124,9 +124,8 @@ class Yardstick(NamedTuple):
         else:
             if not self.step:
                 fresh = since == 0.0
-                step = Step(
-                    np.where(fresh, angle, step.start), np.where(fresh, self._per_step(error), step.per_step)
-                )
+                per_step = self._per_step(error, asked.reference - asked.before)
+                step = Step(np.where(fresh, angle, step.start), np.where(fresh, per_step, step.per_step))
             of = self.step or step
             response, distance = (angle - of.start) * of.per_step, error * of.per_step
             if self.window and not isinstance(self.window.per_step, tuple):
@@ -152,13 +151,18 @@ class Yardstick(NamedTuple):
             stairs,
         )
 
-    def _per_step(self, size: Number) -> Number:
-        """What a step under way is normalised by; one within the task's band is none, and told in shares of
-        the task's."""
+    def _per_step(self, size: Number, change: Number) -> Number:
+        """What a step under way is normalised by, the reference having changed; one within the task's band is
+        none, and told in shares of the task's.
+
+        Overshoot is motion beyond the reference in the direction of its change.  A joint that has not yet
+        reached the reference that it is sent back to moves the other way, so its response is 0.
+        """
+        ahead = np.where(size * change < 0.0, 0.0, 1.0)
         if isinstance(self.window.per_step, tuple):
-            return 1.0 / size
+            return ahead / size
         least = np.abs(size) * self.window.per_step > self.band
-        return np.where(least, 1.0 / np.where(least, size, 1.0), self.window.per_step)
+        return ahead * np.where(least, 1.0 / np.where(least, size, 1.0), self.window.per_step)
 
     def _next_stair(self, t: Tally, fresh: Number, travel: Number) -> StairTally:
         """The stairs' tally with one more sample, the first of a stair where `fresh`; travel: of the pressure

@@ -101,3 +101,22 @@ def test_the_band_is_that_of_the_step_or_of_the_tasks(task_band):
     band = WRIST.rig.task.band * (TASK if task_band else 5.0)
     settled = (np.flatnonzero(error >= band)[-1] + 1) * 1e-3
     assert float(played.metrics.settling_time_s[0]) == pytest.approx(settled, abs=1.5e-3)
+
+
+@pytest.mark.parametrize("task_band", [False, True])
+def test_a_joint_that_never_reached_the_reference_it_is_sent_back_to_makes_no_overshoot(task_band):
+    """Overshoot is motion beyond a reference in the direction of its change: held at -1 deg by a load, the
+    joint is sent up and back to 0 before it has passed 0, and what carries it above 0 goes the other way."""
+    gains = PI(0.5, 3.0)
+    one = asked((15.0, 0.0), (0.5, 10.0), load=-1.0)
+    played = play([one], gains, record=True, task_band=task_band)
+    assert -1.0 < float(played.start[0]) < -0.05
+    angle = np.asarray(played.trajectory.angle)[500:, 0]
+    assert angle.max() > 0.3
+    assert float(played.metrics.overshoot_percent[0]) == 0.0
+    assert not np.isfinite(played.metrics.rise_time_s[0])
+    beyond = play([replace(one, holds=(0.7, 10.0))], gains, record=True, task_band=task_band)
+    lowest = np.asarray(beyond.trajectory.angle)[700:10_700, 0].min()
+    share = -100.0 * lowest / float(beyond.start[0])
+    assert float(beyond.metrics.overshoot_percent[0]) == pytest.approx(max(share, 0.0), abs=1e-9)
+    assert share > 0.5
