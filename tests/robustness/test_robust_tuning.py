@@ -222,3 +222,6 @@ def test_where_the_guard_leaves_no_gains_a_thin_one_is_tried_and_said():
     assert record(found)["guard"] == THIN
     none = tune_robustly(replace(asked, limits=replace(Limits(), total_variation_V=1.7)), COARSE, 0)
     assert (none.holds, none.ended, none.guard) == (False, "no gains hold the grown set", THIN)
+    none = tune_robustly(replace(asked, limits=replace(Limits(), total_variation_V=1.4)), COARSE, 0)
+    assert (none.holds, none.guard) == (False, GUARD)  # missed by more than a thinner guard leaves
+    assert none.final.at.worst_excess[0] > max(GUARD.values())
