@@ -17,6 +17,7 @@ from design.robustness.checks import worst_found
 from design.robustness.requirement import Requirement
 from design.robustness.tuning.recommended import PLAIN, TWO_DOF, tune_candidates
 from design.robustness.tuning.robust_lqi import tune_lqi
+from design.robustness.tuning.robust_mpc import EFFORT as MPC_EFFORT
 from design.robustness.tuning.robust_mpc import tune_mpc
 from design.robustness.tuning.robust_tuning import RobustTuning, tune_robustly
 from design.synthesis.answer import LimitBroken, OutOfReach
@@ -126,7 +127,8 @@ def mpc_design(
         return {}
     found = _tuning_record(tuned)
     worst = max((e, n) for n, e in _beyond(required, tuned).items())
-    checked = {"samples": 0 if tuned.fresh is None else int(tuned.fresh.excess.size)}
+    fresh = 0 if tuned.fresh is None else int(tuned.fresh.excess.size)
+    checked = {"samples": fresh, "search_runs": MPC_EFFORT.search if fresh else 0}
     return {ROBUST_MPC: {**found, **checked, "worst_excess": worst[0], "worst_excess_of": worst[1]}}
 
 

@@ -13,7 +13,7 @@ from reports.shared.tables import measured
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-WHOLE = ("worst case found", "fresh samples", "proved")
+WHOLE = ("worst case found", "proved")
 """Guarantees of the whole requirement; the others are of less."""
 
 

@@ -146,8 +146,8 @@ def remainder_words(m: MotionDesign, left: Mapping[str, float] | None) -> str:
 
 def price_caption(study: DesignStudy) -> str:
     """Beneath the prices."""
-    unsearched = any(r["guarantee"] == "fresh samples" for m in study.motions for r in m.prices)
-    few = " Fresh samples: without a search for the worst case, margins not judged." if unsearched else ""
+    unjudged = any(r["controller"] == ROBUST_MPC for m in study.motions for r in m.prices)
+    few = " Robust MPC: margins not judged." if unjudged else ""
     return (
         "Worst IAE over the same steps for every bar: all plants of the box, initial states, loads and dead "
         "times. Blue: tuned for the whole requirement, no broken limit found; ▲: limit broken. Gains tuned "
@@ -212,7 +212,10 @@ def mpc_words(m: MotionDesign) -> str:
         f"and the delay margin are not judged. The worst IAE of its tuning is {number(share, 2)} % lower."
     )
     if found["holds"]:
-        return f"{words} No broken limit was found in {found['samples']} fresh samples."
+        return (
+            f"{words} No broken limit was found in about {found['search_runs']} runs of a search and in "
+            f"{found['samples']} fresh samples."
+        )
     excess = number(100 * found["worst_excess"], 2)
     return f"{words} It breaks the limit on {limit_in_text(found['worst_excess_of'])} by {excess} %."
 

@@ -2,8 +2,8 @@
 
 Of the weights of the robust setting (`design.mpc.problem.robust`) the one that trades overshoot for speed is
 searched: what a change of the angle from one period to the next costs.  A run takes a hundred times as long
-as a PI's, so pool and samples are smaller, and there is no search for the worst case.  Ms, Mt and the delay
-margin belong to a linear loop, which an MPC does not have: of these nothing is judged.
+as a PI's, so pool, samples and the search for the worst case are smaller.  Ms, Mt and the delay margin belong
+to a linear loop, which an MPC does not have: of these nothing is judged.
 """
 
 from collections.abc import Callable
@@ -33,7 +33,7 @@ BEGIN = 100.0
 MOVE = 100.0
 """Weight of a move [1/V^2]."""
 
-EFFORT = RoundEffort(pool=256, search=0, fresh=256)
+EFFORT = RoundEffort(pool=256, search=2000, fresh=256)
 """What a round spends."""
 
 
@@ -77,8 +77,8 @@ def tune_mpc(
     progress: Tell | None = None,
     effort: RoundEffort = EFFORT,
 ) -> RobustTuning[RobustMPC]:
-    """Weights of an MPC of least worst cost that hold the limits of runs, as far as pool and fresh samples
-    can tell; arguments as of `design.robustness.tuning.robust_tuning.grow`.
+    """Weights of an MPC of least worst cost that hold the limits of runs, as far as pool, search and fresh
+    samples can tell; arguments as of `design.robustness.tuning.robust_tuning.grow`.
 
     Raises InputError where its solver is not installed, or a plant has no MPC.
     """

@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design.alternatives.designs import ROBUST_MPC
 from design.evaluation.sequence import Sequence, play
 from design.evaluation.tasks import steps as step_tasks
 from design.limit import limits_of
@@ -37,7 +36,7 @@ Tell = Callable[[str, float], None]
 TASKS = 3000
 """Places that the task's steps are taken from, the same for every row."""
 
-GUARANTEES = {BARE: "without the residual", ROBUST_MPC: "fresh samples"}
+GUARANTEES = {BARE: "without the residual"}
 """What a design was tuned to hold, where that is not the worst case that a search finds."""
 
 POINTS = 20
