@@ -38,7 +38,7 @@ _HOMES = {  # the module of each name, and what it is called there where that is
     "draw_ranking": "reports.trace.search_figures",
     "draw_remainder": "reports.trace.residual_figures",
     "draw_series": "reports.trace.fit_figures",
-    "draw_steps": "reports.shared.card",
+    "draw_steps": "reports.shared.figures.decision_card",
     "draw_worst": "reports.robustness.figures",
     "error_table": "reports.shared.plant_tables",
     "errors_before_and_after": "reports.trace.tables:error_table",

@@ -51,7 +51,7 @@ ALL: Mapping[str, Example] = {
         (*DESIGN, "--mpc"),
         "design.html",
         "design.json",
-        {"step.png": "design-step.png", **{n: n for n in DESIGNED}},
+        {"card.png": "design-card.png", **{n: n for n in DESIGNED}},
         DESIGN,
         ("*robust MPC*",),
     ),

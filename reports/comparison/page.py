@@ -20,12 +20,12 @@ from reports.comparison.break_even_figure import break_even_figure
 from reports.comparison.contest_words import sentences
 from reports.comparison.designs import budgets, designs
 from reports.comparison.record import comparison_record, contest_csv_text, csv_text
-from reports.comparison.trade_off_figure import CAPTION as TRADE_OFF
-from reports.comparison.trade_off_figure import trade_off
+from reports.comparison.trade_off_figure import trade_off, trade_off_caption
 from reports.paper import figures as paper
-from reports.shared.card import CardRow, card, draw_steps, step_caption
+from reports.shared.card import CardRow, card, step_caption
 from reports.shared.cells import cells
 from reports.shared.figures.dead_time_figure import dead_time_figure
+from reports.shared.figures.decision_card import draw_steps
 from reports.shared.figures.fit import draw_fit
 from reports.shared.figures.gain_map import gain_map
 from reports.shared.figures.style import save, svg
@@ -123,8 +123,9 @@ def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:
         cost=" and ".join(COST_WORDS.get(c, c) for c in sorted(least)),
         tunings=[_tuning(m, a, study.cells.get(m), shown) for m, a in study.answers.items()],
         designs=[(title_of(m), designs(comparison, m)) for m in motions if comparison.designs],
-        standings=tables.standings_table(comparison), worst=shown("worst-values", words.WORST_CAPTION),
-        trade_off=shown("trade-off", TRADE_OFF),
+        standings=tables.standings_table(comparison),
+        worst=shown("worst-values", words.worst_caption(comparison)),
+        trade_off=shown("trade-off", trade_off_caption(comparison)),
         late=shown("dead-time", words.late_caption(study)) if study.late else None,
         paper_note=tables.paper_note(),
         contest=_contest(study, study.contest, shown) if study.contest else None,
@@ -197,7 +198,7 @@ def _contest(study: Study, contest: Contest, shown: Any) -> dict[str, Any]:
         "how": [*broad.how(contest), budgets(study.comparison, study.tunings)],
         "on_others": words.on_others(study.comparison, contest),
         "main": broad.main_table(contest, overshoot),
-        "figure": shown("differences", broad.CAPTION),
+        "figure": shown("differences", broad.differences_caption(contest)),
     }
 
 
@@ -241,7 +242,7 @@ def _tuning(motion: str, answer: Answer, steps: CellSteps | None, shown: Any) ->
         "found": words.found(answer),
         "evidence": words.evidence(answer),
         "table": tables.tuning_table(t),
-        "figure": shown(f"gains-{slug(motion)}", words.map_caption(motion), known),
+        "figure": shown(f"gains-{slug(motion)}", words.map_caption(motion, t), known),
     }
 
 

@@ -16,11 +16,19 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-CAPTION = (
-    "Worst settling time against delay margin, both axes logarithmic: better is down and to the right. Line: "
-    "Pareto front of the controllers that meet every limit; hollow mark: a limit is broken; square: delay "
-    "tolerated in simulation; arrow: no loop to become unstable."
+DRAWN = (
+    "Worst settling time against delay margin, both axes logarithmic: better is down and to the right. "
+    "Hollow mark: a limit is broken; square: delay tolerated in simulation; arrow: no loop to destabilise."
 )
+
+
+def trade_off_caption(comparison: Comparison) -> str:
+    """Who is on the Pareto front of each motion, fastest first, and what is drawn."""
+    motions = list(dict.fromkeys(s.motion for s in comparison.standings))
+    fronts = {m: pareto_front([s for s in comparison.standings if s.motion == m]) for m in motions}
+    said = [f"{m}: {', '.join(name_of(s.controller) for s in f)}" for m, f in fronts.items() if f]
+    found = f"On the Pareto front of the controllers that meet every limit: {'; '.join(said)}. "
+    return (found if said else "") + DRAWN
 
 
 def trade_off(comparison: Comparison) -> "Figure":

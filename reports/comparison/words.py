@@ -15,7 +15,7 @@ from design.status import Status
 from design.studies.decision import Decision
 from design.studies.study import Study
 from design.synthesis.answer import Answer
-from design.synthesis.tuning import ACTIVE, nearest_limit
+from design.synthesis.tuning import ACTIVE, Tuning, nearest_limit
 from design.synthesis.tuning_rules import PAPER_FACTOR, PAPER_GAINS
 from plants.measured.fit import Fit
 from plants.parameters.quantities import Assumed
@@ -24,7 +24,7 @@ from reports.comparison.figures import PIS
 from reports.shared.card import broken_words
 from reports.shared.figures.dead_time_figure import SETTLED, kept_up_to
 from reports.shared.figures.fit import shown_run
-from reports.shared.names import COST_WORDS, WINDOW, limit_name, name_of, pi_name, title_of
+from reports.shared.names import COST_WORDS, WINDOW, limit_in_text, limit_name, name_of, pi_name, title_of
 from reports.shared.tables import fixed, listed, number, spaced
 from reports.shared.tuning import refused
 
@@ -63,6 +63,24 @@ LOOPS_CAPTION = (
     "The step from rest under the recommended PI in the plane of pressure and angle. In the dead zone the "
     "pressure moves and the angle does not; beyond it the angle follows line 1. Dots: time after the step."
 )
+
+
+def worst_caption(comparison: Comparison) -> str:
+    """Who settles first within the limits, and what the bars are."""
+    motions = dict.fromkeys(s.motion for s in comparison.standings)
+    said = [f"{m}: {who}" for m in motions if (who := _first_to_settle(comparison, m))]
+    return f"{'; '.join(said)}. {WORST_CAPTION}" if said else WORST_CAPTION
+
+
+def _first_to_settle(comparison: Comparison, motion: str) -> str:
+    """The fastest controller within the limits, and the recommended PI; empty where none settles."""
+    of = [s for s in comparison.standings if s.motion == motion and isfinite(s.worst_settling_s)]
+    best = min((s for s in of if not s.breaks), key=lambda s: s.worst_settling_s, default=None)
+    if best is None:
+        return ""
+    words = f"{name_of(best.controller)} is the fastest within the limits, {_seconds(best.worst_settling_s)}"
+    ours = next((s for s in of if s.controller == TUNED and s is not best), None)
+    return words + (f"; {name_of(TUNED)} {_seconds(ours.worst_settling_s)}" if ours else "")
 
 
 def late_caption(study: Study) -> str:
@@ -309,11 +327,13 @@ def evidence(answer: Answer) -> str:
     return words + (edge if t.on_edge else "")
 
 
-def map_caption(motion: str) -> str:
-    """How to read the map of the gains."""
+def map_caption(motion: str, tuning: Tuning) -> str:
+    """How to read the map of the gains, and which limit the tuned ones are nearest to."""
+    nearest = nearest_limit(tuning.at, 0)
+    near = "" if nearest is None else f", nearest to the limit on {limit_in_text(nearest)}"
     return (
-        f"{title_of(motion)}: worst cost over the gains, dark is worse. Star: the tuned gains. Inside the "
-        "black line every limit is met; outside, the hatching names the limit broken most."
+        f"{title_of(motion)}: worst cost over the gains, dark is worse. Star: the tuned gains{near}. Inside "
+        "the black line every limit is met; outside, the hatching names the limit broken most."
     )
 
 

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 WHOLE = ("worst case found", "proved")
 """Guarantees of the whole requirement; the others are of less."""
 
+BEYOND = 2.0
+"""A bar that is longer than the next by this factor ends at the axis, with an arrow at its value."""
+
 
 def draw_prices(study: DesignStudy) -> "Figure":
     """Worst IAE of each row of the price list, a panel a motion; a row without gains is open."""
@@ -27,13 +30,25 @@ def draw_prices(study: DesignStudy) -> "Figure":
             heights = [r["worst_iae_deg_s"] or 0.0 for r in m.prices]
             place = np.arange(len(names))[::-1]
             held = [r["guarantee"] in WHOLE and r["feasible"] for r in m.prices]
-            at.barh(place, heights, color=[BLUE if h else PALE for h in held])
+            end = _axis_end(heights)
+            at.barh(place, np.minimum(heights, end), color=[BLUE if h else PALE for h in held])
             for y, r in zip(place, m.prices, strict=True):
                 mark = "" if r["feasible"] else f" {BROKEN}"
                 text = "open" if r["worst_iae_deg_s"] is None else f"{measured(r['worst_iae_deg_s'])}{mark}"
-                end = (r["worst_iae_deg_s"] or 0.0, y)
-                at.annotate(text, end, (4, 0), textcoords="offset points", va="center")
+                height = r["worst_iae_deg_s"] or 0.0
+                text = f"→ {text}" if height > end else text
+                at.annotate(text, (min(height, end), y), (4, 0), textcoords="offset points", va="center")
             at.set_yticks(place, labels=names)
-            at.set(title=m.motion, xlabel="Worst IAE [deg s]", xlim=(0.0, 1.35 * max(heights)))
+            at.set(title=m.motion, xlabel="Worst IAE [deg s]", xlim=(0.0, 1.35 * end))
             at.grid(False)
     return figure
+
+
+def _axis_end(heights: list[float]) -> float:
+    """The longest bar that is drawn whole.
+
+    >>> _axis_end([44.5, 8.0, 7.0]), _axis_end([11.1, 8.0])
+    (8.0, 11.1)
+    """
+    longest, *others = sorted(heights, reverse=True)
+    return others[0] if others and longest > BEYOND * others[0] > 0.0 else longest

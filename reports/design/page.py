@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 from design.studies.design_study import DesignStudy
 from reports.design import figures, tables, words
 from reports.design.record import design_record
-from reports.shared.card import card, draw_steps, step_caption
+from reports.shared.card import card, step_caption
+from reports.shared.figures.decision_card import draw_card, draw_steps
 from reports.shared.figures.style import save, svg
 from reports.shared.html import Made, Shown, markup, render
 
@@ -23,9 +24,10 @@ def write_design(folder: str | Path, study: DesignStudy, made: Made) -> Path:
     from plants.files import json_text, write_atomically
 
     folder = Path(folder)
-    drawn = {"step": draw_steps(tables.card_rows(study)), "prices": figures.draw_prices(study)}
+    rows = tables.card_rows(study)
+    drawn = {"step": draw_steps(rows), "prices": figures.draw_prices(study)}
     page = design_page(study, made, drawn)
-    for name, figure in drawn.items():
+    for name, figure in {**drawn, "card": draw_card(rows)}.items():
         save(figure, folder / f"{name}.png")
     write_atomically(folder / "design.json", json_text(design_record(study)))
     write_atomically(folder / "design.html", page)

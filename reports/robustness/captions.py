@@ -1,6 +1,9 @@
 """Captions of the robust page's figures, and the sentences that stand beside its tables."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
 
 from design.comparison.behind_dead_time import DeadTimeSweep
 from design.robustness.assess import Assessment
@@ -51,28 +54,51 @@ def late_caption(a: Assessment, sweep: DeadTimeSweep, names: Sequence[str]) -> s
     return f"{said}{over} {SETTLED}"
 
 
-NYQUIST = (
-    "Nyquist curves of the open loop on all branches and rates. Grey disc about −1: Ms above 2. Branches "
-    "differ in slope alone, so at one rate their curves are scaled copies of each other."
-)
+def nyquist_caption(a: Assessment) -> str:
+    """On which branch the loop comes nearest to −1."""
+    near = _worst_of(a, "Ms", max)
+    said = f"Nearest to −1 on {near}, Ms {number(margin(a, 'Ms'))}. " if near else ""
+    return (
+        f"{said}Nyquist curves of the open loop on all branches and rates. Grey disc about −1: Ms above 2. "
+        "Branches differ in slope alone, so at one rate their curves are scaled copies of each other."
+    )
 
 
-BODE = (
-    "Bode plot of the open loop on all branches and rates. Dots: gain crossover; the phase there above "
-    "−180 deg is the phase margin."
-)
+def bode_caption(a: Assessment) -> str:
+    """The smallest phase margin."""
+    where = _worst_of(a, "phase_margin_deg", min)
+    least = min(float(m["phase_margin_deg"]) for m in a.margins)
+    said = f"Smallest phase margin: {number(least)} deg on {where}. " if where else ""
+    return (
+        f"{said}Bode plot of the open loop on all branches and rates. Dots: gain crossover; the phase there "
+        "above −180 deg is the phase margin."
+    )
 
 
-SENSITIVITIES = (
-    "Sensitivity |S| (disturbance to angle error) and complementary sensitivity |T| (noise to angle) on "
-    "every branch and rate. Dashed: limits."
-)
+def sensitivities_caption(a: Assessment) -> str:
+    """The peaks of both."""
+    said = f"Peaks: |S| {number(margin(a, 'Ms'))}, |T| {number(margin(a, 'Mt'))}. " if a.stable else ""
+    return (
+        f"{said}Sensitivity |S| (disturbance to angle error) and complementary sensitivity |T| (noise to "
+        "angle) on every branch and rate. Dashed: limits."
+    )
 
 
-DESCRIBING = (
-    "Harmonic balance: a limit cycle is predicted where a coloured curve, the linear part of the loop, "
-    "crosses the black one, −1/N(A) of the hysteresis at pressure amplitude A."
-)
+def _worst_of(a: Assessment, name: str, worst: Callable[..., Mapping[str, Any]]) -> str:
+    """The branch and the rate of the regulator where a margin is the worst; empty of an unstable loop."""
+    if not a.stable:
+        return ""
+    m = worst(a.margins, key=lambda m: float(m[name]))
+    return f"{spaced(m['branch'])} at the {m['rate']} rate"
+
+
+def describing_caption(a: Assessment) -> str:
+    """Whether a limit cycle is predicted."""
+    said = "A limit cycle is predicted." if a.cycles else "No limit cycle is predicted."
+    return (
+        f"{said} Harmonic balance: one is where a coloured curve, the linear part of the loop, crosses the "
+        "black one, −1/N(A) of the hysteresis at pressure amplitude A."
+    )
 
 
 NO_CYCLES = (
@@ -81,10 +107,14 @@ NO_CYCLES = (
 )
 
 
-ENVELOPE = (
-    "True angle of the cases, both signs drawn upwards: median and band of 90 % of the cases. Below: detail "
-    "near the reference; dotted: settling band."
-)
+def envelope_caption(a: Assessment) -> str:
+    """The largest overshoot of the cases."""
+    over = np.asarray(a.cases.metrics.overshoot_percent, float)[~a.cases.out_of_reach]
+    said = f"Largest overshoot of {over.size} cases: {number(float(over.max()))} %. " if over.size else ""
+    return (
+        f"{said}True angle, both signs drawn upwards: median and band of 90 % of the cases. Below: detail "
+        "near the reference; dotted: settling band."
+    )
 
 
 def model_words(a: Assessment) -> str:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["robust_page", "write_robust"]
 
-FIRST = {"samples": lambda a: captions.ENVELOPE, "worst": captions.worst_caption}
+FIRST = {"samples": lambda a: captions.envelope_caption(a), "worst": captions.worst_caption}
 """Caption of the figure on the card: the samples, or the worst scenario where none could be drawn."""
 
 SECTIONS = {
@@ -110,15 +110,15 @@ def _page(study: RobustnessStudy, made: Made, drawn: Mapping[str, "Figure"]) -> 
         "late": shown("dead-time", captions.late_caption(a, study.branches.late, COMPARED)),
         "load": shown("load", load_caption(study.load)) if study.load is not None else None,
         "margins": tables.margin_table(a),
-        "nyquist": shown("nyquist", captions.NYQUIST),
-        "bode": shown("bode", captions.BODE),
-        "sensitivities": shown("sensitivities", captions.SENSITIVITIES),
+        "nyquist": shown("nyquist", captions.nyquist_caption(a)),
+        "bode": shown("bode", captions.bode_caption(a)),
+        "sensitivities": shown("sensitivities", captions.sensitivities_caption(a)),
         "model_words": captions.model_words(a),
         "ladder": tables.ladder_table(a),
         "claims": captions.claims(a),
         "constant": tables.constant_table(a),
         "region": captions.region(a),
-        "describing": shown("describing", captions.DESCRIBING),
+        "describing": shown("describing", captions.describing_caption(a)),
         "cycles": tables.cycle_table(a.cycles) if a.cycles else None,
         "no_cycles": captions.NO_CYCLES,
         "sample_words": captions.sample_words(a),

@@ -6,28 +6,14 @@ are from.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from design.status import Status
 from design.studies.shown.limits_matrix import CONDITIONS
 from design.synthesis.requirements import LIMIT_UNITS
-from reports.shared.figures.style import (
-    BLACK,
-    BLUE,
-    DASHED,
-    DOTTED,
-    GREY,
-    ORANGE,
-    VERMILLION,
-    new_figure,
-    styled,
-)
 from reports.shared.glossary import NOT_JUDGED
 from reports.shared.html import Shown
 from reports.shared.tables import Cell, Column, Group, Table, measured, number, row
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 LIMIT_NAMES = {
     "overshoot_percent": "Overshoot", "Ms": "Ms", "Mt": "Mt", "delay_margin_s": "Delay margin",
@@ -98,9 +84,13 @@ def gains_table(rows: Sequence[CardRow]) -> Table:
 
 
 def _stability(of: CardRow) -> Cell:
+    return Cell(proof_words(of), met=of.proved["status"] == "proved")
+
+
+def proof_words(of: CardRow) -> str:
     """The status of the proof, and the rate that is proved."""
-    rate, status = of.proved["rate_1_s"], of.proved["status"]
-    return Cell(status + ("" if rate is None else f", {number(rate, 2)} 1/s"), met=status == "proved")
+    rate, status = of.proved["rate_1_s"], str(of.proved["status"])
+    return status + ("" if rate is None else f", {number(rate, 2)} 1/s")
 
 
 def matrix_table(rows: Sequence[CardRow]) -> Table:
@@ -162,26 +152,3 @@ def step_caption(rows: Sequence[CardRow]) -> str:
         f"Step of {number(b['step'])} deg from rest under the recommended gains, drawn upwards. Band: "
         f"smallest and largest angle of {b['cases']} fresh cases of the requirement."
     )
-
-
-def draw_steps(rows: Sequence[CardRow]) -> "Figure":
-    """The step of each motion: nominal, behind the longest dead time, and the band of fresh cases."""
-    with styled():
-        figure, axes = new_figure(1, len(rows), 2.7, sharey=True)
-        for at, r in zip(axes, rows, strict=True):
-            b = r.band
-            words = f"{b['cases']} fresh cases"
-            at.fill_between(b["time_s"], b["low"], b["high"], color=GREY, alpha=0.35, lw=0, label=words)
-            at.plot(b["time_s"], b["nominal"], color=BLUE, lw=1.6, label="plant as fitted")
-            if b["dead_time_s"]:
-                words = f"with {1000 * b['dead_time_s']:.3g} ms dead time"
-                at.plot(b["time_s"], b["late"], color=ORANGE, lw=1.6, ls=DASHED, label=words)
-            at.axhline(b["step"], color=BLACK, lw=0.7)
-            if r.overshoot is not None:
-                top = b["step"] * (1.0 + r.overshoot / 100.0)
-                words = f"overshoot limit, {r.overshoot:g} %"
-                at.axhline(top, color=VERMILLION, lw=1.1, ls=DOTTED, label=words)
-            at.set(title=r.motion, xlabel="Time [s]", xlim=(0.0, b["time_s"][-1]))
-        axes[0].set_ylabel("Angle [deg]")
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
-    return figure

@@ -22,6 +22,18 @@ ERRORS = (
     "RMSE of open-loop simulations on the held-out recordings, with 95 % intervals; dashed: noise of the "
     "sensors, the least that any model can reach."
 )
+
+
+def errors(trace: Trace) -> str:
+    """Each channel's error before and after, and what is drawn."""
+    said = []
+    for channel, (word, unit) in CHANNELS.items():
+        before, after = trace.before.get(channel), trace.after.get(channel)
+        if before is not None and after is not None:
+            said.append(f"{word} {number(before)} {unit} before, {number(after)} {unit} after")
+    return f"{'; '.join(said)}. {ERRORS}" if said else ERRORS
+
+
 RANKING = (
     "Each effect in its best form: estimated reduction of chi-square beyond a refit of the present "
     "parameters. Dashed: threshold for selection. Tick: 95 % quantile of the largest reduction on noise "
@@ -56,8 +68,10 @@ def choice_words() -> list[str]:
 
 def ranking(stage: StageTrace) -> str:
     """How to read the ranking of a stage."""
-    words = [RANKING]
     rounds = stage.search.rounds
+    chosen = [r.taken for r in rounds if r.taken is not None]
+    taken = chosen[-1].model.effects if chosen else ()
+    words = [f"Selected: {listed(list(taken))}." if taken else "Nothing was selected.", RANKING]
     if any(r.candidates for r in rounds):
         words.append("Dark: refitted fully; number: resulting chi-square.")
     if any(r.taken is not None for r in rounds):

@@ -80,7 +80,9 @@ def _page(trace: Trace, made: Made, control: Control | None, drawn: Mapping[str,
         return Shown(markup(svg(drawn[name], name, caption)), caption)
 
     fits = [shown(f"fit-{c.split('_')[0]}", captions.series(trace, c)) for c in shown_channels(trace)]
-    card = Card(tables.effect_table(trace), [tables.error_table(trace)], shown("errors", captions.ERRORS))
+    card = Card(
+        tables.effect_table(trace), [tables.error_table(trace)], shown("errors", captions.errors(trace))
+    )
     fits += [shown("loop", captions.loop(trace))] if "loop" in drawn else []
     return render(
         "trace.html",

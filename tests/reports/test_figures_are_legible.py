@@ -19,8 +19,9 @@ from reports.comparison.page import main_figures
 from reports.paper import figures as paper
 from reports.robustness import page as robust
 from reports.robustness.signature import COMPARED, signature
-from reports.shared.card import CardRow, draw_steps
+from reports.shared.card import CardRow
 from reports.shared.figures.dead_time_figure import dead_time_figure
+from reports.shared.figures.decision_card import draw_card, draw_steps
 from reports.shared.figures.direct_labels import label_ends
 from reports.shared.figures.gain_map import gain_map
 from reports.shared.figures.point_labels import label_points
@@ -64,7 +65,8 @@ def cards():
     """The steps of a card, one motion and both."""
     d = small_decision()
     row = CardRow(d.motion, d.controller, d.gains, d.matrix, d.evidence["proved"], d.band)
-    return {"one motion": draw_steps([row]), "both": draw_steps([row, row])}
+    two = [row, row]
+    return {"one motion": draw_steps([row]), "both": draw_steps(two), "whole card": draw_card(two)}
 
 
 def paper_figures():

@@ -67,19 +67,18 @@ def test_its_table_of_controllers_is_the_committed_report():
 
 def test_its_decision_is_the_committed_design():
     design = json.loads((ROOT / "reports/examples/design.json").read_text(encoding="utf-8"))
-    rows = {r["limit"]: r for r in design["limits"]["flexion"]}
-    shown = {"overshoot [%]": "overshoot_percent", "Ms": "Ms", "settling time [s]": "settling_time_s"}
-    for words, name in shown.items():
-        (line,) = re.findall(rf"^\| {re.escape(words)} \| . ([\d.]+) \| (.+) \|$", README, re.MULTILINE)
-        assert float(line[0]) == rows[name]["bound"]
-        cells = line[1].split(" | ")
-        for cell, (condition, value) in zip(cells, rows[name]["values"].items(), strict=True):
-            if value is None:
-                assert cell == "–"
-                continue
-            mark, number = cell.split()
-            assert (mark == "✓") is rows[name]["held"][condition]
-            assert float(number) == pytest.approx(value, abs=0.006), (name, condition)
+    row = r"^\| (\w+) \| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \| (\w+), ([\d.]+) 1/s \|$"
+    rows = re.findall(row, README, re.MULTILINE)
+    assert [r[0] for r in rows] == list(design["recommended"])
+    for motion, Kp, Ki, b, cost, status, rate in rows:
+        found = design["recommended"][motion]
+        assert found["holds"]
+        assert [float(v) for v in (Kp, Ki, b)] == [found["gains"][n] for n in ("Kp", "Ki", "b")]
+        seen = found["evidence"]
+        worst = max(seen[k]["worst_iae_deg_s"] for k in ("samples", "worst_case"))
+        assert float(cost) == pytest.approx(worst, abs=0.006)
+        proved = seen["proved"]
+        assert (status, float(rate)) == (proved["status"], pytest.approx(proved["rate_1_s"], abs=6e-4))
 
 
 def test_it_names_the_pythons_that_the_package_does():
