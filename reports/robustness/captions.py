@@ -42,7 +42,8 @@ def signature_caption(a: Assessment) -> str:
     disc = "" if limit is None else "; disc: Ms beyond its limit"
     return (
         f"These gains beside SIMC's.{said} Columns above: branches of the hysteresis at both regulator rates"
-        f"{disc}. Below: the step from each initial hysteresis state."
+        f"{disc}; third row: the step of the linear loop. Below: the simulated step from each initial "
+        "hysteresis state, which passes through several branches."
     )
 
 

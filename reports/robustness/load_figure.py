@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from design.studies.shown.load_response import MOMENT, LoadResponse
-from reports.robustness.signature import COMPARED
+from reports.robustness.branches.signature import COMPARED
 from reports.shared.figures.style import BLACK, DOTTED, GREY, controller_line, new_figure, seen, styled
 from reports.shared.tables import number
 

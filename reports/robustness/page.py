@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 from design.robustness.samples.scenario_file import save as save_scenario
 from design.studies.robustness_study import RobustnessStudy
-from reports.robustness import branch_figures, captions, tables, words
+from reports.robustness import captions, tables, words
 from reports.robustness import figures as robust_figures
+from reports.robustness.branches import figures as branches
+from reports.robustness.branches.signature import COMPARED, signature
 from reports.robustness.disagreements import disagreement_sentences
 from reports.robustness.load_figure import load_caption, load_figure
 from reports.robustness.record import assessment_record
-from reports.robustness.signature import COMPARED, signature
 from reports.shared.card import card
 from reports.shared.cells import cells
 from reports.shared.figures.dead_time_figure import dead_time_figure
@@ -70,10 +71,10 @@ def draw_all(study: RobustnessStudy) -> dict[str, "Figure"]:
         "signature": signature(a.wrist, study.branches, a.limits),
         "dead-time": dead_time_figure({"": study.branches.late}, a.limits.overshoot_percent, {"": COMPARED}),
         "gains": robust_figures.draw_gain_plane(study.plane, a.limits, marks),
-        "nyquist": branch_figures.nyquist(a.wrist, {"these gains": a.controller}),
-        "bode": branch_figures.bode(a.wrist, a.controller),
-        "sensitivities": branch_figures.sensitivities(a.wrist, a.controller, a.limits),
-        "describing": branch_figures.describing(a.wrist, a.controller, a.cycles),
+        "nyquist": branches.nyquist(a.wrist, {"these gains": a.controller}),
+        "bode": branches.bode(a.wrist, a.controller),
+        "sensitivities": branches.sensitivities(a.wrist, a.controller, a.limits),
+        "describing": branches.describing(a.wrist, a.controller, a.cycles),
         "worst": robust_figures.draw_worst(a.worst, study.worst_run),
     }
     if study.load is not None:

@@ -18,7 +18,7 @@ from reports.comparison.contest import differences_figure
 from reports.comparison.page import main_figures
 from reports.paper import figures as paper
 from reports.robustness import page as robust
-from reports.robustness.signature import COMPARED, signature
+from reports.robustness.branches.signature import COMPARED, signature
 from reports.shared.card import CardRow
 from reports.shared.figures.dead_time_figure import dead_time_figure
 from reports.shared.figures.decision_card import draw_card, draw_steps

@@ -1,13 +1,15 @@
-"""The loop on every branch in one figure: Nyquist and |S| by branch and rate, steps by initial state."""
+"""The loop on every branch in one figure: Nyquist, |S|, step by branch and rate, steps by initial state."""
 
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from design.margins import winds_not
 from design.studies.shown.branch_steps import BranchSteps
 from design.synthesis.requirements import Limits
 from plants.wrist import STARTS, Wrist
-from reports.robustness.branch_figures import frequencies, overlaid
+from reports.robustness.branches.figures import frequencies, overlaid
+from reports.robustness.branches.linear_step import branch_step
 from reports.shared.figures.style import (
     BLACK,
     DOTTED,
@@ -25,40 +27,45 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+TIME = np.linspace(0.0, 3.0, 301)
+"""Times [s] at which steps of the linear loop are drawn."""
+
 COMPARED = ("these gains", "SIMC")
 """What stands in the small multiples, and in colour where all PIs are drawn."""
 
 
 def signature(wrist: Wrist, found: BranchSteps, limits: Limits) -> "Figure":
-    """Small multiples: Nyquist with the circle of the limit on Ms, |S|, and the step, of the gains that are
-    judged and of SIMC's."""
+    """Small multiples: Nyquist with the circle of the limit on Ms, |S|, and the step of the linear loop on
+    every branch, then the simulated step, of the gains that are judged and of SIMC's."""
     names = [n for n in COMPARED if n in found.controllers]
     loops = {n: overlaid(wrist, found.controllers[n]) for n in names}
     branches, omega = list(loops[names[0]]), frequencies(wrist)
     columns = max(len(branches), len(STARTS))
     with styled():
-        figure, axes = new_figure(3, columns, height=5.6, sharey="row")
-        grid = np.array(axes).reshape(3, columns)
+        figure, axes = new_figure(4, columns, height=7.2, sharey="row")
+        grid = np.array(axes).reshape(4, columns)
         for column in range(columns):
-            for panel, missing in (
-                (grid[0, column], branches),
-                (grid[1, column], branches),
-                (grid[2, column], STARTS),
-            ):
-                panel.set_visible(column < len(missing))
+            for panel, shown in zip(grid[:, column], (branches, branches, branches, STARTS), strict=True):
+                panel.set_visible(column < len(shown))
                 panel.tick_params(labelsize=7)
         for column, branch in enumerate(branches):
             for name in names:
                 L = loops[name][branch].at(omega)
                 grid[0, column].plot(L.real, L.imag, **_look(name))
                 grid[1, column].plot(omega, np.abs(1.0 / (1.0 + L)), **_look(name))
+                if winds_not(L[None])[0]:
+                    y = branch_step(loops[name][branch], found.controllers[name], omega, TIME)
+                    grid[2, column].plot(TIME, y * wrist.rig.task.step, **_look(name))
             _nyquist(grid[0, column], limits.Ms)
             grid[0, column].set_title(branch.replace(", ", "\n"), fontsize=7.5)
             _sensitivity(grid[1, column], limits.Ms)
+            _step_axes(grid[2, column], wrist.rig.task.step)
         for column, start in enumerate(STARTS):
-            _steps(grid[2, column], found, names, column, wrist.rig.task.step)
-            grid[2, column].set_title(f"from {spaced(start)}", fontsize=7.5)
-        for panel, label in zip(grid[:, 0], ("Im L [1]", "|S| [1]", "Angle [deg]"), strict=True):
+            _steps(grid[3, column], found, names, column, wrist.rig.task.step)
+            grid[3, column].set_title(f"from {spaced(start)}", fontsize=7.5)
+        for panel, label in zip(
+            grid[:, 0], ("Im L [1]", "|S| [1]", "Linear [deg]", "Angle [deg]"), strict=True
+        ):
             panel.set_ylabel(label)
         figure.legend(*grid[1, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
@@ -93,6 +100,10 @@ def _steps(axes: "Axes", found: BranchSteps, names: list[str], lane: int, step: 
         assert t is not None
         every = seen(len(t.time), 300)
         axes.plot(t.time[every], t.angle[every, lane], **_look(name))
+    _step_axes(axes, step)
+
+
+def _step_axes(axes: "Axes", step: float) -> None:
     axes.axhline(step, color=BLACK, linewidth=0.7)
     axes.set(xlim=(0.0, 3.0), ylim=(-2.0, 1.6 * step), xticks=(0, 1, 2, 3))
     axes.set_xlabel("Time [s]", fontsize=7.5)

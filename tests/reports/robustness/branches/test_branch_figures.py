@@ -9,7 +9,7 @@ from design.robustness.predictions.limit_cycles import predicted
 from design.synthesis.requirements import Limits
 from plants import Wrist
 from plants.effects import DeadTime
-from reports.robustness.branch_figures import bode, describing, nyquist, overlaid, sensitivities
+from reports.robustness.branches.figures import bode, describing, nyquist, overlaid, sensitivities
 from reports.shared.figures.style import save
 
 FLEXION, DEVIATION = Wrist.flexion(), Wrist.deviation()

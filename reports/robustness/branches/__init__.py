@@ -1,0 +1,1 @@
+"""Figures of the loop on every branch of the hysteresis."""
