@@ -153,10 +153,10 @@ def _dearer(study: DesignStudy) -> str:
         before, after = of.get(("memory and corners", PLAIN)), of.get(("worst case found", m.recommended))
         if before and after and all(map(isfinite, (before, after))):
             share = 100 * (after / before - 1.0)
-            said.append(f"{m.motion} {number(abs(share), 2)} % {'more' if share > 0.0 else 'less'}")
+            said.append(f"{number(abs(share), 2)} % {'more' if share > 0.0 else 'less'} on {m.motion}")
     if not said:
         return ""
-    return f"Worst IAE beside that of gains tuned for branches and starts only: {'; '.join(said)}. "
+    return f"The recommended gains err {listed(said)} than gains tuned for branches and starts only. "
 
 
 def price_caption(study: DesignStudy) -> str:

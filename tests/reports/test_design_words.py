@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from design.alternatives.designs import LQI_NAME
+from design.alternatives.designs import LQI_NAME, ROBUST_MPC
 from design.studies.design_study import DesignStudy, MotionDesign
 from design.studies.designs import FORWARD, DesignEffort
 from plants.effects.wrist.cross_coupling import Coupling
@@ -16,6 +16,8 @@ from reports.design.words import (
     feedforward_words,
     last_line,
     lqi_words,
+    mpc_words,
+    price_caption,
     remarks,
     summary,
     title,
@@ -75,6 +77,32 @@ def test_what_does_not_hold_is_said_first_and_which_guarantee_would_have_to_go()
 def test_a_row_without_gains_is_open():
     (group,) = tables.price_table(study(0, "open", 1)).groups
     assert [c.text for c in group.rows[0]][-1] == "open"
+
+
+def test_the_price_of_the_whole_requirement_is_told_in_per_cent():
+    plain = study(0, "open", 1)
+    (m,) = plain.motions
+
+    def priced(worst, *more):
+        row = {**m.prices[0], "controller": "PI"}
+        rows = [{**row, "guarantee": "memory and corners", "worst_iae_deg_s": 8.0}, *more]
+        rows.append({**row, "guarantee": "worst case found", "worst_iae_deg_s": worst})
+        return price_caption(replace(plain, motions=(replace(m, prices=tuple(rows)),)))
+
+    assert priced(10.0).startswith("The recommended gains err 25 % more on flexion than gains tuned for")
+    assert "err 50 % less on flexion" in priced(4.0)
+    assert priced(None).startswith("Worst IAE over the same steps")
+    assert "Robust MPC" not in priced(10.0)
+    mpc = {**m.prices[0], "controller": ROBUST_MPC, "guarantee": "worst case found"}
+    assert priced(10.0, mpc).endswith("Robust MPC: margins not judged.")
+
+
+def test_an_mpc_is_told_with_what_was_searched():
+    (m,) = study(0, "open", 1).motions
+    of = {"gains": {"swing": 80.0}, "cost": 5.0, "holds": True, "samples": 256, "search_runs": 2000}
+    said = mpc_words(replace(m, designs={**m.designs, ROBUST_MPC: of}))
+    assert "worst IAE of its tuning is 50 % lower" in said
+    assert said.endswith("found in about 2000 runs of a search and in 256 fresh samples.")
 
 
 def test_a_feedforward_that_holds_is_told_with_what_it_would_save():
