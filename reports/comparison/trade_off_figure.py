@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DRAWN = (
-    "Worst settling time against delay margin, both axes logarithmic: better is down and to the right. "
-    "Hollow mark: a limit is broken; square: delay tolerated in simulation; arrow: no loop to destabilise."
+    "Worst settling time against delay margin: better is down and to the right. Hollow mark: a limit is "
+    "broken; square: delay tolerated in simulation; arrow: no loop to destabilise."
 )
 
 
@@ -27,7 +27,7 @@ def trade_off_caption(comparison: Comparison) -> str:
     motions = list(dict.fromkeys(s.motion for s in comparison.standings))
     fronts = {m: pareto_front([s for s in comparison.standings if s.motion == m]) for m in motions}
     said = [f"{m}: {', '.join(name_of(s.controller) for s in f)}" for m, f in fronts.items() if f]
-    found = f"On the Pareto front of the controllers that meet every limit: {'; '.join(said)}. "
+    found = f"Pareto front within the limits: {'; '.join(said)}. "
     return (found if said else "") + DRAWN
 
 

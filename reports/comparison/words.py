@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import isfinite
 
 from design.alternatives.convex_concave import NOISE_GAIN
-from design.comparison.compare import TUNED, Comparison
+from design.comparison.compare import FORWARD, TUNED, Comparison
 from design.comparison.tolerated import DURATION
 from design.contest.plants import RIGS
 from design.contest.scores import BESIDE, Contest, Score
@@ -66,21 +66,19 @@ LOOPS_CAPTION = (
 
 
 def worst_caption(comparison: Comparison) -> str:
-    """Who settles first within the limits, and what the bars are."""
-    motions = dict.fromkeys(s.motion for s in comparison.standings)
-    said = [f"{m}: {who}" for m in motions if (who := _first_to_settle(comparison, m))]
-    return f"{'; '.join(said)}. {WORST_CAPTION}" if said else WORST_CAPTION
-
-
-def _first_to_settle(comparison: Comparison, motion: str) -> str:
-    """The fastest controller within the limits, and the recommended PI; empty where none settles."""
-    of = [s for s in comparison.standings if s.motion == motion and isfinite(s.worst_settling_s)]
-    best = min((s for s in of if not s.breaks), key=lambda s: s.worst_settling_s, default=None)
-    if best is None:
-        return ""
-    words = f"{name_of(best.controller)} is the fastest within the limits, {_seconds(best.worst_settling_s)}"
-    ours = next((s for s in of if s.controller == TUNED and s is not best), None)
-    return words + (f"; {name_of(TUNED)} {_seconds(ours.worst_settling_s)}" if ours else "")
+    """Which feedback settles first within the limits, beside the recommended PI, and what the bars are."""
+    said = []
+    for motion in dict.fromkeys(s.motion for s in comparison.standings):
+        of = {s.controller: s for s in comparison.standings if s.motion == motion and s.controller != FORWARD}
+        best = min((s for s in of.values() if not s.breaks), key=lambda s: s.worst_settling_s, default=None)
+        if best is None or not isfinite(best.worst_settling_s):
+            continue
+        words = f"{motion}: {name_of(best.controller)}, {_seconds(best.worst_settling_s)}"
+        ours = of.get(TUNED)
+        beside = f" ({name_of(TUNED)} {_seconds(ours.worst_settling_s)})" if ours and ours is not best else ""
+        said.append(words + beside)
+    first = f"Fastest feedback within the limits: {'; '.join(said)}. " if said else ""
+    return first + WORST_CAPTION
 
 
 def late_caption(study: Study) -> str:
@@ -333,7 +331,7 @@ def map_caption(motion: str, tuning: Tuning) -> str:
     near = "" if nearest is None else f", nearest to the limit on {limit_in_text(nearest)}"
     return (
         f"{title_of(motion)}: worst cost over the gains, dark is worse. Star: the tuned gains{near}. Inside "
-        "the black line every limit is met; outside, the hatching names the limit broken most."
+        "the black line: every limit met; hatching: the limit broken most."
     )
 
 

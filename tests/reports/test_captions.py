@@ -2,7 +2,7 @@
 
 import pytest
 
-from design.comparison.compare import TUNED
+from design.comparison.compare import FORWARD, TUNED
 from design.comparison.pareto import pareto_front
 from reports.comparison import words as comparison_words
 from reports.comparison.contest import MAIN, differences_caption
@@ -23,15 +23,15 @@ def test_a_trade_off_names_the_pareto_front_of_each_motion():
             assert f"{motion}: {', '.join(name_of(s.controller) for s in front)}" in said
 
 
-def test_the_fastest_within_the_limits_is_named_with_its_time():
+def test_the_fastest_feedback_within_the_limits_is_named_with_its_time():
     comparison = small_study().comparison
     said = comparison_words.worst_caption(comparison)
     for motion in {s.motion for s in comparison.standings}:
-        able = [s for s in comparison.standings if s.motion == motion and not s.breaks]
+        of = [s for s in comparison.standings if s.motion == motion and s.controller != FORWARD]
+        able = [s for s in of if not s.breaks]
         if able:
             best = min(able, key=lambda s: s.worst_settling_s)
-            assert f"{motion}: {name_of(best.controller)} is the fastest within the limits" in said
-            assert f"{best.worst_settling_s:.2f} s" in said
+            assert f"{motion}: {name_of(best.controller)}, {best.worst_settling_s:.2f} s" in said
     assert said.endswith(comparison_words.WORST_CAPTION)
 
 
