@@ -38,7 +38,7 @@ BARE = "PI, residual left out"
 @dataclass(frozen=True)
 class DesignEffort:
     """How much is spent: fresh samples, runs of the search for the worst case, points of maps, rounds; mpc:
-    whether an MPC is tuned too, which takes minutes."""
+    whether an MPC is tuned too, which takes a quarter of an hour a motion."""
 
     samples: int = 20_000
     runs: int = 50_000

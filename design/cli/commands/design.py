@@ -67,7 +67,7 @@ def command(
     points: Annotated[int, typer.Option(help="Points of the map in each gain.", min=5, max=400)] = 40,
     mpc: Annotated[
         bool,
-        typer.Option("--mpc", help="Also tune an MPC under the requirement; some minutes a motion."),
+        typer.Option("--mpc", help="Also tune an MPC under the requirement; a quarter of an hour a motion."),
     ] = False,
     seed: SeedOption = 0,
     json: JsonOption = None,
