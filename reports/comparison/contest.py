@@ -28,11 +28,16 @@ CAPTION = (
 def differences_caption(found: Contest) -> str:
     """How many controllers have less error than the recommended PI, and what is drawn."""
     said = []
-    for motion in (m for m, field, family in found.tables if (field, family) == MAIN):
+    for motion in _motions(found):
         others = [s for s in found.of(motion, *MAIN) if s.controller != TUNED]
         less = [s for s in others if s.against["iae_deg_s"].high < 0.0]
         said.append(f"{motion}: {len(less)} of {len(others)} controllers")
     return f"Less error than the recommended PI, the interval below zero: {'; '.join(said)}. {CAPTION}"
+
+
+def _motions(found: Contest) -> list[str]:
+    """The motions that have the main table."""
+    return [m for m, field, family in found.tables if (field, family) == MAIN]
 
 
 def main_table(found: Contest, overshoot: float | None) -> Table:
@@ -120,7 +125,7 @@ def _less(found: Contest) -> str:
 
 def differences_figure(found: Contest) -> "Figure":
     """Paired differences of the IAE on the perturbed plants, one panel a motion."""
-    motions = [m for m, field, family in found.tables if (field, family) == MAIN]
+    motions = _motions(found)
     with styled():
         most = max(len(found.of(m, *MAIN)) for m in motions)
         figure, axes = new_figure(1, len(motions), height=0.9 + 0.22 * most, sharey=True)

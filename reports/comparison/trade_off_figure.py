@@ -24,11 +24,10 @@ DRAWN = (
 
 def trade_off_caption(comparison: Comparison) -> str:
     """Who is on the Pareto front of each motion, fastest first, and what is drawn."""
-    motions = list(dict.fromkeys(s.motion for s in comparison.standings))
+    motions = dict.fromkeys(s.motion for s in comparison.standings)
     fronts = {m: pareto_front([s for s in comparison.standings if s.motion == m]) for m in motions}
     said = [f"{m}: {', '.join(name_of(s.controller) for s in f)}" for m, f in fronts.items() if f]
-    found = f"Pareto front within the limits: {'; '.join(said)}. "
-    return (found if said else "") + DRAWN
+    return f"Pareto front within the limits: {'; '.join(said)}. {DRAWN}" if said else DRAWN
 
 
 def trade_off(comparison: Comparison) -> "Figure":

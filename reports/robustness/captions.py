@@ -102,10 +102,7 @@ def describing_caption(a: Assessment) -> str:
     )
 
 
-NO_CYCLES = (
-    "No limit cycle is predicted. The table of statements has the result of simulations from large "
-    "amplitudes."
-)
+NO_CYCLES = "The table of statements has the result of simulations from large amplitudes."
 
 
 def envelope_caption(a: Assessment) -> str:

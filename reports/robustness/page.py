@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["robust_page", "write_robust"]
 
-FIRST = {"samples": lambda a: captions.envelope_caption(a), "worst": captions.worst_caption}
+FIRST = {"samples": captions.envelope_caption, "worst": captions.worst_caption}
 """Caption of the figure on the card: the samples, or the worst scenario where none could be drawn."""
 
 SECTIONS = {

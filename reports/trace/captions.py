@@ -22,18 +22,6 @@ ERRORS = (
     "RMSE of open-loop simulations on the held-out recordings, with 95 % intervals; dashed: noise of the "
     "sensors, the least that any model can reach."
 )
-
-
-def errors(trace: Trace) -> str:
-    """Each channel's error before and after, and what is drawn."""
-    said = []
-    for channel, (word, unit) in CHANNELS.items():
-        before, after = trace.before.get(channel), trace.after.get(channel)
-        if before is not None and after is not None:
-            said.append(f"{word} {number(before)} {unit} before, {number(after)} {unit} after")
-    return f"{'; '.join(said)}. {ERRORS}" if said else ERRORS
-
-
 RANKING = (
     "Each effect in its best form: estimated reduction of chi-square beyond a refit of the present "
     "parameters. Dashed: threshold for selection. Tick: 95 % quantile of the largest reduction on noise "
@@ -49,6 +37,16 @@ CAUTION = "The revised plant does not explain its recordings, so the rig may beh
 def title(trace: Trace) -> str:
     """The heading of a page."""
     return TITLES[trace.verdict].format(listed([e.name for e in trace.effects]))
+
+
+def errors(trace: Trace) -> str:
+    """Each channel's error before and after, and what is drawn."""
+    said = []
+    for channel, (word, unit) in CHANNELS.items():
+        before, after = trace.before.get(channel), trace.after.get(channel)
+        if before is not None and after is not None:
+            said.append(f"{word} {number(before)} {unit} before, {number(after)} {unit} after")
+    return f"{'; '.join(said)}. {ERRORS}" if said else ERRORS
 
 
 def choice_words() -> list[str]:
@@ -74,7 +72,7 @@ def ranking(stage: StageTrace) -> str:
     words = [f"Selected: {listed(list(taken))}." if taken else "Nothing was selected.", RANKING]
     if any(r.candidates for r in rounds):
         words.append("Dark: refitted fully; number: resulting chi-square.")
-    if any(r.taken is not None for r in rounds):
+    if chosen:
         words.append("Hatched: selected.")
     if len(rounds) > 1:
         words.append("After the first round only the strongest are drawn.")

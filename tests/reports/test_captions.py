@@ -17,6 +17,7 @@ from tests.reports.report_samples import small_contest, small_robustness, small_
 def test_a_trade_off_names_the_pareto_front_of_each_motion():
     comparison = small_study().comparison
     said = trade_off_caption(comparison)
+    assert said.startswith("Pareto front within the limits: ")
     for motion in {s.motion for s in comparison.standings}:
         front = pareto_front([s for s in comparison.standings if s.motion == motion])
         if front:
@@ -26,6 +27,7 @@ def test_a_trade_off_names_the_pareto_front_of_each_motion():
 def test_the_fastest_feedback_within_the_limits_is_named_with_its_time():
     comparison = small_study().comparison
     said = comparison_words.worst_caption(comparison)
+    assert said.startswith("Fastest feedback within the limits: ")
     for motion in {s.motion for s in comparison.standings}:
         of = [s for s in comparison.standings if s.motion == motion and s.controller != FORWARD]
         able = [s for s in of if not s.breaks]
@@ -37,6 +39,7 @@ def test_the_fastest_feedback_within_the_limits_is_named_with_its_time():
 
 def test_a_map_of_the_gains_names_the_nearest_limit():
     study = small_study()
+    assert study.tunings
     for motion, tuning in study.tunings.items():
         assert ", nearest to the limit on " in comparison_words.map_caption(motion, tuning)
 

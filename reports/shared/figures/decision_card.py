@@ -83,22 +83,17 @@ def _matrix(at: "Axes", table: Table) -> None:
     heads = [c.heading for c in table.columns[:-1]]
     lines = [r[: len(heads)] for r in table.groups[0].rows]
     each = (1.0 - LIMIT - BOUND) / (len(heads) - 2)
-    right = [LIMIT, LIMIT + BOUND, *(LIMIT + BOUND + each * (i + 1) for i in range(len(heads) - 2))]
+    right = [LIMIT + BOUND + each * i for i in range(len(heads) - 1)]
+    places = [(0.0, "left"), *((x, "right") for x in right)]
     high = 1.0 / (len(lines) + 1.6)
-    for i, (head, x) in enumerate(zip(heads, right, strict=True)):
-        words = "\n".join(_halves(head))
-        place = (0.0, "left") if i == 0 else (x, "right")
-        at.text(place[0], 1.0, words, ha=place[1], va="top", fontsize=SMALL, color=GREY)
+    for head, (x, side) in zip(heads, places, strict=True):
+        at.text(x, 1.0, "\n".join(_halves(head)), ha=side, va="top", fontsize=SMALL, color=GREY)
     for n, cells in enumerate(lines):
         y = 1.0 - high * (n + 2.1)
         at.axhline(y + 0.5 * high, color=GREY, lw=0.3, alpha=0.6)
-        for i, (cell, x) in enumerate(zip(cells, right, strict=True)):
-            place = (0.0, "left") if i == 0 else (x, "right")
-            mark = BROKEN if cell.broken else MET if cell.met else ""
-            at.text(
-                place[0], y, f"{mark} {cell.text}".strip(), ha=place[1], va="center", fontsize=SMALL,
-                color=_colour(cell),
-            )  # fmt: skip
+        for cell, (x, side) in zip(cells, places, strict=True):
+            mark, colour = _look(cell)
+            at.text(x, y, f"{mark} {cell.text}".strip(), ha=side, va="center", fontsize=SMALL, color=colour)
     at.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
 
 
@@ -113,5 +108,8 @@ def _halves(words: str) -> tuple[str, str]:
     return " ".join(parts[:cut]), " ".join(parts[cut:])
 
 
-def _colour(cell: Cell) -> str:
-    return VERMILLION if cell.broken else GREEN if cell.met else BLACK
+def _look(cell: Cell) -> tuple[str, str]:
+    """The mark of a cell, and its colour."""
+    if cell.broken:
+        return BROKEN, VERMILLION
+    return (MET, GREEN) if cell.met else ("", BLACK)
