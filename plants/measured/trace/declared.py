@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.residual.series.denoised import denoised
 from plants.measured.stage import begun
 from plants.measured.trace.search.choose import Candidate
 from plants.measured.trace.stages.model import Model
@@ -71,7 +72,7 @@ def driven(declared: Model, regulator: Candidate) -> Model:
 
 def _under(declared: Model, regulator: Candidate, put_back: bool) -> Model:
     """The declared wrist driven by the regulator's pressure [kPa] of every ms, as it is simulated, or
-    with what that leaves of the measured pressure put back, smoothed."""
+    with what that leaves of the measured pressure put back, denoised."""
     stage = declared.stage
     wrist = Wrist.from_values(declared.values, regulator.model.forms, declared.stage.rig)
     simulated, drives = [], []
@@ -83,17 +84,11 @@ def _under(declared: Model, regulator: Candidate, put_back: bool) -> Model:
         simulated.append(pressure)
         if playback.recording.pressure is not None:
             left = playback.recording.pressure - pressure[playback.rows]
-            pressure = pressure + np.interp(np.arange(len(pressure)), playback.rows, _smooth(left))
+            there = denoised(left, regulator.model.stage.noise)
+            pressure = pressure + np.interp(np.arange(len(pressure)), playback.rows, there)
         drives.append(pressure)
     free = tuple(simulated)
     driven = (
         replace(stage, drives=tuple(drives), free_drives=free) if put_back else replace(stage, drives=free)
     )
     return replace(declared, stage=driven)
-
-
-def _smooth(left: Array) -> Array:
-    from scipy.signal import savgol_filter
-
-    smooth: Array = savgol_filter(left, 15, 2) if len(left) > 15 else left
-    return smooth

@@ -258,11 +258,14 @@ def worth_it(before: Candidate, after: Candidate, declared: Candidate) -> bool:
     or an effect in recordings too short for the tests to see it: then it has to take a good part away and
     to make the rest likelier as noise, of any colour, by more than following slow noise for a while would.
     Rows left out say nothing there, since slow noise upsets the declared parameters on half of the data as
-    much as a missing effect.
+    much as a missing effect.  But the error of a free run must not rise where the stage is driven by what was
+    measured.
     """
     if before.examined.structured:
         return falls(before, after) and _enough(before.held_out, after.held_out, declared.held_out)
     if not _enough(before.model.chi2, after.model.chi2, declared.model.chi2):
+        return False
+    if after.model.freely.chi2 > before.model.freely.chi2:
         return False
     more = max(1, len(after.model.names) - len(before.model.names))
     return after.log_likelihood - before.log_likelihood > demanded(more)
