@@ -4,13 +4,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from design.comparison.compare import TUNED
+from design.comparison.compare import TUNED, Comparison
 from design.contest.scores import BESIDE, BOTH, Contest, Score
 from design.contest.statistics import FEWEST, LEVEL, ConfidenceInterval
 from design.evaluation.tasks import lasts
 from reports.shared.figures.style import BLACK, GREY, controller_line, new_figure, styled
 from reports.shared.names import name_of, title_of
-from reports.shared.tables import Cell, Column, Group, Table, fixed, row
+from reports.shared.tables import Cell, Column, Group, Table, fixed, listed, row
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,13 +25,17 @@ CAPTION = (
 )
 
 
-def differences_caption(found: Contest) -> str:
-    """How many controllers have less error than the recommended PI, and what is drawn."""
+def differences_caption(found: Contest, nominal: Comparison) -> str:
+    """How many controllers have less error than the recommended PI, which of these break a limit on the
+    nominal plant, and what is drawn."""
     said = []
     for motion in _motions(found):
         others = [s for s in found.of(motion, *MAIN) if s.controller != TUNED]
-        less = [s for s in others if s.against["iae_deg_s"].high < 0.0]
-        said.append(f"{motion}: {len(less)} of {len(others)} controllers")
+        less = [s.controller for s in others if s.against["iae_deg_s"].high < 0.0]
+        broken = {s.controller for s in nominal.standings if s.motion == motion and s.breaks}
+        beyond = [name_of(n) for n in less if n in broken]
+        but = f" ({listed(beyond)} beyond a limit on the nominal plant)" if beyond else ""
+        said.append(f"{motion}: {len(less)} of {len(others)} controllers{but}")
     return f"Less error than the recommended PI, the interval below zero: {'; '.join(said)}. {CAPTION}"
 
 

@@ -34,10 +34,9 @@ LEDGER = (
 
 
 def break_even_caption(motion: str, found: BreakEven) -> str:
-    """What the map of a motion shows."""
-    names = " and ".join(dict.fromkeys(name_of(c.controller) for c in found.curves))
+    """Where controllers break even with the recommended PI, and what the map of a motion shows."""
     return (
-        f"{title_of(motion)}: {names}, as ratios to the recommended PI alone, when one property at a time "
+        f"{break_even_words(motion, found)} Ratios to the recommended PI alone, when one property at a time "
         "differs from the model. Shaded: worse than the recommended PI; circles: break-even; arrows: beyond "
         "the axis, or not settled."
     )

@@ -14,8 +14,8 @@ from design.studies.study import Study
 from design.synthesis.answer import Answer
 from plants.measured.fit import Fit
 from plants.parameters.quantities import Fitted, ParameterSet
+from reports.comparison import captions, costs, figures, tables, words
 from reports.comparison import contest as broad
-from reports.comparison import costs, figures, tables, words
 from reports.comparison.break_even_figure import break_even_figure
 from reports.comparison.contest_words import sentences
 from reports.comparison.designs import budgets, designs
@@ -108,7 +108,7 @@ def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:
     comparison, motions = study.comparison, study.motions
     least = {t.problem.cost for t in study.tunings.values()}
     assumed = assumption_table(study.plants)
-    responses = [shown(f"steps-{slug(m)}", words.steps_caption(comparison, m)) for m in motions]
+    responses = [shown(f"steps-{slug(m)}", captions.steps_caption(comparison, m)) for m in motions]
     cards = card_rows(study)
     return render(
         "comparison.html", title=words.title(study), kind="comparison of controllers",
@@ -124,14 +124,14 @@ def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:
         tunings=[_tuning(m, a, study.cells.get(m), shown) for m, a in study.answers.items()],
         designs=[(title_of(m), designs(comparison, m)) for m in motions if comparison.designs],
         standings=tables.standings_table(comparison),
-        worst=shown("worst-values", words.worst_caption(comparison)),
+        worst=shown("worst-values", captions.worst_caption(comparison)),
         trade_off=shown("trade-off", trade_off_caption(comparison)),
-        late=shown("dead-time", words.late_caption(study)) if study.late else None,
+        late=shown("dead-time", captions.late_caption(study)) if study.late else None,
         paper_note=tables.paper_note(),
         contest=_contest(study, study.contest, shown) if study.contest else None,
         wrong=[_wrong(m, b, shown) for m, b in (study.break_even or {}).items()],
         times=_times(study.execution_times) if study.execution_times else None,
-        responses=responses, loops=shown("loops", words.LOOPS_CAPTION),
+        responses=responses, loops=shown("loops", captions.loops_caption(comparison)),
         assumed=assumed, assumed_count=sum(len(g.rows) for g in assumed.groups),
         further=words.further(motions), motion_count=len(motions),
         made=made,
@@ -178,7 +178,6 @@ def _sections(study: Study) -> dict[str, str]:
 def _wrong(motion: str, found: BreakEven, shown: Any) -> dict[str, Any]:
     return {
         "title": title_of(motion),
-        "words": costs.break_even_words(motion, found),
         "figure": shown(f"break-even-{slug(motion)}", costs.break_even_caption(motion, found)),
         "table": costs.break_even_table(found),
     }
@@ -198,7 +197,7 @@ def _contest(study: Study, contest: Contest, shown: Any) -> dict[str, Any]:
         "how": [*broad.how(contest), budgets(study.comparison, study.tunings)],
         "on_others": words.on_others(study.comparison, contest),
         "main": broad.main_table(contest, overshoot),
-        "figure": shown("differences", broad.differences_caption(contest)),
+        "figure": shown("differences", broad.differences_caption(contest, study.comparison)),
     }
 
 
@@ -227,7 +226,7 @@ def _plant(motion: str, s: ParameterSet, fit: Fit | None, shown: Any) -> dict[st
         "parameters": parameter_table(fit.fitted, fit.before),
         "errors": error_table(fit),
         "misfit": words.misfit(fit),
-        "figure": shown(f"fit-{slug(motion)}", words.fit_caption(motion, fit)),
+        "figure": shown(f"fit-{slug(motion)}", captions.fit_caption(motion, fit)),
         "judged_on": " on the held-out recordings" if apart else "",
     }
 
@@ -242,7 +241,7 @@ def _tuning(motion: str, answer: Answer, steps: CellSteps | None, shown: Any) ->
         "found": words.found(answer),
         "evidence": words.evidence(answer),
         "table": tables.tuning_table(t),
-        "figure": shown(f"gains-{slug(motion)}", words.map_caption(motion, t), known),
+        "figure": shown(f"gains-{slug(motion)}", captions.map_caption(motion, t), known),
     }
 
 

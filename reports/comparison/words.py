@@ -1,11 +1,10 @@
-"""What a comparison page says in sentences: summary, verdict on the fit, evidence, captions."""
+"""What a comparison page says in sentences: summary, verdict on the fit, evidence."""
 
 from collections.abc import Sequence
 from math import isfinite
 
 from design.alternatives.convex_concave import NOISE_GAIN
-from design.comparison.compare import FORWARD, TUNED, Comparison
-from design.comparison.tolerated import DURATION
+from design.comparison.compare import TUNED, Comparison
 from design.contest.plants import RIGS
 from design.contest.scores import BESIDE, Contest, Score
 from design.contest.statistics import FEWEST, LEVEL
@@ -15,16 +14,19 @@ from design.status import Status
 from design.studies.decision import Decision
 from design.studies.study import Study
 from design.synthesis.answer import Answer
-from design.synthesis.tuning import ACTIVE, Tuning, nearest_limit
+from design.synthesis.tuning import ACTIVE, nearest_limit
 from design.synthesis.tuning_rules import PAPER_FACTOR, PAPER_GAINS
 from plants.measured.fit import Fit
 from plants.parameters.quantities import Assumed
 from reports.comparison.contest import MAIN as PERTURBED
-from reports.comparison.figures import PIS
 from reports.shared.card import broken_words
-from reports.shared.figures.dead_time_figure import SETTLED, kept_up_to
-from reports.shared.figures.fit import shown_run
-from reports.shared.names import COST_WORDS, WINDOW, limit_in_text, limit_name, name_of, pi_name, title_of
+from reports.shared.names import (
+    COST_WORDS,
+    WINDOW,
+    limit_name,
+    name_of,
+    pi_name,
+)
 from reports.shared.tables import fixed, listed, number, spaced
 from reports.shared.tuning import refused
 
@@ -49,44 +51,6 @@ FURTHER = (
 
 APART = "The two motions are uncoupled, except in simulations of both at once on perturbed plants."
 """The same of a rig with two motions."""
-
-WORST_CAPTION = (
-    "Worst settling time and overshoot over the tasks of a motion; dashed: limit on overshoot; grey bar: the "
-    "paper's PI over the range of its gains; arrow: not settled within the run."
-)
-DEAD_TIME_CAPTION = (
-    "Worst overshoot of every controller against added dead time, plant as fitted: steps of both signs from "
-    f"every initial state; for an MPC from rest only, for {DURATION:g} s. In colour: the recommended PI, and "
-    f"the feedback that settles first within the limits without dead time. {SETTLED}"
-)
-LOOPS_CAPTION = (
-    "The step from rest under the recommended PI in the plane of pressure and angle. In the dead zone the "
-    "pressure moves and the angle does not; beyond it the angle follows line 1. Dots: time after the step."
-)
-
-
-def worst_caption(comparison: Comparison) -> str:
-    """Which feedback settles first within the limits, beside the recommended PI, and what the bars are."""
-    said = []
-    for motion in dict.fromkeys(s.motion for s in comparison.standings):
-        of = {s.controller: s for s in comparison.standings if s.motion == motion and s.controller != FORWARD}
-        best = min((s for s in of.values() if not s.breaks), key=lambda s: s.worst_settling_s, default=None)
-        if best is None or not isfinite(best.worst_settling_s):
-            continue
-        words = f"{motion}: {name_of(best.controller)}, {_seconds(best.worst_settling_s)}"
-        ours = of.get(TUNED)
-        beside = f" ({name_of(TUNED)} {_seconds(ours.worst_settling_s)})" if ours and ours is not best else ""
-        said.append(words + beside)
-    first = f"Fastest feedback within the limits: {'; '.join(said)}. " if said else ""
-    return first + WORST_CAPTION
-
-
-def late_caption(study: Study) -> str:
-    """Up to which dead time the recommended PI keeps the limit on overshoot, and what the curves are."""
-    limit = study.comparison.limits.overshoot_percent
-    kept = {m: kept_up_to(sweep, TUNED, limit) for m, sweep in (study.late or {}).items()}
-    said = "; ".join(f"{m}: {words}" for m, words in kept.items() if words)
-    return f"{said[0].upper()}{said[1:]}. {DEAD_TIME_CAPTION}" if said else DEAD_TIME_CAPTION
 
 
 def further(motions: Sequence[str]) -> list[str]:
@@ -139,7 +103,7 @@ def _gain_of_others(study: Study) -> str:
     best = min(faster, key=lambda s: s.worst_settling_s, default=None)
     if best is None or best.worst_settling_s >= ours.worst_settling_s:
         return f"On the nominal {motion} plant no other controller within the limits settles faster."
-    fast, slow = _seconds(best.worst_settling_s), _seconds(ours.worst_settling_s)
+    fast, slow = seconds(best.worst_settling_s), seconds(ours.worst_settling_s)
     return (
         f"On the nominal {motion} plant {name_of(best.controller)} settles in {fast}, the "
         f"{name_of(ours.controller)} in {slow}."
@@ -180,7 +144,8 @@ def paper_summary(study: Study) -> list[str]:
     ]
 
 
-def _seconds(value: float) -> str:
+def seconds(value: float) -> str:
+    """A settling time [s], or that it is beyond the run."""
     return f"{value:.2f} s" if isfinite(value) else f"more than {WINDOW:g} s"
 
 
@@ -255,15 +220,6 @@ def fit_words(fit: Fit) -> str:
     return f"Fitted to {', '.join(took)} of the campaign “{fit.campaign.name}”; {judged}."
 
 
-def fit_caption(motion: str, fit: Fit) -> str:
-    """What the figure of a fit shows."""
-    return (
-        f"{title_of(motion)}: measured and simulated on {shown_run(fit).recording.name}, with the "
-        "parameters before the fit and after it, from the command alone; residuals of both; angle over "
-        "pressure."
-    )
-
-
 def found(answer: Answer) -> str:
     """Cost at the tuned gains, where it is taken, and what keeps it from being lower."""
     t = answer.tuning
@@ -323,24 +279,3 @@ def evidence(answer: Answer) -> str:
         )
     edge = " The optimum lies on the edge of the searched region: a wider region may contain a better one."
     return words + (edge if t.on_edge else "")
-
-
-def map_caption(motion: str, tuning: Tuning) -> str:
-    """How to read the map of the gains, and which limit the tuned ones are nearest to."""
-    nearest = nearest_limit(tuning.at, 0)
-    near = "" if nearest is None else f", nearest to the limit on {limit_in_text(nearest)}"
-    return (
-        f"{title_of(motion)}: worst cost over the gains, dark is worse. Star: the tuned gains{near}. Inside "
-        "the black line: every limit met; hatching: the limit broken most."
-    )
-
-
-def steps_caption(comparison: Comparison, motion: str) -> str:
-    """What the responses show."""
-    named = [name for m, name in comparison.steps if m == motion]
-    scales = "" if set(named) <= set(PIS) else " The right column has a shorter time axis."
-    return (
-        f"{title_of(motion)}: step of {comparison.rig.task.step:g} deg from rest on the plant as fitted, "
-        f"{len(named)} controllers. In colour: the {name_of(TUNED)}, and in each column the other that "
-        f"settles first within the limits. Last row: the angle over the whole run.{scales}"
-    )

@@ -23,12 +23,15 @@ from reports.shared.tables import number, spaced
 
 
 def plane_caption(a: Assessment) -> str:
-    """Beneath the plane of the gains."""
+    """Which certificates these gains have, and what the plane shows."""
+    switching = [c for c in a.ladder if not c.remembers]
+    held = [c.rung for c in switching if c.holds]
+    said = f"certified by {', '.join(dict.fromkeys(held))}" if held else "not certified"
     return (
-        "Gain plane. Star: these gains. Below the lines the limits are met. Cross-hatched: unstable on some "
-        "branch. Filled: certified for arbitrarily switching slopes, by the certificate named; for a fixed "
-        "regulator law the region is larger. Ms and delay margin: linear loops; overshoot: worst simulated "
-        "tuning scenario. Edges are interpolated between grid points."
+        f"Star: these gains, {said} for arbitrarily switching slopes. Below the lines the limits are met. "
+        "Cross-hatched: unstable on some branch. Filled: certified for such slopes by the certificate named; "
+        "for a fixed regulator law the region is larger. Ms and delay margin: linear loops; overshoot: worst "
+        "simulated tuning scenario. Edges are interpolated between grid points."
     )
 
 

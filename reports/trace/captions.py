@@ -1,13 +1,18 @@
 """What a trace's page says around its figures and tables."""
 
+import numpy as np
+
 from design.synthesis.retune import Control
+from plants.measured.free_run import rmse
+from plants.measured.residual.examine import Examination
 from plants.measured.stage import BLOCK
 from plants.measured.trace.search.choose import SHARE, TRIFLE, WORTH
 from plants.measured.trace.trace import StageTrace, Trace
+from reports.shared.figures.fit import LOOP_SECONDS
 from reports.shared.names import CHANNELS
 from reports.shared.tables import listed, number
-from reports.trace.fit_figures import shown_run
-from reports.trace.words import added, describe, description
+from reports.trace.fit_figures import loop_run, shown_run
+from reports.trace.words import added, depends, describe, description
 
 TITLES = {
     "nothing-missing": "The declared model explains the recordings",
@@ -93,16 +98,35 @@ def series(trace: Trace, channel: str) -> str:
     """What a figure over time shows."""
     run, word = shown_run(trace, channel), CHANNELS[channel][0].lower()
     part = "was held out" if run.role == "validate" else "was fitted to"
+    before, after = (rmse([run], channel, b, run.role) for b in (True, False))
+    unit = CHANNELS[channel][1]
+    revised = f", {number(after)} {unit} revised" if trace.effects else ""
     return (
-        f"The {word} of {run.recording.name}, which {part}: measured, and simulated from the command alone. "
-        "Below: residuals; the grey band contains 95 % of the noise."
+        f"RMSE {number(before)} {unit} declared{revised}: the {word} of {run.recording.name}, which {part}, "
+        "measured and simulated from the command alone. Below: residuals; the grey band contains 95 % of the "
+        "noise."
     )
 
 
 def loop(trace: Trace) -> str:
-    """What the loop shows."""
+    """By how much the angle of a loop departs, and what is drawn."""
     models = "the declared and the revised wrist" if trace.effects else "the declared wrist"
-    return f"The loop: angle over pressure in the first seconds, measured and simulated with {models}."
+    run = loop_run(trace)
+    said = ""
+    measured = None if run is None else run.recording.angle
+    if run is not None and measured is not None:
+        first = run.recording.time <= run.recording.time[0] + LOOP_SECONDS
+        sides = {"declared": run.angle_before, **({"revised": run.angle} if trace.effects else {})}
+        far = [
+            f"{name} {number(float(np.abs(a - measured)[first].max()))} deg"
+            for name, a in sides.items()
+            if a is not None
+        ]
+        said = f"Largest error of the angle: {', '.join(far)}. "
+    return (
+        f"{said}The loop: angle over pressure in the first {LOOP_SECONDS:g} s, measured and simulated with "
+        f"{models}."
+    )
 
 
 def left(stage: StageTrace, after_name: str) -> str:
@@ -120,14 +144,22 @@ def left(stage: StageTrace, after_name: str) -> str:
 
 
 def remainder(stage: StageTrace, after_name: str) -> str:
-    """What the figure of a residual shows."""
+    """What the residual depends on, before and after, and what the figure of it shows."""
     both = stage.after is not stage.before
-    which = "the declared wrist" + (f" and of {after_name}" if both else "")
+    sides = [stage.before, stage.after] if both else [stage.before]
+    said = f"; of {after_name}: ".join(_structure(s) for s in sides)
     latter = ", drawn for the latter" if both else ""
     return (
-        f"Residual of {which}: mean over the most significant variables, autocorrelation and spectrum. Grey "
-        f"band: noise alone{latter} (for the autocorrelation, white noise)."
+        f"Residual of the declared wrist: {said}. Mean over the most significant variables, autocorrelation "
+        f"and spectrum. Grey band: noise alone{latter} (for the autocorrelation, white noise)."
     )
+
+
+def _structure(found: Examination) -> str:
+    """What a residual depends on, in a few words."""
+    if not found.structured:
+        return "no structure beyond noise"
+    return depends(found.depends_on).removeprefix("the residual ").removeprefix("it ")
 
 
 def after_name(trace: Trace) -> str:

@@ -140,14 +140,21 @@ def draw_series(trace: Trace, channel: str) -> "Figure":
     return figure
 
 
-def draw_loop(trace: Trace) -> "Figure | None":
-    """Angle over pressure for the first seconds of one recording, beside the declared and the revised
-    wrist; None where angle or pressure was not logged."""
+def loop_run(trace: Trace) -> FreeRun | None:
+    """The recording whose loop is drawn; None where angle or pressure was not logged."""
     both = [r for r in trace.runs if r.recording.angle is not None and r.recording.pressure is not None]
     if not both or trace.campaign.stage != "wrist":
         return None
     apart = [r for r in both if r.role == "validate"] or both
-    run = max(apart, key=lambda r: float(np.ptp(_truth(r, "angle_deg"))))
+    return max(apart, key=lambda r: float(np.ptp(_truth(r, "angle_deg"))))
+
+
+def draw_loop(trace: Trace) -> "Figure | None":
+    """Angle over pressure for the first seconds of one recording, beside the declared and the revised
+    wrist; None where angle or pressure was not logged."""
+    run = loop_run(trace)
+    if run is None:
+        return None
     time, truth = run.recording.time, run.recording
     first = slice(0, int(np.searchsorted(time, time[0] + LOOP_SECONDS)), max(1, len(time) // (2 * POINTS)))
     sides = [(run.pressure_before, run.angle_before, BEFORE), (run.pressure, run.angle, AFTER)]

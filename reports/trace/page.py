@@ -13,8 +13,7 @@ from reports.shared.html import Made, Shown, markup, render
 from reports.shared.plant_tables import assumption_table
 from reports.trace import captions, tables, words
 from reports.trace.fit_figures import draw_control, draw_errors, draw_loop, draw_series
-from reports.trace.parameter_figure import CAPTION as PARAMETERS
-from reports.trace.parameter_figure import draw_parameters
+from reports.trace.parameter_figure import draw_parameters, parameters_caption
 from reports.trace.record import control_record, trace_record
 from reports.trace.residual_figures import draw_description, draw_remainder
 from reports.trace.search_figures import draw_ranking
@@ -97,7 +96,7 @@ def _page(trace: Trace, made: Made, control: Control | None, drawn: Mapping[str,
         stages=[_stage(s, captions.after_name(trace), shown) for s in trace.stages],
         plant_words=captions.plant_words(trace), parameters=tables.parameter_table(trace),
         assumed=assumption_table({trace.campaign.axis: trace.revised}),
-        parameter_figure=shown("parameters", PARAMETERS) if "parameters" in drawn else None,
+        parameter_figure=shown("parameters", parameters_caption(trace)) if "parameters" in drawn else None,
         separations=[s for e in trace.effects for s in e.separations],
         no_alternatives=captions.no_alternatives(trace),
         judge=tables.judge_table(trace.cannot_judge) if trace.cannot_judge else None, count=len(EFFECTS),
