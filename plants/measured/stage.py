@@ -96,6 +96,11 @@ class Stage:
         """Time [s] of each row, (rows,)."""
         return np.concatenate([p.recording.time for p in self.playbacks])
 
+    @property
+    def duration(self) -> float:
+        """Time of all recordings in all [s]."""
+        return sum(float(p.recording.time[-1] - p.recording.time[0]) for p in self.playbacks)
+
     def blocks(self, length: float) -> NDArray[np.intp]:
         """Number of the block of a length [s] that each row falls in; none spans two recordings."""
         numbers = [

@@ -36,6 +36,12 @@ def test_a_residual_without_noise_comes_back_whole():
     assert np.allclose(denoised(events, 0.0), events)
 
 
+def test_a_sensor_that_is_quieter_at_rest_than_in_use():
+    noise = np.random.default_rng(5).normal(0.0, NOISE, T.size)
+    assert np.allclose(denoised(noise, 0.1 * NOISE), denoised(noise, NOISE), atol=0.3 * NOISE)
+    assert np.std(denoised(noise, 0.0)) < 0.1 * NOISE
+
+
 @pytest.mark.parametrize("rows", [1, 2, 9, 10, 11, 37])
 def test_short_recordings_keep_their_rows(rows):
     series = np.linspace(-1.0, 1.0, rows)

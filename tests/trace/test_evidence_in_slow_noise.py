@@ -82,7 +82,7 @@ def test_a_wave_followed_in_noise_alone_gains_less_than_is_demanded():
             best.append(noise - waves @ np.linalg.lstsq(waves, noise, rcond=None)[0])
         least = min(best, key=lambda left: float(left @ left))
         gains.append(likelihood_of(joined(least)) - likelihood_of(joined(noise)))
-    assert max(gains) < demanded(3)
+    assert max(gains) < demanded(3, DT * ROWS)
     assert max(gains) > 1.0
 
 

@@ -15,14 +15,16 @@ from tests.rig.campaign import make_campaign
 
 @pytest.mark.suite
 def test_a_sensor_that_sits_eccentrically_is_learnt_without_a_cause(tmp_path):
-    """No effect of the library is one: the block lowers the error on data that chose nothing."""
+    """No effect of the library is one; a curve of the branches describes most of it, and the block lowers the
+    error further on data that chose nothing."""
     make_campaign(tmp_path, "flexion", ("eccentric-sensor",), 20)
     campaign = load_campaign(tmp_path)
     trace = trace_campaign(campaign, built_in("flexion"), learning=True)
     assert trace.verdict == "unexplained"
     assert isinstance(trace.block, LearntBlock)
     assert "learnt" not in [e.name for e in trace.effects]
-    assert trace.after["angle_deg"] < 0.85 * trace.named_only["angle_deg"]
+    assert trace.named_only["angle_deg"] < 0.5 * trace.before["angle_deg"]
+    assert trace.after["angle_deg"] < trace.named_only["angle_deg"]
     without = trace_campaign(campaign, built_in("flexion"))
     assert without.after == trace.named_only
     assert [e.name for e in without.effects] == [e.name for e in trace.effects]

@@ -13,11 +13,12 @@ from tests.rig.soft import CAMPAIGNS
 
 pytestmark = pytest.mark.suite
 TRUE = {
-    "arm-a": {"dead-time", "fill-exhaust-asymmetry", "branch-curvature", "creep"},
+    "arm-a": {"dead-time", "fill-exhaust-asymmetry", "branch-curvature", "creep", "end-stop"},
     "arm-b": {"dead-time", "fill-exhaust-asymmetry", "branch-curvature", "creep", "end-stop"},
-    "bender": {"dead-time", "fill-exhaust-asymmetry", "branch-curvature", "creep"},
+    "bender": {"dead-time", "fill-exhaust-asymmetry", "branch-curvature", "creep", "end-stop"},
 }
-"""Effects that a rig has; a joint that does not move below an angle has a stop there."""
+"""Effects that a rig has.  A joint that does not move below an angle has a stop there; one that stiffens with
+the cube of its angle may be described as curved or as meeting a soft stop."""
 
 
 @pytest.fixture(scope="module", params=CAMPAIGNS)

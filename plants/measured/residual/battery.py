@@ -95,7 +95,7 @@ class Battery:
     @property
     def freedom(self) -> float:
         """Degrees of freedom of the noise's spectrum."""
-        return max(10.0, KNOWN * self.joined.duration)
+        return freedom_of(self.joined.duration)
 
     @property
     def each(self) -> float:
@@ -115,6 +115,11 @@ class Battery:
     def found(self) -> list[Key]:
         """All tests that have found something."""
         return [key for key, e in self.evidence.items() if self.counts(key[0], e)]
+
+
+def freedom_of(duration: float) -> float:
+    """Degrees of freedom of a noise spectrum that was found in so long a time [s], where it is slow."""
+    return max(10.0, KNOWN * duration)
 
 
 def make_tests(joined: Joined, noise: float, seed: int, resolution: float = 0.0) -> Battery:

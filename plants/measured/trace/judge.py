@@ -43,13 +43,18 @@ def explained(search: EffectSearch) -> bool:
     model = search.chosen.model
     if model.chi2 <= NOTHING:
         return True
-    if len(model.forms) <= CAUSES and any(model.chi2 <= most for most, _ in REACHED):
+    if not many(model) and any(model.chi2 <= most for most, _ in REACHED):
         left = (search.chosen.held_out - 1.0) / max(search.declared.held_out - 1.0, 1e-9)
         if any(model.chi2 <= most and left <= share for most, share in REACHED):
             return True
     if not any(f.WANDERS for f in model.forms) or model.chi2 > WANDERING:
         return False
     return _without_wander(model) <= CALM
+
+
+def many(model: Model) -> bool:
+    """Whether a stage has so many effects that together they follow nearly anything nearly."""
+    return len(model.forms) > CAUSES
 
 
 def _without_wander(model: Model) -> float:

@@ -22,7 +22,7 @@ from plants.measured.stage import Stage, begun
 from plants.measured.trace.declared import LOWER, driven, refitted
 from plants.measured.trace.errors import intervals
 from plants.measured.trace.experiments import sentence, separate
-from plants.measured.trace.judge import alternatives, explained, not_logged, unexcited
+from plants.measured.trace.judge import alternatives, explained, many, not_logged, unexcited
 from plants.measured.trace.law import LawChoice, law_of_rig
 from plants.measured.trace.result import Named, StageTrace, Trace
 from plants.measured.trace.search.choose import search
@@ -151,7 +151,8 @@ def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: i
     blind = {**blind, **{n: why for n, why in borrowed.items() if n not in model.effects}}
     before, after = found.declared.examined, found.chosen.examined
     # Stationary sensor noise, however coloured, is not a missing effect.
-    good = explained(found) or (not after.structured and model.chi2 < SLOW_NOISE)
+    calm = not after.structured and model.chi2 < SLOW_NOISE and not many(model)
+    good = explained(found) or calm
     words = None if good else smooth_curves(remainders(model), _numeric(after.depends_on))
     return StageTrace(stage, found, before, after, good, blind, words)
 
@@ -225,6 +226,8 @@ def _result(
 def _matters(stage: StageTrace, fit: Fit, runs: Sequence[FreeRun]) -> bool:
     """Whether what is left of a stage matters: by its share of the range, or because no cause was found for
     most of what the declared model leaves; in recordings that it was fitted on, or in held-out ones."""
+    if many(stage.model):
+        return True
     channel, noise = stage.stage.channel, stage.stage.noise
     left = max(stage.model.chi2 - 1.0, 0.0)
     declared = max(stage.search.declared.model.chi2, ((fit.fit_rmse[channel] or 0.0) / noise) ** 2) - 1.0

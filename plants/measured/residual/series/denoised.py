@@ -7,10 +7,15 @@ Array = NDArray[np.float64]
 SPLINE = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16.0
 """Weights of the cubic B-spline that smooths from one scale to the next."""
 
+MEDIAN = 0.6745
+"""Median of the size of Gaussian noise of standard deviation 1."""
+
 
 def denoised(series: Array, noise: float) -> Array:
-    """A series (n,) without white noise of a standard deviation [its unit], its slow part and its events
-    kept.
+    """A series (n,) without white noise, its slow part and its events kept.
+
+    noise: least standard deviation [its unit]; it is taken larger where the finest details say so, as of a
+    sensor that is quieter at rest (their median, Donoho & Johnstone).
 
     The stationary wavelet transform of the cubic B-spline ("starlet": Starck, Fadili & Murtagh, IEEE Trans.
     Image Process. 16 (2007) 297): the details of each scale that noise alone would exceed anywhere with a
@@ -28,7 +33,7 @@ def denoised(series: Array, noise: float) -> Array:
     if n < 2 * len(SPLINE):
         return series
     scales = int(np.log2(n / len(SPLINE)))
-    threshold = noise * np.sqrt(2.0 * np.log(n))
+    universal = np.sqrt(2.0 * np.log(n))
     impulse = np.zeros(1 + 2 * 2 ** (scales + 2))
     impulse[len(impulse) // 2] = 1.0
     kept, smooth = np.zeros(n), series
@@ -38,6 +43,8 @@ def denoised(series: Array, noise: float) -> Array:
         smoother = convolve1d(smooth, weights, mode="mirror")
         wider = convolve1d(impulse, weights, mode="constant")
         detail, spread = smooth - smoother, float(np.linalg.norm(impulse - wider))
-        kept += np.where(np.abs(detail) > threshold * spread, detail, 0.0)
+        if scale == 0:
+            noise = max(noise, float(np.median(np.abs(detail))) / (MEDIAN * spread))
+        kept += np.where(np.abs(detail) > universal * noise * spread, detail, 0.0)
         smooth, impulse = smoother, wider
     return kept + smooth

@@ -46,10 +46,15 @@ LEAVES = 0.1
 """Share that two effects tried together may leave, on rows left out, of what the declared model leaves above
 the noise: of many pairs some fit nearly anything by half."""
 
-FOLDS = 2
+FOLDS = 4
+"""Parts that the blocks are dealt to in turn, each left out of one fit: with two, a fit to the other half
+need not have met the ranges that it is judged on."""
 
 CERTAIN = 0.9
 """Confidence that the error on rows left out falls."""
+
+ROUGHLY = (8, 1e-4)
+"""Evaluations and tolerance of fits to parts of the rows: they begin at the fit to all of them."""
 
 ROUGH = 1e-4
 """Relative change of chi-square at which a candidate is fitted well enough to be compared."""
@@ -57,7 +62,7 @@ ROUGH = 1e-4
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Residuals (rows,) over the noise, each of a fit to the other half of the data: under the pressure that
+    """Residuals (rows,) over the noise, each of a fit to the other parts of the data: under the pressure that
     drives the stage, and in a free run from the command."""
 
     driven: Array
@@ -118,13 +123,13 @@ class EffectSearch:
     declared: Candidate
 
 
-def left_out(model: Model, evaluations: int = 6) -> LeftOut:
-    """Residuals on blocks of ten seconds, each fitted on the others' half of the data."""
-    fold = model.stage.blocks(BLOCK) % FOLDS
+def left_out(model: Model, folds: int = FOLDS) -> LeftOut:
+    """Residuals on blocks of ten seconds, each of a fit to the rows of the other folds."""
+    fold = model.stage.blocks(BLOCK) % folds
     driven, free = np.empty(fold.size), np.empty(fold.size)
-    for k in range(FOLDS):
+    for k in range(folds):
         apart = fold == k
-        fitted = model.fitted(evaluations, 1e-4, ~apart)
+        fitted = model.fitted(*ROUGHLY, ~apart)
         driven[apart] = fitted.residual[apart]
         free[apart] = fitted.freely.residual[apart]
     return LeftOut(driven, free)
@@ -268,7 +273,7 @@ def worth_it(before: Candidate, after: Candidate, declared: Candidate) -> bool:
     if after.model.freely.chi2 > before.model.freely.chi2:
         return False
     more = max(1, len(after.model.names) - len(before.model.names))
-    return after.log_likelihood - before.log_likelihood > demanded(more)
+    return after.log_likelihood - before.log_likelihood > demanded(more, after.model.stage.duration)
 
 
 def _explain(pair: Candidate, declared: Candidate) -> bool:

@@ -16,7 +16,7 @@ from scipy.optimize import lsq_linear
 from plants.effects.wrist.learnt_block import LearntBlock
 from plants.measured.estimate import jacobian
 from plants.measured.stage import BLOCK
-from plants.measured.trace.search.choose import FOLDS, Candidate, lower
+from plants.measured.trace.search.choose import ROUGHLY, Candidate, left_out, lower
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import remainders
 
@@ -34,8 +34,9 @@ EDGE = 0.005
 LEAST = 0.1
 """Share of the mean square on rows left out that a block must take away: it has two dozen parameters."""
 
-ROUGHLY = (6, 1e-4)
-"""Evaluations and tolerance of fits to half of the rows, as of `choose.left_out`."""
+HALVES = 2
+"""Folds of the rows that it is judged on: a block has two dozen parameters, and is to predict as much as it
+was learnt on."""
 
 RIDGE = 1e-2
 """Weight of a coefficient against the largest column: one that hardly shows stays small."""
@@ -56,12 +57,12 @@ def learn(now: Candidate) -> Candidate | None:
     """
     model = now.model
     blocks = model.stage.blocks(BLOCK)
-    fold, free = blocks % FOLDS, np.empty(blocks.size)
-    for k in range(FOLDS):
+    fold, free = blocks % HALVES, np.empty(blocks.size)
+    for k in range(HALVES):
         apart = fold == k
         half = _learnt(model.fitted(*ROUGHLY, ~apart), ~apart)
         free[apart] = half.freely.residual[apart]
-    before = now.left_out.free
+    before = left_out(model, HALVES).free
     if not lower(before, free, blocks) or np.mean(free**2) > (1.0 - LEAST) * np.mean(before**2):
         return None
     return Candidate(_learnt(model, None))

@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.residual.battery import freedom_of
 from plants.measured.residual.series.background import background
 from plants.measured.residual.series.joined import Joined, join
 from plants.measured.residual.series.remainder import Remainder
@@ -21,8 +22,8 @@ Array = NDArray[np.float64]
 CHANCE = 1e-3
 """Probability that noise alone gives any of the values tried in a search the evidence demanded."""
 
-TRIED = 2000
-"""Values of effects that a search tries, in all forms: so many chances of following the noise."""
+TRIED = 500
+"""Values of effects that a search tries, in the grids of all forms: so many chances to follow the noise."""
 
 PAST = 1.5
 """Time [s] from which a row is expected: white noise hides what lies further back than a few memories."""
@@ -87,20 +88,21 @@ def expected(spectrum: Array, length: int, rows: int) -> Expected:
     return Expected(weights, np.sqrt(variance))
 
 
-def demanded(more: int) -> float:
+def demanded(more: int, duration: float) -> float:
     """The rise of the log-likelihood that noise alone stays below, but for a probability of CHANCE, where
-    an effect adds so many parameters.
+    an effect adds so many parameters to a model of recordings of so long a duration [s] in all.
 
-    Twice the rise of the greatest likelihood, that of the spectrum included, follows chi-square with as
-    many degrees of freedom (Wilks, Ann. Math. Statist. 9 (1938) 60).  The best of TRIED values is looked
-    at, so that each may exceed the bound only so much more rarely (Bonferroni).
+    With the spectrum known, twice the rise of the greatest likelihood follows chi-square with as many degrees
+    of freedom (Wilks, Ann. Math. Statist. 9 (1938) 60); with one found in these recordings, a multiple of F,
+    whose second degrees of freedom say how well slow noise is known.  The best of TRIED values is looked at,
+    so that each may exceed the bound only so much more rarely (Bonferroni).
 
-    >>> round(demanded(1), 1), round(demanded(5), 1)
-    (12.6, 18.7)
+    >>> round(demanded(1, 1e6), 1), round(demanded(3, 280.0), 1), round(demanded(3, 60.0), 1)
+    (11.3, 16.9, 29.9)
     """
-    from scipy.stats import chi2
+    from scipy.stats import f
 
-    return 0.5 * float(chi2.isf(CHANCE / TRIED, more))
+    return 0.5 * more * float(f.isf(CHANCE / TRIED, more, freedom_of(duration)))
 
 
 def log_likelihood(model: Model) -> float:

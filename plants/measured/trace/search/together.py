@@ -16,6 +16,10 @@ from plants.measured.trace.stages.model import Model
 
 Array = NDArray[np.float64]
 
+ROUGHLY = 24
+"""Evaluations of a rough fit; it ends where chi-square changes by a thousandth.  A rig that is far from its
+declared model needs most of them before candidates can be compared."""
+
 STARTS = 4
 """Trials that it is fitted from: those that leave least where all other parameters follow linearly, each with
 another value of the first parameter, which is the effect's size."""
@@ -30,7 +34,7 @@ GAIN = 0.995
 def fitted_with(model: Model, ranked: Ranked) -> Model:
     """The model with a ranked effect, fitted roughly."""
     if not ranked.form.RUGGED:
-        return model.plus(ranked.form, ranked.values).fitted(8, 1e-3)
+        return model.plus(ranked.form, ranked.values).fitted(ROUGHLY, 1e-3)
     grid = trials(ranked.form, model)
     left = _left(model, model.plus(ranked.form, ranked.values), ranked, grid)
     size = next(iter(grid[0]))
