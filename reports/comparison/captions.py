@@ -99,9 +99,9 @@ def steps_caption(comparison: Comparison, motion: str) -> str:
     scales = "" if set(named) <= set(PIS) else " The right column has a shorter time axis."
     return (
         f"{title_of(motion)}, step of {comparison.rig.task.step:g} deg from rest: "
-        f"{_settled(comparison, motion)}{len(named)} controllers on the plant as fitted. In colour: the "
+        f"{_settled(comparison, motion)}{len(named)} controllers, plant as fitted. In colour: the "
         f"{name_of(TUNED)}, and in each column the other that settles first within the limits. Last row: the "
-        f"angle over the whole run.{scales}"
+        f"whole run.{scales}"
     )
 
 
@@ -115,5 +115,5 @@ def _settled(comparison: Comparison, motion: str) -> str:
         for r in comparison.rows
         if r.motion == motion and r.task_id == DRAWN
     }
-    said = [f"{name_of(n)} settles in {seconds(times[n])}" for n in shown if n in times]
-    return f"{', '.join(said)}. " if said else ""
+    said = [f"{name_of(n)} {seconds(times[n])}" for n in shown if n in times]
+    return f"settling after {', '.join(said)}. " if said else ""

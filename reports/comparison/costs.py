@@ -36,9 +36,8 @@ LEDGER = (
 def break_even_caption(motion: str, found: BreakEven) -> str:
     """Where controllers break even with the recommended PI, and what the map of a motion shows."""
     return (
-        f"{break_even_words(motion, found)} Ratios to the recommended PI alone, when one property at a time "
-        "differs from the model. Shaded: worse than the recommended PI; circles: break-even; arrows: beyond "
-        "the axis, or not settled."
+        f"{break_even_words(motion, found)} Ratios to the recommended PI, one property at a time differing "
+        "from the model. Shaded: worse; circles: break-even; arrows: beyond the axis, or not settled."
     )
 
 
