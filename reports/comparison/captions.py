@@ -25,7 +25,7 @@ WORST_CAPTION = (
 DEAD_TIME_CAPTION = (
     "Worst overshoot of every controller against added dead time, plant as fitted: steps of both signs from "
     f"every initial state; for an MPC from rest only, for {DURATION:g} s. In colour: the recommended PI, and "
-    f"the feedback that settles first within the limits without dead time. {SETTLED}"
+    f"the feedback that settles first within the limits. {SETTLED}"
 )
 LOOPS_CAPTION = (
     "The step from rest under the recommended PI in the plane of pressure and angle: beyond the dead zone "
@@ -96,12 +96,10 @@ def map_caption(motion: str, tuning: Tuning) -> str:
 def steps_caption(comparison: Comparison, motion: str) -> str:
     """What the responses show."""
     named = [name for m, name in comparison.steps if m == motion]
-    scales = "" if set(named) <= set(PIS) else " The right column has a shorter time axis."
     return (
         f"{title_of(motion)}, step of {comparison.rig.task.step:g} deg from rest: "
         f"{_settled(comparison, motion)}{len(named)} controllers, plant as fitted. In colour: the "
-        f"{name_of(TUNED)}, and in each column the other that settles first within the limits. Last row: the "
-        f"whole run.{scales}"
+        f"{name_of(TUNED)}, and in each column the other that settles first within the limits."
     )
 
 

@@ -34,7 +34,7 @@ def differences_caption(found: Contest, nominal: Comparison) -> str:
         less = [s.controller for s in others if s.against["iae_deg_s"].high < 0.0]
         broken = {s.controller for s in nominal.standings if s.motion == motion and s.breaks}
         beyond = [name_of(n) for n in less if n in broken]
-        but = f" ({listed(beyond)} beyond a limit on the nominal plant)" if beyond else ""
+        but = f" ({listed(beyond)} break{'s' * (len(beyond) == 1)} limits)" if beyond else ""
         said.append(f"{motion}: {len(less)} of {len(others)} controllers{but}")
     return f"Less error than the recommended PI, the interval below zero: {'; '.join(said)}. {CAPTION}"
 

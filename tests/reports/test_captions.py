@@ -114,7 +114,7 @@ def test_the_contest_says_which_of_these_break_a_limit():
     ]
     standings = [replace(s, breaks=("Ms",)) if s.controller == "paper" else s for s in nominal.standings]
     said = differences_caption(replace(found, scores=ahead), replace(nominal, standings=standings))
-    assert f"flexion: 1 of 1 controllers ({name_of('paper')} beyond a limit on the nominal plant)" in said
+    assert f"flexion: 1 of 1 controllers ({name_of('paper')} breaks limits)" in said
 
 
 def test_figures_of_the_linear_loop_give_their_extremes():
