@@ -113,5 +113,5 @@ def _settled(comparison: Comparison, motion: str) -> str:
         for r in comparison.rows
         if r.motion == motion and r.task_id == DRAWN
     }
-    said = [f"{name_of(n)} {seconds(times[n])}" for n in shown if n in times]
-    return f"settling after {', '.join(said)}. " if said else ""
+    said = [f"{name_of(n)} in {seconds(times[n])}" for n in shown if n in times]
+    return f"{', '.join(said).replace(' in ', ' settles in ', 1)}. " if said else ""

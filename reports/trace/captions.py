@@ -159,7 +159,8 @@ def _structure(found: Examination) -> str:
     """What a residual depends on, in a few words."""
     if not found.structured:
         return "no structure beyond noise"
-    return depends(found.depends_on).removeprefix("the residual ").removeprefix("it ")
+    said = depends(found.depends_on).removeprefix("the residual ").removeprefix("it ")
+    return said.removeprefix("is ")
 
 
 def after_name(trace: Trace) -> str:

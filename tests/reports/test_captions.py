@@ -65,7 +65,7 @@ def test_steps_say_when_the_controllers_in_colour_settle():
             if (r.motion, r.controller, r.task_id) == (motion, TUNED, "step+virgin")
         ]
         said = comparison_captions.steps_caption(comparison, motion)
-        assert f"settling after {name_of(TUNED)} {ours.metrics['settling_time_s']:.2f} s" in said
+        assert f"{name_of(TUNED)} settles in {ours.metrics['settling_time_s']:.2f} s" in said
 
 
 def test_the_loop_says_how_long_its_dead_zone_takes():
