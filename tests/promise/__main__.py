@@ -3,6 +3,7 @@ requirement, then closed on the rig itself, as it is and with 50 ms more of dead
 
 python -m tests.promise --count 20
 python -m tests.promise --only outside --count 5 --without-residual
+python -m tests.promise --seed 507 --count 45 --names
 """
 
 import argparse
@@ -20,7 +21,7 @@ from tests.promise.held import Held, held
 from tests.rig.effects import OPEN
 from tests.rig.rig import Rig
 from tests.rig.suite import Case
-from tests.trace.traces import trace_folder
+from tests.trace.traces import KNOWN, NOTHING, OUTSIDE, Judged, trace_folder
 
 
 def main() -> None:
@@ -30,8 +31,12 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=1, help="number of the rig to begin with")
     parser.add_argument("--only", choices=("outside", "known"), help="effects outside the vocabulary, or not")
     parser.add_argument("--without-residual", action="store_true", help="also gains that know of no residual")
+    parser.add_argument("--names", action="store_true", help="only trace, and count what is named rightly")
     asked = parser.parse_args()
     warnings.simplefilter("ignore")
+    if asked.names:
+        _names(_rigs(asked.seed, asked.count, asked.only)[asked.first - 1 :], asked.first)
+        return
     found: dict[str, list[tuple[str, Held]]] = {}
     for number, (case, rig) in enumerate(_rigs(asked.seed, asked.count, asked.only), start=1):
         if number >= asked.first:
@@ -41,6 +46,27 @@ def main() -> None:
             of = [h for v, h in rigs if v == said]
             kept, plain = sum(h.kept for h in of), sum(h.kept_as_it_is for h in of)
             print(f"{name}, {said}: {plain} of {len(of)} hold on the rig, {kept} with 50 ms more too")
+
+
+def _names(rigs: list[tuple[Case, Rig]], first: int) -> None:
+    """Trace rigs; a line for each, and how many are right by what they have."""
+    judged = []
+    for number, (case, rig) in enumerate(rigs, start=first):
+        truth = {
+            kind: [e for e in case.effects if (e in OPEN) == (kind == "open")] for kind in ("effects", "open")
+        }
+        with tempfile.TemporaryDirectory() as root:
+            judged.append(Judged(f"{number:2d}", case.axis, truth, trace_folder(write(rig, Path(root)))))
+        print("right" if judged[-1].right else "WRONG", judged[-1], f"{judged[-1].ratio:.2f}", flush=True)
+    for kind, words in {
+        KNOWN: "with effects",
+        NOTHING: "without an effect",
+        OUTSIDE: "of other causes",
+    }.items():
+        of = [j for j in judged if j.wanted == kind]
+        exact = sum(j.effects == sorted(j.truth["effects"]) for j in of)
+        verdicts = sum(j.trace.verdict == kind for j in of)
+        print(f"{words}: {len(of)} rigs, named exactly {exact}, verdict {kind} {verdicts}")
 
 
 def _rigs(seed: int, count: int, only: str | None) -> list[tuple[Case, Rig]]:
