@@ -150,7 +150,8 @@ def lower(before: Array, after: Array, blocks: NDArray[np.intp]) -> bool:
     """
     from scipy.stats import t
 
-    gain, size = np.bincount(blocks, before**2 - after**2), np.bincount(blocks, before**2 + after**2)
+    gain = np.asarray(np.bincount(blocks, before**2 - after**2), float)
+    size = np.asarray(np.bincount(blocks, before**2 + after**2), float)
     n = len(gain)
     if n < 2:
         return float(gain.sum()) > 0.0
@@ -158,7 +159,7 @@ def lower(before: Array, after: Array, blocks: NDArray[np.intp]) -> bool:
 
     def certain(values: Array) -> bool:
         bound = float(t.ppf(CERTAIN, n - 1)) * float(np.std(values, ddof=1)) * n**0.5
-        return float(values.sum()) > bound
+        return bool(values.sum() > bound)
 
     return certain(gain) or (float(gain.sum()) > 0.0 and certain(share))
 
