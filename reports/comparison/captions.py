@@ -11,7 +11,7 @@ from design.studies.study import Study
 from design.synthesis.tuning import Tuning, nearest_limit
 from plants.measured.fit import Fit
 from plants.measured.free_run import rmse
-from reports.comparison.figures import PIS, coloured
+from reports.comparison.figures import coloured, step_columns
 from reports.comparison.words import seconds
 from reports.shared.figures.dead_time_figure import SETTLED, kept_up_to
 from reports.shared.figures.fit import shown_run
@@ -72,7 +72,7 @@ def late_caption(study: Study) -> str:
 
 
 def fit_caption(motion: str, fit: Fit) -> str:
-    """What the figure of a fit shows."""
+    """The error before the fit and after, and what is drawn."""
     run, channel = shown_run(fit), "angle_deg" if fit.campaign.stage == "wrist" else "pressure_kPa"
     before, after = (rmse([run], channel, b, run.role) for b in (True, False))
     unit = CHANNELS[channel][1]
@@ -94,7 +94,7 @@ def map_caption(motion: str, tuning: Tuning) -> str:
 
 
 def steps_caption(comparison: Comparison, motion: str) -> str:
-    """What the responses show."""
+    """When the controllers in colour settle, and what is drawn."""
     named = [name for m, name in comparison.steps if m == motion]
     return (
         f"{title_of(motion)}, step of {comparison.rig.task.step:g} deg from rest: "
@@ -105,13 +105,14 @@ def steps_caption(comparison: Comparison, motion: str) -> str:
 
 def _settled(comparison: Comparison, motion: str) -> str:
     """When the controllers in colour settle after the step from rest."""
-    named = [name for m, name in comparison.steps if m == motion]
-    columns = ([n for n in named if n in PIS], [TUNED, *(n for n in named if n not in PIS)])
+    columns = step_columns(comparison, motion).values()
     shown = dict.fromkeys(n for names in columns for n in coloured(comparison, motion, names))
     times = {
         r.controller: r.metrics["settling_time_s"]
         for r in comparison.rows
         if r.motion == motion and r.task_id == DRAWN
     }
-    said = [f"{name_of(n)} in {seconds(times[n])}" for n in shown if n in times]
-    return f"{', '.join(said).replace(' in ', ' settles in ', 1)}. " if said else ""
+    settled = [n for n in shown if n in times]
+    verbs = ["settles in", *["in"] * len(settled)]  # said once
+    said = [f"{name_of(n)} {verb} {seconds(times[n])}" for n, verb in zip(settled, verbs, strict=False)]
+    return f"{', '.join(said)}. " if said else ""

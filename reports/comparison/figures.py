@@ -44,10 +44,7 @@ def step_responses(comparison: Comparison, motion: str) -> "Figure":
     pressure and command of the first seconds, and in the last row the angle until the end.  In colour: the
     recommended PI, and in each column the one of the others that settles first within the limits; the rest is
     grey, with names at the curves."""
-    named = [name for m, name in comparison.steps if m == motion]
-    others = [n for n in named if n not in PIS]
-    columns = {"PIs": [n for n in named if n in PIS]}
-    columns |= {"Other designs": [TUNED, *others]} if others else {}
+    columns = step_columns(comparison, motion)
     with styled():
         figure, axes = new_figure(4, len(columns), height=5.1, sharey="row", height_ratios=(5, 2.8, 2.8, 2.4))
         grid = np.array(axes).reshape(4, len(columns))
@@ -70,6 +67,15 @@ def step_responses(comparison: Comparison, motion: str) -> "Figure":
             curves = {n: (t.time[::5], t.angle[::5, 0]) for n, t in drawn.items()}
             label_curves(panel, curves, {n: name_of(n) for n in names if n not in chosen[title]})
     return figure
+
+
+def step_columns(comparison: Comparison, motion: str) -> dict[str, list[str]]:
+    """The controllers of each column of a motion's steps, by its title: PIs, and the other designs beside the
+    recommended PI."""
+    named = [name for m, name in comparison.steps if m == motion]
+    others = [n for n in named if n not in PIS]
+    columns = {"PIs": [n for n in named if n in PIS]}
+    return columns | ({"Other designs": [TUNED, *others]} if others else {})
 
 
 def coloured(comparison: Comparison, motion: str, names: list[str]) -> list[str]:

@@ -58,7 +58,9 @@ def test_a_map_of_the_gains_names_the_nearest_limit():
 
 def test_steps_say_when_the_controllers_in_colour_settle():
     comparison = small_study().comparison
-    for motion in {m for m, _ in comparison.steps}:
+    motions = {m for m, _ in comparison.steps}
+    assert motions
+    for motion in motions:
         (ours,) = [
             r
             for r in comparison.rows
@@ -90,7 +92,9 @@ def test_a_fit_gives_its_error_before_and_after():
 
 
 def test_the_break_even_map_begins_with_where_it_is():
-    for motion, found in small_break_even().items():
+    maps = small_break_even()
+    assert maps
+    for motion, found in maps.items():
         said = break_even_caption(motion, found)
         assert said.startswith(break_even_words(motion, found))
 
@@ -140,9 +144,10 @@ def test_errors_of_a_trace_stand_before_and_after():
         f"{number(found.before['angle_deg'])} deg before, {number(found.after['angle_deg'])} deg after"
         in said
     )
-    for stage in found.stages:
-        if not stage.before.structured:
-            assert "no structure beyond noise" in trace.remainder(stage, "the revised wrist")
+    calm = [s for s in found.stages if not s.before.structured]
+    assert calm
+    for stage in calm:
+        assert "no structure beyond noise" in trace.remainder(stage, "the revised wrist")
     run = loop_run(found)
     first = run.recording.time <= run.recording.time[0] + 20.0
     far = float(np.abs(run.angle_before - run.recording.angle)[first].max())

@@ -53,7 +53,7 @@ need not have met the ranges that it is judged on."""
 CERTAIN = 0.9
 """Confidence that the error on rows left out falls."""
 
-ROUGHLY = (8, 1e-4)
+PARTIAL_FIT = (8, 1e-4)
 """Evaluations and tolerance of fits to parts of the rows: they begin at the fit to all of them."""
 
 ROUGH = 1e-4
@@ -129,7 +129,7 @@ def left_out(model: Model, folds: int = FOLDS) -> LeftOut:
     driven, free = np.empty(fold.size), np.empty(fold.size)
     for k in range(folds):
         apart = fold == k
-        fitted = model.fitted(*ROUGHLY, ~apart)
+        fitted = model.fitted(*PARTIAL_FIT, ~apart)
         driven[apart] = fitted.residual[apart]
         free[apart] = fitted.freely.residual[apart]
     return LeftOut(driven, free)
@@ -138,7 +138,7 @@ def left_out(model: Model, folds: int = FOLDS) -> LeftOut:
 def falls(before: Candidate, after: Candidate) -> bool:
     """Whether the error of a free run from the command falls on rows left out: in total over all recordings,
     and for certain: the lower bound of that total (Student's, one-sided) from its scatter over blocks of ten
-    seconds is above zero."""
+    seconds is above zero, or that of its share in each block (`lower`)."""
     return lower(before.left_out.free, after.left_out.free, before.model.stage.blocks(BLOCK))
 
 
@@ -272,7 +272,7 @@ def worth_it(before: Candidate, after: Candidate, declared: Candidate) -> bool:
     by more than its uncertainty and by enough.  One without may be slow noise whose floor was taken too low,
     or an effect in recordings too short for the tests to see it: then it has to take a good part away and
     to make the rest likelier as noise, of any colour, by more than following slow noise for a while would.
-    Rows left out say nothing there, since slow noise upsets the declared parameters on half of the data as
+    Rows left out say nothing there, since slow noise upsets the declared parameters on part of the data as
     much as a missing effect.  But the error of a free run must not rise where the stage is driven by what was
     measured.
     """

@@ -16,7 +16,7 @@ from scipy.optimize import lsq_linear
 from plants.effects.wrist.learnt_block import LearntBlock
 from plants.measured.estimate import jacobian
 from plants.measured.stage import BLOCK
-from plants.measured.trace.search.choose import ROUGHLY, Candidate, left_out, lower
+from plants.measured.trace.search.choose import PARTIAL_FIT, Candidate, left_out, lower
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import remainders
 
@@ -60,7 +60,7 @@ def learn(now: Candidate) -> Candidate | None:
     fold, free = blocks % HALVES, np.empty(blocks.size)
     for k in range(HALVES):
         apart = fold == k
-        half = _learnt(model.fitted(*ROUGHLY, ~apart), ~apart)
+        half = _learnt(model.fitted(*PARTIAL_FIT, ~apart), ~apart)
         free[apart] = half.freely.residual[apart]
     before = left_out(model, HALVES).free
     if not lower(before, free, blocks) or np.mean(free**2) > (1.0 - LEAST) * np.mean(before**2):

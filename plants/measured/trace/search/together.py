@@ -16,7 +16,7 @@ from plants.measured.trace.stages.model import Model
 
 Array = NDArray[np.float64]
 
-ROUGHLY = 24
+EVALUATIONS = 24
 """Evaluations of a rough fit; it ends where chi-square changes by a thousandth.  A rig that is far from its
 declared model needs most of them before candidates can be compared."""
 
@@ -34,7 +34,7 @@ GAIN = 0.995
 def fitted_with(model: Model, ranked: Ranked) -> Model:
     """The model with a ranked effect, fitted roughly."""
     if not ranked.form.RUGGED:
-        return model.plus(ranked.form, ranked.values).fitted(ROUGHLY, 1e-3)
+        return model.plus(ranked.form, ranked.values).fitted(EVALUATIONS, 1e-3)
     grid = trials(ranked.form, model)
     left = _left(model, model.plus(ranked.form, ranked.values), ranked, grid)
     size = next(iter(grid[0]))
