@@ -1,12 +1,12 @@
 """Rollouts side by side: a law compiled once, run over many lanes on any number of threads."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from itertools import pairwise
 from threading import Lock
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,11 @@ from plants.kernel.cache import load
 from plants.kernel.templates import LANES, emit
 
 Array = NDArray[np.float64]
+T = TypeVar("T")
+R = TypeVar("R")
+
+WORTH_A_THREAD = 30_000
+"""Steps of `LANES` lanes that take longer than waking threads: some milliseconds."""
 
 _LOADING = Lock()
 
@@ -54,8 +59,20 @@ def default_jobs() -> int:
 
 
 @cache
-def _pool(threads: int) -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(threads, thread_name_prefix="lanes")
+def _pool(threads: int, name: str = "lanes") -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(threads, thread_name_prefix=name)
+
+
+def in_turn_or_side_by_side(work: Callable[[T], R], items: Sequence[T], steps: int) -> list[R]:
+    """Results of `work` on each of some items, which run kernels over so many steps in all, of `LANES` lanes.
+
+    In threads where that takes long against waking them, which on a busy machine takes milliseconds.
+    """
+    jobs = min(default_jobs(), len(items))
+    if jobs < 2 or steps < WORTH_A_THREAD:
+        return [work(i) for i in items]
+    # A pool of its own: what waits here for rollouts must not take their threads.
+    return list(_pool(jobs, "items").map(work, items))
 
 
 def run_lanes(

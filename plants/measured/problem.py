@@ -1,14 +1,12 @@
 """What a fit minimises: simulated minus measured, over recordings, in units of the noise."""
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.kernel.batches import default_jobs
 from plants.measured.begin import Begin, measured
 from plants.measured.playback import Playback
 from plants.measured.stage import Form, Stage
@@ -83,9 +81,7 @@ class FitProblem:
 
     def residuals(self, x: Array) -> Array:
         """Simulated minus measured over noise, (rows, lanes), for vectors (lanes, n)."""
-        with ThreadPoolExecutor(default_jobs()) as pool:
-            parts = list(pool.map(lambda i: self._difference(i, x), range(len(self.stage.playbacks))))
-        found = np.concatenate(parts)
+        found = np.concatenate(self.stage.of_each_recording(lambda i: self._difference(i, x), len(x)))
         if self.stage.floating:
             found -= found.mean(axis=0)
         # A wrist that runs away is a bad fit, not the end of the search.

@@ -6,8 +6,7 @@ wrist on the angle, driven by the pressure that the explained regulator gives.
 logged there is one stage, from the command to the angle.
 """
 
-from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal
@@ -19,7 +18,8 @@ from plants.dynamics import settled
 from plants.effects import EFFECTS
 from plants.effects.effect import Around, Effect
 from plants.equilibrium import beside, effects_at_rest, static_angle
-from plants.kernel.batches import default_jobs
+from plants.kernel.batches import in_turn_or_side_by_side
+from plants.kernel.templates import LANES
 from plants.measured.begin import Begin, measured
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
@@ -112,8 +112,17 @@ class Stage:
     def simulate(self, values: Mapping[str, Any], forms: Sequence[Form] = ()) -> Array:
         """The channel of wrists with effects, shape (rows, lanes); leaves of `values` floats or (lanes,)."""
         wrist = self.wrists(values, forms)
-        with ThreadPoolExecutor(default_jobs()) as pool:
-            return np.concatenate(list(pool.map(lambda i: self.play(i, wrist), range(len(self.playbacks)))))
+        lanes = max(map(np.size, wrist.values.values()))
+        return np.concatenate(self.of_each_recording(lambda i: self.play(i, wrist), lanes))
+
+    def of_each_recording(self, work: Callable[[int], Array], lanes: int) -> list[Array]:
+        """Results of a function of the index of a recording, which plays so many wrists in it."""
+        steps = sum(int(p.rows[-1]) // self._stride(p) for p in self.playbacks) * -(-lanes // LANES)
+        return in_turn_or_side_by_side(work, range(len(self.playbacks)), steps)
+
+    def _stride(self, playback: Playback) -> int:
+        """Samples of the rig's sample time that a wrist is advanced by at once in a recording."""
+        return 1 if self.drives is None else max(k for k in STRIDES if playback.every % k == 0)
 
     def wrists(self, values: Mapping[str, Any], forms: Sequence[Form] = ()) -> Wrist:
         """Wrists with effects side by side; leaves of `values` floats or (lanes,)."""
@@ -133,7 +142,7 @@ class Stage:
         if self.drives is None:
             pressure, angle = playback.play(wrist, state)
             return pressure if self.channel == "pressure_kPa" else angle
-        stride = max(k for k in STRIDES if playback.every % k == 0)
+        stride = self._stride(playback)
         other = playback.other_pressure
         rows = driven(
             wrist, self.drives[i][::stride], state, playback.every // stride, 1,
