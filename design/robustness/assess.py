@@ -142,13 +142,13 @@ def assess(
     tell("limit cycles", 0.0)
     found, swings = cycles.limit_cycles(wrist, controller), large_swings(wrist, controller)
     tell("certificates", 0.0)
-    rungs, word = certify_everything(
-        wrist, controller, DEAD_TIMES, box, stable, lambda share: tell("certificates", share)
-    )
-    tell("constant parameters", 0.0)
-    fixed = _constant(box, controller)
     left = ColouredRemainder.of(box.plant.remainder.get("angle_deg"))
     asked = Requirement(box.leaving(left), limits, conditions, duration=wrist.rig.task.duration)
+    rungs, word = certify_everything(
+        wrist, controller, DEAD_TIMES, asked.box, stable, lambda share: tell("certificates", share)
+    )
+    tell("constant parameters", 0.0)
+    fixed = _constant(asked.box, controller)
     space = asked.space  # a plant with a dead time or a load step of its own keeps it
     worst = worst_case(
         asked.box, controller, limits=limits, dead_time=space.dead_time, load=space.load, seed=seed,

@@ -143,14 +143,16 @@ class Box:
         return [self.at(np.array(corner)) for corner in product(*ends)]
 
     def slopes(self, branch: str) -> tuple[float, float]:
-        """Least and largest slope [deg/kPa] of a branch of the hysteresis in the box.
+        """Least and largest slope [deg/kPa] of a branch of the hysteresis in the box, with what a residual
+        changes of it: a block of bounded gain beside the loop.
 
         >>> from plants.parameters.files import built_in
         >>> [round(s, 3) for s in box_of(built_in("flexion")).slopes("line1")]
         [0.324, 0.396]
         """
         found = [branch_slopes(wrist)[branch] for wrist in self.loops()]
-        return min(found), max(found)
+        share = 0.0 if self.remainder is None else float(self.remainder.steepest)
+        return (1.0 - share) * min(found), (1.0 + share) * max(found)
 
     def bounds(self, name: str) -> tuple[float, float]:
         """Least and largest value of a parameter in the box; the plant's own where it is certain."""

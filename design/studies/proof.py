@@ -26,9 +26,7 @@ def kept_proof(
         "requirement": requirement_record(required), "dead_time_s": dead_time,
         "controller": {n: float(v) for n, v in vars(controller).items()},
     }  # fmt: skip
-    return stages.done(
-        f"proof-{motion}", asked, lambda: proof(wrist, controller, dead_time, required.box.leaving(None))
-    )
+    return stages.done(f"proof-{motion}", asked, lambda: proof(wrist, controller, dead_time, required.box))
 
 
 def proof(wrist: Wrist, controller: PI, dead_time: float, box: Box | None = None) -> dict[str, Any]:

@@ -4,9 +4,11 @@ from collections.abc import Mapping
 from math import isfinite
 
 from design.alternatives.designs import LQI_NAME, ROBUST_MPC
+from design.robustness.certificates.memory.ladder import IN_BOX
 from design.robustness.tuning.recommended import PLAIN
 from design.studies.design_study import DesignStudy, MotionDesign
 from design.studies.designs import BARE, FORWARD
+from plants.effects.wrist.remainder import STEEPNESS
 from reports.shared.card import broken_words, gains_words
 from reports.shared.names import limit_in_text
 from reports.shared.tables import listed, number
@@ -137,12 +139,30 @@ def remainder_words(m: MotionDesign, left: Mapping[str, float] | None) -> str:
     size = f"up to {number(left['peak'])} deg along {number(left['length'])} deg of travel"
     bare, plain = m.designs.get(BARE), m.designs[PLAIN]
     words = f"{m.motion}: the unexplained residual of the plant ({size}) acts as a disturbance in every case."
+    words += _slopes_words(m, 100 * STEEPNESS * left["peak"] / left["length"])
     if bare is None or not plain["holds"]:
         return words
     return (
         f"{words} Without it the PI would be {gains_words(bare['gains'])}; with it the worst IAE is "
         f"{number(100 * (plain['cost'] / bare['cost'] - 1), 2)} % higher."
     )
+
+
+def _slopes_words(m: MotionDesign, percent: float) -> str:
+    """What is proved where the residual changes the slopes by up to so many percent."""
+    proved = m.evidence["proved"]
+    found = [
+        r
+        for r in proved.get("rungs", ())
+        if IN_BOX in r["rung"] and r["dead_time_s"] == proved["dead_time_s"]
+    ]
+    if not found:
+        return ""
+    rate = found[0]["rate_1_s"]
+    words = "a proof of stability is open" if rate is None else (
+        f"exponentially stable with rate at least {number(rate, 2)} 1/s while at most one line is met"
+    )  # fmt: skip
+    return f" It changes slopes by up to {number(percent, 2)} %; on the plants of that box: {words}."
 
 
 def _dearer(study: DesignStudy) -> str:

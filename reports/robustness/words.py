@@ -12,6 +12,7 @@ from design.status import Status
 from design.studies.robustness_study import RobustnessStudy
 from design.studies.shown.limits_matrix import CONDITIONS
 from design.synthesis.requirements import LIMIT_UNITS
+from plants.effects.wrist.remainder import ColouredRemainder
 from reports.shared.card import CardRow
 from reports.shared.names import pi_name
 from reports.shared.tables import number, spaced
@@ -235,8 +236,15 @@ def _of_tasks(a: Assessment) -> str:
     of_box = [c.decay for c in a.ladder if c.about and c.about.switching is Switching.MEMORY_IN_BOX]
     if of_box and all(d is not None for d in of_box):
         slow = min(d for d in of_box if d is not None)
+        left = ColouredRemainder.of(a.box.plant.remainder.get("angle_deg"))
+        more = (
+            f", its slopes changed by up to {number(100 * left.steepest, 2)} % by the residual,"
+            if left
+            else ""
+        )
         words += (
-            f". On every plant of the box the rate is {number(slow, 2)} 1/s while at most one line is met"
+            f". On every plant of the box{more} the rate is {number(slow, 2)} 1/s while at most one line is "
+            "met"
         )
     return words
 

@@ -6,9 +6,11 @@ from dataclasses import replace
 import pytest
 
 from design.alternatives.designs import LQI_NAME, ROBUST_MPC
+from design.robustness.certificates.memory.ladder import IN_BOX
 from design.studies.design_study import DesignStudy, MotionDesign
 from design.studies.designs import FORWARD, DesignEffort
 from plants.effects.wrist.cross_coupling import Coupling
+from plants.effects.wrist.remainder import STEEPNESS
 from plants.parameters.files import built_in
 from reports.design import tables
 from reports.design.words import (
@@ -95,6 +97,24 @@ def test_the_price_of_the_whole_requirement_is_told_in_per_cent():
     assert "Robust MPC" not in priced(10.0)
     mpc = {**m.prices[0], "controller": ROBUST_MPC, "guarantee": "worst case found"}
     assert priced(10.0, mpc).endswith("Robust MPC: margins not judged.")
+
+
+def test_a_residual_is_told_with_what_is_proved_of_the_slopes_that_it_changes():
+    plain = study(0, "proved", 1)
+    (m,) = plain.motions
+    left = {**plain.requirements["flexion"], "remainder": {"peak": 0.6, "length": 5.0}}
+
+    def told(rate):
+        rung = {"rung": f"discrete-time {IN_BOX}", "dead_time_s": 0.05, "rate_1_s": rate}
+        proved = {**m.evidence["proved"], "dead_time_s": 0.05, "rungs": [{**rung, "dead_time_s": 0.0}, rung]}
+        one = replace(m, evidence={**m.evidence, "proved": proved})
+        return remarks(replace(plain, motions=(one,), requirements={"flexion": left}))
+
+    (said,) = (w for w in told(0.123) if "residual" in w)
+    assert "up to 0.6 deg along 5 deg" in said
+    assert f"up to {100 * STEEPNESS * 0.6 / 5.0:.0f} %" in said
+    assert "rate at least 0.12 1/s" in said
+    assert any("a proof of stability is open" in w for w in told(None))
 
 
 def test_an_mpc_is_told_with_what_was_searched():

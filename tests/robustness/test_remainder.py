@@ -10,6 +10,8 @@ import pytest
 from design.controllers.pi import PI
 from design.evaluation.sequence import play
 from design.robustness.box import SHIFT
+from design.robustness.certificates.memory.ladder import IN_BOX, certify_memory, plants_of
+from design.robustness.loop_model import LoopModel
 from design.robustness.requirement import requirement, requirement_record
 from design.robustness.samples.adversary import worst_case
 from design.robustness.samples.scenario_file import load as load_scenario
@@ -82,6 +84,40 @@ def test_the_plants_file_brings_it_into_the_requirement(tmp_path):
     ]
     assert np.mean(np.max(loud, axis=0) > calm) > 0.9
     assert np.max(np.abs(np.array(loud) - calm)) < 2.0 * PEAK_OVER_RMS * 0.3 * asked.duration
+
+
+def test_no_move_changes_it_by_more_than_its_steepest_share():
+    """So a residual is a change of slope, bounded: what certificates take it for."""
+    met = ColouredRemainder(0.5, 4.0, 0.0)
+    rng = np.random.default_rng(5)
+    wave = met.sampled(None, 0.001)
+    largest = 0.0
+    for shift in rng.random(40):
+        phase = replace(met, shift=shift).rest(None, 0.0, 0.0)
+        for way in np.geomspace(1e-3, 20.0, 60):
+            _, before, after = wave.static(phase, 0.0, way, None)
+            largest = max(largest, abs(after - before - way) / way)
+    assert 0.8 * met.steepest < largest <= met.steepest
+
+
+def test_the_box_of_a_plant_with_a_residual_has_wider_slopes_and_a_slower_proof():
+    asked, bare = requirement(PLANT), requirement(built_in("flexion"))
+    share = asked.box.remainder.steepest
+    low, high = bare.box.slopes("line1")
+    assert asked.box.slopes("line1") == pytest.approx(((1.0 - share) * low, (1.0 + share) * high))
+    gains = PI.of(bare.wrist, 1.2, 2.2)
+    model = LoopModel.of(bare.wrist, gains)
+    assert plants_of(asked.box, gains).slopes["line1"] == asked.box.slopes("line1")
+
+    def rate(box):
+        (found,) = (c for c in certify_memory(model, bare.wrist, gains, (0.0,), box) if IN_BOX in c.rung)
+        return found.decay or 0.0
+
+    assert 0.0 < rate(asked.box) < rate(bare.box)
+    # A residual as steep as the loop itself may turn its slope: nothing is proved of that.
+    steep = asked.box.leaving(ColouredRemainder(6.0, 5.0))
+    assert steep.slopes("transit")[0] < 0.0
+    assert rate(steep) == 0.0
 
 
 def test_a_worst_case_with_a_remainder_is_played_again(tmp_path):

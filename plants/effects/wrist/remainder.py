@@ -29,6 +29,9 @@ WEIGHTS = np.sqrt(MULTIPLES / (1.0 + MULTIPLES**2))
 PEAK_OVER_RMS = float(WEIGHTS.sum() / np.sqrt(0.5 * (WEIGHTS**2).sum()))
 """Peak of the sum of sines over its rms."""
 
+STEEPNESS = float((WEIGHTS * MULTIPLES).sum() / WEIGHTS.sum())
+"""Largest slope of the sum of sines times its correlation length over its peak: all waves rise together."""
+
 LASTS = 60.0
 """Length, in correlation lengths, of what `shift` chooses from."""
 
@@ -106,6 +109,16 @@ class ColouredRemainder(Effect):
         if left is None or left.rms <= SHOWS * left.noise:
             return None
         return cls(min(left.largest, PEAK_OVER_RMS * left.rms), left.correlation_way)
+
+    @property
+    def steepest(self) -> Number:
+        """Largest share by which the residual changes the slope of a branch: as a function of the way of the
+        static angle it adds, in any move, at most this share of the move.
+
+        >>> round(ColouredRemainder(0.3, 5.0).steepest, 3)
+        0.102
+        """
+        return STEEPNESS * self.peak / self.length
 
     def sampled(self, wrist: Any, dt: float) -> SampledColouredRemainder:
         return SampledColouredRemainder(self.peak, tuple(0.5 * m / self.length for m in MULTIPLES))
