@@ -156,8 +156,8 @@ def _rests(
     like = burdened(wrist, dead_time, load, load_at).rest()
     found: list[Array] = [np.empty(len(starts)) for _ in pytrees.leaves(like)]
     names = np.array(starts)
-    for start, there in dict.fromkeys(zip(starts, angle.tolist(), strict=True)):
-        here = np.flatnonzero((names == start) & (angle == there))
+    for start in dict.fromkeys(starts):
+        here = np.flatnonzero(names == start)
         late = None if dead_time is None else np.broadcast_to(dead_time, angle.shape)[here]
         shift = None if load is None else np.broadcast_to(load, angle.shape)[here]
         state = at_rest(lanes_of(wrist, here), start, angle[here], late, shift, load_at[here])
