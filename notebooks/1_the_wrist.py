@@ -19,7 +19,7 @@ import numpy as np
 
 import design
 import plants
-from design import PAPER_GAINS, STEP, Scenario, paper_series, stack
+from design import PAPER_GAINS, STEP, Case, Task, paper_series, play, stack
 from plants import RATES, STARTS, Memory, branch_slopes, built_in, wrist_x0
 from reports import LINES, PAPER_FIGURES, draw_paper, new_figure, parameter_table, rows, shown, styled
 
@@ -199,8 +199,9 @@ draw_paper(15, paper_series(15, flexion, deviation))
 
 # %%
 pi = design.PI(*PAPER_GAINS)
-lanes, state, reference = stack([Scenario(start, 0.0, STEP, flexion) for start in STARTS])
-judged, _, signals = design.run(lanes, pi, reference, state, record=True)
+lanes = stack(Case(Task(start, 0.0, (STEP,)), flexion) for start in STARTS)
+played = play(lanes, pi, record=True)
+judged, signals = played.metrics, played.trajectory
 print(f"Kp {pi.Kp} kPa/deg, Ki {pi.Ki} kPa/(deg s), a step of {STEP:g} deg")
 with styled():
     figure, (axes,) = new_figure(height=3.2)

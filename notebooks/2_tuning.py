@@ -17,16 +17,18 @@ import design
 import plants
 from design import (
     STEP,
+    Case,
     Limits,
     Problem,
     Region,
-    Scenario,
     Spread,
+    Task,
     Tuner,
     baselines,
     corners,
     default_problem,
     evaluate,
+    play,
     reaction_curve,
     stack,
     tune,
@@ -129,8 +131,8 @@ nyquist(wrist, shown_gains)
 # %%
 lines = tuple(b for b in problem.branches if b.branch != "transit")
 transit = tuple(b for b in problem.branches if b.branch == "transit")
-on_line = Problem.of(wrist, [Scenario("line1", 0.0, STEP, wrist)], Limits())
-on_transit = Problem.of(wrist, [Scenario("inside", 0.0, 1.0, wrist)], Limits())
+on_line = Problem.of(wrist, [Case(Task("line1", 0.0, (STEP,)), wrist)], Limits())
+on_transit = Problem.of(wrist, [Case(Task("inside", 0.0, (1.0,)), wrist)], Limits())
 views = {
     "on the lines, a step from line 1": replace(on_line, branches=lines),
     "on the transit, a step of 1 deg inside": replace(on_transit, branches=transit),
@@ -148,14 +150,14 @@ limits_held(problem, evaluate(problem, *zip(*pairs, strict=True)), alone)
 # initial states:
 
 # %%
-lanes, state, reference = stack([Scenario(start, 0.0, STEP, wrist) for start in STARTS])
+lanes = stack(Case(Task(start, 0.0, (STEP,)), wrist) for start in STARTS)
 seen = alone["on the lines, a step from line 1"]
 with styled():
     figure, both = new_figure(1, 2, height=3.5, sharey=True)
     for axes, (name, f) in zip(
         both, {"Tuned on all": found, "Tuned on the lines": seen}.items(), strict=True
     ):
-        _, _, signals = design.run(lanes, design.PI(f.Kp, f.Ki), reference, state, record=True)
+        signals = play(lanes, design.PI(f.Kp, f.Ki), record=True).trajectory
         for lane, start in enumerate(STARTS):
             axes.plot(signals.time, signals.angle[:, lane], label=f"from {start}", **LINES[lane])
         axes.axhline(STEP, color="black", linewidth=0.8)
@@ -235,9 +237,9 @@ print(
 )
 with styled():
     figure, (axes,) = new_figure(height=3.2)
-    steps = [s for s in tuner.shown.series if s.scenario.angle == 0.0 and s.scenario.reference > 0.0]
+    steps = [s for s in tuner.shown.series if s.case.task.angle == 0.0 and s.case.task.reference > 0.0]
     for step, look in zip(steps, LINES, strict=False):
-        axes.plot(tuner.shown.time, step.way, label=f"from {step.scenario.start}", **look)
+        axes.plot(tuner.shown.time, step.way, label=f"from {step.case.task.start}", **look)
     axes.axhline(STEP, color="black", linewidth=0.8)
     axes.set(xlabel="Time [s]", ylabel="Way gone [deg]", xlim=(0, 3))
     axes.set_title("What the tuner shows: the steps from all memories")

@@ -15,8 +15,9 @@ import design
 import plants
 from design import (
     STEP,
+    Case,
     Feedforward,
-    Scenario,
+    Task,
     box_of,
     break_even,
     default_problem,
@@ -53,7 +54,7 @@ wrist = plants.Wrist.flexion()
 # which are simulated exactly.
 
 # %%
-task = Scenario("virgin", 0.0, STEP, wrist)
+task = Case(Task("virgin", 0.0, (STEP,)), wrist)
 best = performance_bound(task, trajectory=True)
 print(f"{task.name}: settling takes {best.bound_s:.3f} s at least; {best.achieved_s:.3f} s were achieved")
 print(f"IAE {best.iae_bound:.3f} deg s at least; {best.iae_achieved:.3f} deg s were achieved")
@@ -146,7 +147,7 @@ figure
 
 # %%
 late = {f"{ms:.0f} ms": wrist + DeadTime(ms / 1000) if ms else wrist for ms in (0.0, 10.0, 20.0, 50.0)}
-bounds = {ms: performance_bound(Scenario("virgin", 0.0, STEP, w)).bound_s for ms, w in late.items()}
+bounds = {ms: performance_bound(Case(Task("virgin", 0.0, (STEP,)), w)).bound_s for ms, w in late.items()}
 settling = {"lower bound": bounds}
 for name, c in in_every_sample.items():
     settling[name] = {ms: float(design.run(w, c, STEP)[0].settling_time_s[0]) for ms, w in late.items()}

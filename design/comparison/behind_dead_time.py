@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.comparison.tolerated import DURATION
-from design.evaluation.sequence import Sequence, play
+from design.evaluation.cases import Case, stack
+from design.evaluation.runner import play
+from design.evaluation.tasks import Task
 from plants.simulation.periodic import Periodic
 from plants.wrist import STARTS, Start, Wrist
 
@@ -61,13 +63,13 @@ def behind_dead_time(
     overshoot, settles = {}, {}
     for name, c in controllers.items():
         starts, lasts = (FROM_REST, DURATION) if isinstance(c, Periodic) else (STARTS, task.duration)
-        lanes = [
-            Sequence(start, 0.0, (sign * task.step,), (lasts,), wrist, float(late))
+        cases = [
+            Case(Task(start, 0.0, (sign * task.step,), (lasts,), "task band"), wrist, dead_time=float(late))
             for late in dead_times
             for start in starts
             for sign in (1.0, -1.0)
         ]
-        values = play(lanes, c, task_band=True).values
+        values = play(stack(cases), c).values
         overshoot[name] = values["overshoot_percent"].reshape(dead_times.size, -1).max(axis=1)
         settling = values["settling_time_s"].reshape(dead_times.size, -1)
         settles[name] = np.isfinite(np.asarray(settling.max(axis=1)))

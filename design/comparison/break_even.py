@@ -14,19 +14,20 @@ feedforward does worse.  Steps that no command can hold are left out, of both.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.controller import Controller, Measured
+from design.evaluation.cases import Case, stack, unreachable
 from design.evaluation.metrics import Metrics
-from design.evaluation.scenarios import HEADROOM, Scenario, corner, stack, unreachable
-from design.evaluation.steps import run
-from plants.effects.regulator.dead_time import DeadTime
+from design.evaluation.runner import play
+from design.evaluation.scenarios import HEADROOM, corner
+from design.evaluation.tasks import Task
 from plants.errors import InputError
-from plants.wrist import STARTS, Start, Wrist
+from plants.wrist import STARTS, Wrist
 
 Array = NDArray[np.float64]
 
@@ -55,12 +56,12 @@ METRICS = ("settling", "IAE")
 
 @dataclass(frozen=True)
 class BreakEvenCase:
-    """One step of 15 degrees with one thing wrong: the scenario on the true wrist, and by what share of the
+    """One step of 15 degrees with one thing wrong: the case on the true wrist, and by what share of the
     loop's height the angle believed at the start is off."""
 
     kind: str
     error: float
-    scenario: Scenario
+    case: Case
     belief: float = 0.0
 
 
@@ -174,8 +175,13 @@ def break_even(
     tried = GRIDS if grids is None else grids
     step = wrist.rig.task.step if step is None else step
     _check(wrist, tried)
-    cases = [c for kind, errors in tried.items() for e in errors for c in _cases(wrist, kind, float(e), step)]
-    judged = {name: _judge(cases, c, duration, jobs) for name, c in {"": plain, **others}.items()}
+    cases = [
+        c
+        for kind, errors in tried.items()
+        for e in errors
+        for c in _cases(wrist, kind, float(e), step, duration)
+    ]
+    judged = {name: _judge(cases, c, jobs) for name, c in {"": plain, **others}.items()}
     curves = []
     for kind, errors in tried.items():
         of_plain = [_summary(cases, judged[""], kind, float(e)) for e in errors]
@@ -201,7 +207,7 @@ def _check(wrist: Wrist, grids: Mapping[str, Array]) -> None:
             raise InputError(f"break-even: the errors of the {kind} must ascend and have 0 among them")
 
 
-def _cases(wrist: Wrist, kind: str, error: float, step: float) -> list[BreakEvenCase]:
+def _cases(wrist: Wrist, kind: str, error: float, step: float, duration: float) -> list[BreakEvenCase]:
     """The steps on the wrist with one error that a command can hold."""
     width = error if kind == "loop width" else 0.0
     slope = error if kind == "slope" else 0.0
@@ -211,22 +217,21 @@ def _cases(wrist: Wrist, kind: str, error: float, step: float) -> list[BreakEven
     found = []
     for sign in (1.0, -1.0):
         for start in STARTS:
-            s = Scenario(start, 0.0, sign * step, true, kind)
-            if unreachable(s, low, high) == 0.0:
-                found.append(BreakEvenCase(kind, error, s, error if kind == "starting memory" else 0.0))
+            asked = Task(start, 0.0, (sign * step,), (duration,))
+            case = Case(asked, true, kind, error if kind == "dead time" else 0.0)
+            if unreachable(case, low, high) == 0.0:
+                found.append(BreakEvenCase(kind, error, case, error if kind == "starting memory" else 0.0))
     return found
 
 
-def _judge(
-    cases: Sequence[BreakEvenCase], controller: Controller, duration: float, jobs: int | None
-) -> Metrics:
+def _judge(cases: Sequence[BreakEvenCase], controller: Controller, jobs: int | None) -> Metrics:
     """Metrics of every case, leaves of shape (cases,)."""
     late = np.array([c.kind == "dead time" for c in cases])
     parts: dict[bool, Metrics] = {}
     for dead in (False, True):
         here = [c for c, is_late in zip(cases, late, strict=True) if is_late == dead]
         if here:
-            parts[dead] = _run(here, controller, dead, duration, jobs)
+            parts[dead] = _run(here, controller, jobs)
     found = next(iter(parts.values()))
     if len(parts) == 1:
         return found
@@ -235,27 +240,18 @@ def _judge(
     return Metrics(*both)
 
 
-def _run(
-    cases: Sequence[BreakEvenCase], controller: Controller, dead: bool, duration: float, jobs: int | None
-) -> Metrics:
-    wrist, state, reference = stack([c.scenario for c in cases])
-    if dead:
-        delayed = replace(wrist, effects=(DeadTime(np.array([c.error for c in cases])),))
-        state = state._replace(
-            effects=tuple(e.rest(delayed, state.pressure, state.angle) for e in delayed.effects)
-        )
-        wrist = delayed
+def _run(cases: Sequence[BreakEvenCase], controller: Controller, jobs: int | None) -> Metrics:
+    lanes = stack(c.case for c in cases)
+    pressure = lanes.state.pressure
     believed = np.array([_believed(c) for c in cases])
     # A controller that is told a wrong angle at rest begins with a wrong memory.
-    held = controller.holding(state.pressure, Measured(0.0, believed, state.pressure))
-    return run(wrist, controller, reference, state, held, duration, jobs=jobs)[0]
+    held = controller.holding(pressure, Measured(0.0, believed, pressure))
+    return play(lanes, controller, held, jobs=jobs).metrics
 
 
 def _believed(case: BreakEvenCase) -> float:
     """The static angle [deg] that is believed at the start of a case."""
-    p, start = case.scenario.wrist.hysteresis, case.scenario.start
-    known: Start = start
-    rest = case.scenario.wrist.rest(known)
+    p, rest = case.case.wrist.hysteresis, case.case.wrist.rest(case.case.task.start)
     low = float(p.ascending(rest.pressure)) - rest.memory.h
     high = float(p.descending(rest.pressure)) - rest.memory.h
     farther = high if high >= -low * (1.0 - 1e-9) else low

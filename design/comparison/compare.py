@@ -20,7 +20,7 @@ from design.comparison.on_tasks import (
     later,
     on_tasks,
     played_on_tasks,
-    task_scenarios,
+    step_cases,
     together,
 )
 from design.comparison.rows import FORWARD, PAPER, TUNED, Row, Standing, row_record
@@ -43,7 +43,7 @@ from plants.wrist import Wrist
 
 __all__ = [
     "FORWARD", "METRICS", "PAPER", "TUNED", "Comparison", "Row", "Standing", "compare",
-    "controllers", "on_tasks", "row_record", "task_scenarios", "together",
+    "controllers", "on_tasks", "row_record", "step_cases", "together",
 ]  # fmt: skip
 
 

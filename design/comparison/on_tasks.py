@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from design.controllers.controller import Controller, stacked
+from design.evaluation.cases import Case
 from design.evaluation.metrics import Metrics
 from design.evaluation.runner import PlayedTask, play, step_from
-from design.evaluation.scenarios import Scenario
 from design.evaluation.steps import Trajectory
 from design.evaluation.tasks import Task, comparison_tasks, steps
 from design.limit import Limit, limit, limits_of
@@ -35,9 +35,9 @@ class OnTasks:
     trajectory: Trajectory
 
 
-def task_scenarios(wrist: Wrist) -> list[Scenario]:
-    """The 15 degree steps of one motion: both signs, from every starting memory."""
-    return [Scenario(t.start, t.angle, t.references[-1], wrist) for t in steps(wrist.rig)]
+def step_cases(wrist: Wrist) -> list[Case]:
+    """The steps of the task on one motion: both signs, from every starting memory."""
+    return [Case(t, wrist) for t in steps(wrist.rig)]
 
 
 def on_tasks(wrist: Wrist, alike: Sequence[Controller | Periodic]) -> dict[str, list[Metrics]]:
@@ -81,9 +81,8 @@ def _bounds(wrist: Wrist, begun: dict[str, State]) -> dict[str, Limit] | None:
         for task in comparison_tasks(wrist.rig):
             if len(task.stages) > 1:
                 here = [float(np.ravel(x)[0]) for x in pytrees.leaves(begun[task.id])]
-                (*_, (angle, _, _), (reference, moment, _)) = task.stages
-                last = Scenario("line1" if angle > 0.0 else "line2", angle, reference, wrist)
-                found[task.id] = limit(last, state=pytrees.like(begun[task.id], here), begin=moment)
+                state = pytrees.like(begun[task.id], here)
+                found[task.id] = limit(Case(task, wrist), state=state, begin=task.stages[-1][1])
     except InputError:
         return None
     return found

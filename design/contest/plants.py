@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design.contest.run import lanes_of
 from design.contest.statistics import FEWEST
+from design.evaluation.cases import lanes_of
 from design.evaluation.scenarios import HEADROOM, Spread
 from design.robustness.box import SIGMAS, Box, box_of, shares_of
 from design.robustness.samples.draws import generator

@@ -20,10 +20,10 @@ from design.contest.plants import (
     perturbed,
     rig,
 )
-from design.contest.play import WORST, both_motions, by_plant, lanes_for, play
-from design.contest.run import METRICS, Result, lanes_of
+from design.contest.play import METRICS, WORST, both_motions, by_plant, lanes_for, play, told
 from design.contest.statistics import FEWEST, ConfidenceInterval
 from design.controllers.controller import Controller
+from design.evaluation.cases import lanes_of
 from design.evaluation.tasks import Task, families, lasts, side_by_side
 from design.robustness.samples.conditions import Conditions
 from plants.parameters.quantities import ParameterSet
@@ -194,10 +194,11 @@ def coupled_scores(
     values = {}
     for name in (n for n in controllers[one] if n in controllers[two]):
         a, b = both_motions((controllers[one][name], controllers[two][name]), (lanes[0], lanes[1]), jobs)
-        joined = Result(*(
-            (np.maximum(getattr(a, m), getattr(b, m)) if m in WORST else getattr(a, m) + getattr(b, m))
-            .reshape(pick.size, 4) for m in METRICS
-        ))  # fmt: skip
+        ours, theirs = told(a), told(b)
+        joined = {
+            m: (np.maximum(v, theirs[m]) if m in WORST else v + theirs[m]).reshape(pick.size, 4)
+            for m, v in ours.items()
+        }
         values[name] = by_plant(joined, [0, 1, 2, 3])
     return scored(BOTH, f"coupled, {COUPLING:g} deg/kPa{beside}", "steps", values, reference, seed)
 

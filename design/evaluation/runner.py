@@ -4,7 +4,7 @@ A controller either acts in every sample, and is compiled with the plant, or onc
 (`plants.simulation.periodic`); plants, sensors, noise and judge are the same for both.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -40,7 +40,8 @@ class Lanes:
     reference profiles, judge, duration [s], the sensor and its noise of standard deviation 1 (rows, lanes), a
     row for every 10 samples; time of the start [s], for effects that depend on it; pressure of the other
     motion [kPa] (samples, lanes), at rest where not given; a reference that was logged [deg] (samples,), in
-    place of the profiles; samples that each lane asks for, (lanes,), where they need not go on to the end."""
+    place of the profiles; samples that each lane asks for, (lanes,), where they need not go on to the end,
+    and may go on beyond it, to the end of a controller's period."""
 
     wrist: Wrist
     state: State
@@ -83,16 +84,46 @@ class Lanes:
 
 @dataclass(frozen=True)
 class PlayedTask:
-    """What became of lanes: metrics, leaves (lanes,); the last state; the controller's, of one that acts once
-    a period a list of each lane's; where they were asked for the signals of every sample, and rows of some;
-    what a periodic controller told of each period."""
+    """What became of `lanes`: metrics, leaves (lanes,); the last state; the controller's, of one that acts
+    once a period a list of each lane's; where they were asked for the signals of every sample, and rows of
+    some; what a periodic controller told of each period."""
 
+    lanes: Lanes
     metrics: Metrics
     last: ClosedLoop
     held: Any
     trajectory: Trajectory | None
     rows: Array
     periods: list[Any]
+
+    @property
+    def start(self) -> Array:
+        """The true angle [deg] where the step that is judged began, (lanes,)."""
+        began = self.lanes.judge.step or self.last.judge.step
+        return np.broadcast_to(began.start, self.metrics.iae_deg_s.shape)
+
+    @property
+    def size(self) -> Array:
+        """The size [deg] of that step, (lanes,)."""
+        return np.asarray(np.abs(self.lanes.reference.references[-1] - self.start), float)
+
+    @property
+    def values(self) -> dict[str, Array]:
+        """What limits and cost are held against, by name, each (lanes,), see `metrics.scaled`."""
+        return metrics.scaled(self.metrics, self.size, self.lanes.wrist.rig.task.step)
+
+    @property
+    def pressure_travel_kPa(self) -> Array:
+        """Travel of the pressure [kPa], which is the air that was moved, of lanes that are judged stair by
+        stair, (lanes,)."""
+        return np.asarray(self.last.judge.stairs.travel, float)
+
+    @property
+    def reference(self) -> Array:
+        """The reference [deg] in every sample of the trajectory, (samples, lanes)."""
+        assert self.trajectory is not None
+        asked = self.lanes.reference.at(np.arange(len(self.trajectory.time))[:, None]).reference
+        return np.broadcast_to(np.asarray(asked, float), self.trajectory.angle.shape)
 
 
 def step_from(
@@ -133,17 +164,28 @@ def play(
     samples = lanes.samples if lanes.lasts is None or names or own else lanes.lasts
     last, rows = advance(first, c, samples, times, own, hold, every if names else 0, names, jobs)
     went = trajectory(rows, lanes.state, c.plant, lanes.dt, lanes.begin) if record else None
-    return PlayedTask(c.judge.finish(last.judge, lanes.samples), last, last.controller, went, rows, [])
+    judged = c.judge.finish(last.judge, lanes.samples)
+    return PlayedTask(lanes, judged, last, last.controller, went, rows, [])
 
 
 def _play_periodic(
     lanes: Lanes, controller: Periodic, held: Any, record: bool, signals: tuple[str, ...]
 ) -> PlayedTask:
+    if lanes.lasts is not None:
+        samples = lanes.samples + -lanes.samples % int(controller.problem.substeps)
+        lanes = replace(lanes, duration=samples * lanes.dt)
     first = begun(lanes, controller, held)
     last, rows = periodic.play(first, recorded(first.loop) if record else signals)
     went = trajectory(rows, lanes.state, first.c.plant, lanes.dt, lanes.begin) if record else None
+    return ended(lanes, last, rows, went)
+
+
+def ended(
+    lanes: Lanes, last: periodic.PeriodicLoop, rows: Array, went: Trajectory | None = None
+) -> PlayedTask:
+    """What became of lanes under a periodic controller."""
     judged = lanes.judge.finish(last.loop.judge, lanes.samples)
-    return PlayedTask(judged, last.loop, last.memories, went, rows, last.periods)
+    return PlayedTask(lanes, judged, last.loop, last.memories, went, rows, last.periods)
 
 
 def begun(lanes: Lanes, controller: Periodic, held: Any = None) -> periodic.PeriodicLoop:

@@ -3,16 +3,15 @@
 Names for people are made here and nowhere else.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
+from typing import Literal
 
 import numpy as np
 
-from design.evaluation import metrics
-from design.evaluation.runner import Lanes
 from plants.rig import Rig
-from plants.simulation.reference_profile import ReferenceProfile
-from plants.wrist import STARTS, Start, State, Wrist
+from plants.simulation.disturbance import BEFORE
+from plants.wrist import STARTS, Start
 
 LOAD = 15.0
 """A load shifts the static angle by one part in so many of the step."""
@@ -52,32 +51,73 @@ def families(rig: Rig) -> dict[str, str]:
     return dict(zip(FAMILIES, words, strict=True))
 
 
+Judged = Literal["own band", "task band", "stairs"]
+"""How a task is judged: its last step by itself; likewise, but settled in the band of the step of the rig's
+task; or references one by one, all relative to the step of the rig's task."""
+
+CALM = (3.0, 5.0)
+"""How long [s] the reference before the last is held, shortest and longest, where the last step is to begin
+calmly.  A step that begins in full motion overshoots by what the wrist has of it, under any gains: 150 % of a
+step of 5 deg were found where it might begin after 0.3 s.  What is left after 3 s is the slow end of the
+motion, and memory."""
+
+
 @dataclass(frozen=True)
 class Task:
-    """A rig at rest at an angle [deg], having come there by `start`, meets references [deg], each from a
-    moment [s] on of which the first is 0, for a duration [s].
+    """What is asked, of whatever plant: at rest at an angle [deg], having come there by `start`, it meets
+    references [deg], each held for so many seconds of `holds`.
 
-    Judged from a moment [s] on: relative to the step that begins there, or, stair by stair, to a step of
-    `relative_to` [deg].  load [deg]: shift of the static angle that comes at that moment.
+    A step that comes before the one before it has settled meets a wrist that still moves and an integrator
+    that is still on its way: a state that no start from rest has.  counted: of stairs, how many of the last
+    references are judged.  load [deg]: constant shift of the static angle, there from load_at [s] on, before
+    the run where that is negative; with such a load the virgin wrist starts where the load puts it.  id,
+    family and name: of those in a list.  Raises ValueError for references without times.
     """
 
-    id: str
-    family: str
-    name: str
     start: Start
     angle: float
     references: tuple[float, ...]
-    moments: tuple[float, ...] = (0.0,)
-    duration: float = 10.0
-    judged_from: float = 0.0
-    relative_to: float | None = None
+    holds: tuple[float, ...] = (10.0,)
+    judged: Judged = "own band"
     load: float = 0.0
+    load_at: float = BEFORE
+    counted: int = 1
+    id: str = ""
+    family: str = ""
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.references or len(self.references) != len(self.holds):
+            raise ValueError("a task needs references, and as many times to hold them")
+
+    @property
+    def reference(self) -> float:
+        """The last reference [deg]."""
+        return self.references[-1]
+
+    @property
+    def before(self) -> float:
+        """What the last step is from [deg]."""
+        return (self.angle, *self.references)[-2]
+
+    @property
+    def duration(self) -> float:
+        """How long it takes [s]."""
+        return sum(self.holds)
 
     @property
     def stages(self) -> list[tuple[float, float, float]]:
         """Each reference [deg], the moment from which it holds, and for how long [s]."""
-        ends = [*self.moments[1:], self.duration]
-        return [(r, a, b - a) for r, a, b in zip(self.references, self.moments, ends, strict=True)]
+        moments = accumulate(self.holds[:-1], initial=0.0)
+        return list(zip(self.references, moments, self.holds, strict=True))
+
+    @property
+    def last(self) -> "Task":
+        """The last step by itself, from rest on the line on which the one before it arrives."""
+        if len(self.references) == 1:
+            return self
+        start: Start = "line1" if self.before > 0.0 else "line2"
+        return Task(start, self.before, self.references[-1:], self.holds[-1:])
 
 
 def _sign(value: float) -> str:
@@ -88,10 +128,13 @@ def steps(rig: Rig) -> list[Task]:
     """Steps from rest at 0, both signs, from every starting memory."""
     size, unit, T = rig.task.step, rig.units.angle, rig.task.duration
     return [
-        Task(f"step{_sign(r)}{start}", "steps", f"0 to {r:+g} {unit}, {start}", start, 0.0, (r,), duration=T)
+        Task(
+            start, 0.0, (r,), (T,),
+            id=f"step{_sign(r)}{start}", family="steps", name=f"0 to {r:+g} {unit}, {start}",
+        )
         for r in (size, -size)
         for start in STARTS
-    ]
+    ]  # fmt: skip
 
 
 def returns(rig: Rig, held: float | None = None) -> list[Task]:
@@ -101,8 +144,8 @@ def returns(rig: Rig, held: float | None = None) -> list[Task]:
     held = rig.task.hold if held is None else held
     return [
         Task(
-            f"return{_sign(r)}", "return", f"return from {r:+g} to 0 {unit}", "virgin", 0.0, (r, 0.0),
-            (0.0, held), held + rig.task.duration, held,
+            "virgin", 0.0, (r, 0.0), (held, rig.task.duration),
+            id=f"return{_sign(r)}", family="return", name=f"return from {r:+g} to 0 {unit}",
         )
         for r in (size, -size)
     ]  # fmt: skip
@@ -111,11 +154,13 @@ def returns(rig: Rig, held: float | None = None) -> list[Task]:
 def staircases(rig: Rig) -> list[Task]:
     """A staircase and its mirror image."""
     treads, tread = stairs(rig), lasts("tread", rig)
-    moments = tuple(tread * k for k in range(len(treads)))
     return [
-        Task(f"staircase{_sign(s)}", "staircase", name, "virgin", 0.0, tuple(s * r for r in treads), moments)
+        Task(
+            "virgin", 0.0, tuple(s * r for r in treads), (tread,) * len(treads), counted=len(treads),
+            id=f"staircase{_sign(s)}", family="staircase", name=name,
+        )
         for s, name in ((1.0, "up first"), (-1.0, "down first"))
-    ]
+    ]  # fmt: skip
 
 
 def load_steps(rig: Rig) -> list[Task]:
@@ -125,12 +170,22 @@ def load_steps(rig: Rig) -> list[Task]:
     for r in (size, -size):
         line: Start = "line1" if r > 0.0 else "line2"
         for load in (size / LOAD, -size / LOAD):
-            name = f"{load:+g} {unit} of load at {r:+g} {unit}"
-            id_ = f"load{_sign(load)}at{_sign(r)}"
             found.append(
-                Task(id_, "load step", name, line, r, (r, r), (0.0, before), judged_from=before, load=load)
-            )
+                Task(
+                    line, r, (r, r), (before, rig.task.duration), load=load, load_at=before,
+                    id=f"load{_sign(load)}at{_sign(r)}", family="load step",
+                    name=f"{load:+g} {unit} of load at {r:+g} {unit}",
+                )
+            )  # fmt: skip
     return found
+
+
+def tuning_tasks(rig: Rig, duration: float | None = None) -> list[Task]:
+    """What gains are tuned on, on any plant: steps from rest at 0, and returns from a step on which it rests;
+    each for a duration [s], that of the rig's task where not given."""
+    step, holds = rig.task.step, (rig.task.duration if duration is None else duration,)
+    asked = [Task(start, 0.0, (r,), holds) for start in STARTS for r in (step, -step)]
+    return [*asked, Task("line1", step, (0.0,), holds), Task("line2", -step, (0.0,), holds)]
 
 
 def comparison_tasks(rig: Rig) -> list[Task]:
@@ -142,24 +197,5 @@ def side_by_side(rig: Rig) -> list[Task]:
     """All families, as long as each other and judged against one band, that of a step, so that they
     may run as lanes of one batch on many plants."""
     given = [*steps(rig), *returns(rig, lasts("return", rig)), *staircases(rig), *load_steps(rig)]
-    return [replace(t, duration=lasts("side by side", rig), relative_to=rig.task.step) for t in given]
-
-
-def batch(wrist: Wrist, state: State, given: Sequence[Task]) -> Lanes:
-    """Tasks that are judged stair by stair as lanes, one a lane of the wrist; one with fewer references than
-    others holds its last one on.  Raises ValueError for tasks that cannot run side by side."""
-    ((step, duration),) = {(t.relative_to, t.duration) for t in given}
-    if step is None:
-        raise ValueError("tasks that are judged by a step of their own do not run side by side")
-    most = len(STAIRS)  # the same for all, so that one compiled loop serves them
-    dt = wrist.rig.sample_time
-    samples = round(duration / dt)
-    references = np.array([t.references + t.references[-1:] * (most - len(t.references)) for t in given])
-    switches = np.full((most, len(given)), float(samples))
-    for lane, task in enumerate(given):
-        switches[: len(task.moments), lane] = np.round(np.array(task.moments) / dt)
-    begins = np.round(np.array([t.judged_from for t in given]) / dt)
-    before = np.array([t.angle for t in given], float)
-    profile = ReferenceProfile(tuple(references.T), tuple(switches[1:]), before)
-    judge = metrics.of_stairs(step, begins, samples - begins, wrist.rig)
-    return Lanes(wrist, state, profile, judge, duration)
+    whole = lasts("side by side", rig)
+    return [replace(t, holds=(*t.holds[:-1], whole - sum(t.holds[:-1])), judged="stairs") for t in given]

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from design.evaluation.cases import Case
 from design.evaluation.metrics import Metrics
-from design.evaluation.scenarios import Scenario
-from design.evaluation.tasks import Task, comparison_tasks
+from design.evaluation.tasks import comparison_tasks
 from design.limit.bound import Bound, bound
 from design.limit.optimal import optimal
 from design.limit.replay import Array, CommandReplay, replay
@@ -83,23 +83,22 @@ class Ratios:
     iae: Any
 
 
-def limit(
-    scenario: Scenario, trajectory: bool = False, state: State | None = None, begin: float = 0.0
-) -> Limit:
-    """The limit of a scenario, with trajectories where asked for, which takes seconds.
+def limit(case: Case, trajectory: bool = False, state: State | None = None, begin: float = 0.0) -> Limit:
+    """The limit of the last step of a case, with trajectories where asked for, which takes seconds.
 
-    state: where the wrist is not at rest as the scenario says, but moving, such as a controller
-    leaves it before a return step; its angle is then what the step starts from.  begin [s]: time of
+    state: where the wrist is not at rest when it begins, but moving, such as a controller leaves it
+    before a return step; its angle is then what the step starts from.  begin [s]: time of
     the start, for effects that depend on it.  Raises InputError for a wrist that is not known to
     be monotone and a step of no size, and with trajectories for a wrist with effects other than a dead
     time and a reference that is out of reach.
 
-    >>> found = limit(Scenario("virgin", 0.0, 15.0, Wrist.deviation()))
+    >>> from design.evaluation.tasks import Task
+    >>> found = limit(Case(Task("virgin", 0.0, (15.0,)), Wrist.deviation()))
     >>> found.bound_s, round(found.iae_bound, 3), found.achieved_s
     (0.267, 2.286, None)
     """
-    wrist, r = scenario.wrist, scenario.reference
-    start = wrist.rest(scenario.start, scenario.angle) if state is None else state
+    wrist, step = case.wrist, case.task.last
+    r, start = step.reference, wrist.rest(step.start, step.angle) if state is None else state
     found = bound(wrist, r, start, begin)
     if not trajectory:
         return Limit(found.settling_s, found.iae)
@@ -124,15 +123,7 @@ def limits_of(wrist: Wrist, trajectory: bool = False) -> dict[str, Limit]:
 
 @cache
 def _limits_of(wrist: Wrist, trajectory: bool) -> dict[str, Limit]:
-    return {t.id: limit(_scenario(t, wrist), trajectory) for t in comparison_tasks(wrist.rig)}
-
-
-def _scenario(task: Task, wrist: Wrist) -> Scenario:
-    """The last step of a task, from rest where the one before has led."""
-    *before, last = task.references
-    if not before:
-        return Scenario(task.start, task.angle, last, wrist)
-    return Scenario("line1" if before[-1] > 0.0 else "line2", before[-1], last, wrist)
+    return {t.id: limit(Case(t, wrist), trajectory) for t in comparison_tasks(wrist.rig)}
 
 
 def ratios(metrics: Metrics, of: Limit) -> Ratios:
@@ -140,10 +131,11 @@ def ratios(metrics: Metrics, of: Limit) -> Ratios:
     where it, or anything, does not settle.
 
     >>> from design.evaluation.steps import run
+    >>> from design.evaluation.tasks import Task
     >>> from design.controllers.pi import PI
     >>> wrist = Wrist.flexion()
     >>> judged, _, _ = run(wrist, PI(1.2, 2.2), 15.0)
-    >>> found = ratios(judged, limit(Scenario("virgin", 0.0, 15.0, wrist)))
+    >>> found = ratios(judged, limit(Case(Task("virgin", 0.0, (15.0,)), wrist)))
     >>> round(float(found.settling[0]), 1), round(float(found.iae[0]), 2)
     (21.8, 11.68)
     """

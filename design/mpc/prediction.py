@@ -21,7 +21,7 @@ from plants import dynamics
 from plants.dynamics import QUIET
 from plants.hysteresis import HysteresisLaw
 from plants.kernel import pytrees as tree
-from plants.kernel.graphs import graph
+from plants.kernel.graphs import graph, slopes
 from plants.kernel.inlining import compiled, inlined, scalars, unpacked
 from plants.wrist import State, Wrist
 
@@ -96,11 +96,9 @@ def carried(
 
     At a kink (a line just met) the derivative is that of the one side that CasADi takes.
     """
-    import casadi
-
     after, before = dynamics.step(state, command[0], c), tree.leaves(state)
-    values = casadi.vertcat(*(tree.leaves(after)[i] for i in along.rows))
-    by = casadi.jacobian(values, casadi.vertcat(*(before[i] for i in along.rows), command[0]))
+    moved = tree.leaves(after)
+    by = slopes([moved[i] for i in along.rows], [*(before[i] for i in along.rows), command[0]])
     n, old = len(along.rows), dict(zip(along.entries, s, strict=True))
 
     def entry(i: int, j: int) -> Any:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design.evaluation.sequence import Sequence
+from design.evaluation.cases import Case
 from design.robustness.requirement import Requirement
 from design.robustness.samples.draws import CASES, CHUNK, generator
 from design.robustness.samples.hunt import Hunted, hunt
@@ -64,14 +64,14 @@ class WorstFound:
     share of the limit and of which; runs; how many of them broke a limit; the largest cost of a step of the
     task that a second search found, and where."""
 
-    sequence: Sequence
+    case: Case
     values: dict[str, float]
     excess: float
     excess_of: str
     runs: int
     broken: int
     worst_cost: float
-    dearest: Sequence | None
+    dearest: Case | None
 
 
 def check(
@@ -144,8 +144,8 @@ def worst_found(
     (j,) = dear.worst(1)
     found = np.isfinite(dear.heights[j])
     return WorstFound(
-        requirement.space.sequence(place[:, 0])[0], {n: float(v[0]) for n, v in values.items()},
+        requirement.space.case(place[:, 0])[0], {n: float(v[0]) for n, v in values.items()},
         beyond[name], name, hunted.heights.size + dear.heights.size,
         int(np.count_nonzero(hunted.heights > 0.0)), float(dear.heights[j]) if found else float("inf"),
-        requirement.space.sequence(dear.places[:, j])[0] if found else None,
+        requirement.space.case(dear.places[:, j])[0] if found else None,
     )  # fmt: skip

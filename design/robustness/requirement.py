@@ -17,8 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.pi import PI
-from design.evaluation.scenarios import Spread, tuning_scenarios
-from design.evaluation.sequence import play
+from design.evaluation.cases import Case
+from design.evaluation.runner import play
+from design.evaluation.scenarios import Spread
+from design.evaluation.tasks import tuning_tasks
 from design.margins import BranchResponse, Margins, branch_responses, margins
 from design.robustness.box import SIGMAS, Box, box_of
 from design.robustness.samples.conditions import Conditions
@@ -132,17 +134,14 @@ class Requirement:
         found: dict[str, Array] = {}
         for lanes in self._alike(x, noise_seed is not None):
             c = _lanes_of(controller, lanes, x.shape[1])
-            b = self.space.batch(x[:, lanes])
-            seen: dict[str, Any] = {}
+            asked = self.space.lanes(x[:, lanes])
             if noise_seed is not None:
                 seed, piece = noise_seed
-                samples = int(np.max(b.switches[-1] + b.judged))
                 draw = generator(seed, piece, 2 + int(lanes[0])).standard_normal
-                seen = {"sensor": sensor(self.conditions.noise, self.conditions.quantum)}
+                asked = replace(asked, sensor=sensor(self.conditions.noise, self.conditions.quantum))
                 if self.conditions.noise > 0.0:
-                    seen["noise"] = draw((-(-samples // HOLD) + 1, lanes.size))
-            played = play(b, c, jobs=jobs, task_band=True, **seen)
-            for name, v in played.values.items():
+                    asked = replace(asked, noise=draw((-(-asked.samples // HOLD) + 1, lanes.size)))
+            for name, v in play(asked, c, jobs=jobs).values.items():
                 found.setdefault(name, np.empty(x.shape[1]))[lanes] = v
         return found
 
@@ -174,8 +173,8 @@ class Requirement:
 
     def problem(self, guard: dict[str, float] | None = None, jobs: int | None = None) -> Problem:
         """The tuning problem to begin with: the nominal plant's steps and the margins; cases are added."""
-        scenarios = [s for s in tuning_scenarios(self.wrist) if s.plant == "nominal"]
-        plain = Problem.of(self.wrist, scenarios, self.limits, self.cost, self.duration, jobs)
+        scenarios = [Case(t, self.wrist) for t in tuning_tasks(self.wrist.rig, self.duration)]
+        plain = Problem.of(self.wrist, scenarios, self.limits, self.cost, jobs=jobs)
         return replace(plain, branches=self.telling, guard=guard or {}, screened=True)
 
 

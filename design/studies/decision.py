@@ -63,7 +63,7 @@ def checked(
         "worst_case": {
             "runs": worst.runs, "broken": worst.broken,
             "overshoot_percent": worst.values["overshoot_percent"], "excess": worst.excess,
-            "excess_of": worst.excess_of, "values": worst.values, "scenario": worst.sequence.name,
+            "excess_of": worst.excess_of, "values": worst.values, "scenario": worst.case.name,
             "worst_iae_deg_s": worst.worst_cost,
             "dearest": None if worst.dearest is None else worst.dearest.name,
         },

@@ -161,7 +161,7 @@ def _searched(
         worst = worst_found(required, tuned.final.controller, effort.runs // 2, seed + 78, jobs)
         found |= {
             "holds": worst.broken == 0, "worst_excess": worst.excess, "worst_excess_of": worst.excess_of,
-            "worst_case": worst.sequence.name,
+            "worst_case": worst.case.name,
         }  # fmt: skip
     return found
 

@@ -4,7 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from design.controllers.pi import PI
-from design.evaluation.sequence import PlayedSequence, play
+from design.evaluation.cases import stack
+from design.evaluation.runner import PlayedTask, play
 from design.robustness.assess import Assessment
 from design.robustness.certificates.continuous.search import RUNGS
 from design.robustness.gain_plane import GainPlane, gain_plane
@@ -32,7 +33,7 @@ class RobustnessStudy:
     assessment: Assessment
     plane: GainPlane
     envelopes: Envelopes | None
-    worst_run: PlayedSequence
+    worst_run: PlayedTask
     gains: Mapping[str, tuple[float, float]]
     branches: BranchSteps
     cells: CellSteps
@@ -64,6 +65,6 @@ def study_of(assessment: Assessment, plane: GainPlane) -> RobustnessStudy:
     )  # fmt: skip
 
 
-def worst_run(worst: Worst) -> PlayedSequence:
+def worst_run(worst: Worst) -> PlayedTask:
     """A worst scenario, simulated, with its signals."""
-    return play([worst.sequence], worst.controller, record=True, task_band=True)
+    return play(stack([worst.case]), worst.controller, record=True)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.evaluation.scenarios import hindrance
+from design.evaluation.cases import hindrance
 from design.synthesis.evaluate import adverse_values, out_of_range, simulated
 from design.synthesis.requirements import COSTS, Problem
 from design.synthesis.tuning import Tuning, nearest_limit
@@ -66,7 +66,7 @@ def answer(found: Tuning) -> Answer:
     plain = next(
         i
         for i, s in enumerate(problem.scenarios)
-        if (s.start, s.plant) == ("virgin", "nominal") and s.reference > 0
+        if (s.task.start, s.plant) == ("virgin", "nominal") and s.task.reference > 0
     )
     values = {n: getattr(judged, n)[0] for n in NOMINAL}
     return Answer(

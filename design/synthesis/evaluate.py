@@ -1,4 +1,4 @@
-"""Cost and limits of gains under a problem, for many gains at once: every scenario and adverse sequence."""
+"""Cost and limits of gains under a problem, for many gains at once: every scenario and adverse case."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from design.controllers.controller import Controller
 from design.controllers.pi import PI
+from design.evaluation.cases import Case, repeated, unreachable
 from design.evaluation.metrics import Metrics
-from design.evaluation.scenarios import Scenario, unreachable
-from design.evaluation.sequence import play, repeated
-from design.evaluation.steps import run
+from design.evaluation.runner import play
 from design.margins import margins
 from design.synthesis.requirements import COSTS, Problem, excesses
 from plants.kernel import pytrees
@@ -30,7 +29,7 @@ class Evaluation:
     """What gains of shape (n,) do on a set of scenarios; settings: what the controllers have beside the
     gains, by name, each (n,).
 
-    cost (n,): the worst over the scenarios (and adverse sequences), `cost_at` (n,) where.  values[limit]
+    cost (n,): the worst over the scenarios (and adverse cases), `cost_at` (n,) where.  values[limit]
     (n,): the worst value of each limited quantity, `values_at` (n,) on which
     scenario or branch.  excess[limit] (n,): how far beyond its limit, as a share
     of the limit; not above 0 where it is held.
@@ -77,21 +76,15 @@ def rollouts(problem: Problem, Kp: Array, Ki: Array) -> Metrics:
 
 def simulated(problem: Problem, many: Controller, n: int) -> Metrics:
     """Metrics of every scenario under n controllers of one kind, lanes of one, leaves (n, scenarios)."""
-    wrist, state, reference = problem.stacked
     m = len(problem.scenarios)
-    lanes = pytrees.like(state, [np.tile(x, n) for x in pytrees.leaves(state)])
-    plants = wrist.made_of({k: np.tile(v, n) for k, v in wrist.values.items()})
-    judged, _, _ = run(
-        plants, _each(many, n, m), np.tile(reference, n), lanes, duration=problem.duration, jobs=problem.jobs
-    )
-    return judged.reshape(n, m)
+    return play(repeated(problem.lanes, n), _each(many, n, m), jobs=problem.jobs).metrics.reshape(n, m)
 
 
 def judged(problem: Problem, many: Controller, n: int) -> tuple[Array, dict[str, Array]]:
     """Cost, and what the limits of a run are held against, of n controllers of one kind, lanes of one, on
-    every scenario and adverse sequence, each (n, scenarios + sequences)."""
+    every scenario and adverse case, each (n, scenarios + cases)."""
     found = simulated(problem, many, n)
-    sizes = np.array([abs(s.reference - s.angle) for s in problem.scenarios])
+    sizes = np.array([abs(s.task.reference - s.task.angle) for s in problem.scenarios])
     values: dict[str, Array] = {
         "overshoot_percent": found.overshoot_percent,
         "total_variation_V": found.total_variation_V,
@@ -108,11 +101,11 @@ def judged(problem: Problem, many: Controller, n: int) -> tuple[Array, dict[str,
 
 
 def adverse_values(problem: Problem, many: Controller, n: int) -> dict[str, Array]:
-    """What limits and cost are held against on the adverse sequences, each (n, sequences)."""
+    """What limits and cost are held against on the adverse cases, each (n, cases)."""
     found: dict[str, Array] = {}
     # Batches of their own: dead time and load are effects that the scenarios' wrists do not have.
     for places, lanes in problem.adverse_lanes:
-        one = play(repeated(lanes, n), _each(many, n, places.size), jobs=problem.jobs, task_band=True)
+        one = play(repeated(lanes, n), _each(many, n, places.size), jobs=problem.jobs)
         for name, v in one.values.items():
             into = found.setdefault(name, np.empty((n, len(problem.adverse))))
             into[:, places] = v.reshape(n, places.size)
@@ -188,10 +181,10 @@ def _judged_where(
     return cost, values
 
 
-def out_of_range(problem: Problem) -> tuple[Scenario, float] | None:
+def out_of_range(problem: Problem) -> tuple[Case, float] | None:
     """The scenario whose reference no command in the range can hold, and by how many volts; or None.
 
-    Infinitely many where an effect keeps the wrist from it, as `design.evaluation.scenarios.hindrance` says.
+    Infinitely many where an effect keeps the wrist from it, as `design.evaluation.cases.hindrance` says.
     """
     known = controller(problem, 0.0, 0.0)
     lack = [unreachable(s, known.low, known.high) for s in problem.scenarios]

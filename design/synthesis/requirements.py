@@ -8,15 +8,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from design.evaluation.scenarios import Scenario, Spread, stack, tuning_scenarios, within_reach
-from design.evaluation.sequence import Batch as AdverseBatch
-from design.evaluation.sequence import Sequence as Adverse
-from design.evaluation.sequence import stack as stack_adverse
+from design.evaluation.cases import Case, stack
+from design.evaluation.runner import Lanes
+from design.evaluation.scenarios import Spread, tuning_scenarios, within_reach
 from design.margins import BranchResponse, branch_responses
 from plants.effects.regulator.dead_time import DeadTime
 from plants.rig import Rig, built_in_rig
 from plants.simulation.disturbance import burdened
-from plants.wrist import State, Wrist
+from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 Cost = Literal["iae", "itae", "settling_time"]
@@ -81,23 +80,22 @@ LIMIT_UNITS = {
 class Problem:
     """A plant, the scenarios to be tuned on, the cost and the limits.
 
-    adverse: sequences of references whose last step joins the scenarios in all that is simulated, scaled to
-    the task's step (`design.evaluation.sequence.PlayedSequence.values`); none by default.
-    Of these only steps of the task (`Sequence.of_task`) count for the cost.  branches: where margins are
+    lanes: the scenarios side by side.  adverse: cases whose last step joins the scenarios in all that is
+    simulated, scaled to the task's step (`design.evaluation.metrics.scaled`); none by default.
+    Of these only steps of the task (`Case.of_task`) count for the cost.  branches: where margins are
     judged.  guard: shares of limits that gains must stay below them by.  screened: gains that break a limit
     of the linear loop are not simulated: their cost is infinite and the rest of their values no number.
     """
 
     wrist: Wrist
-    scenarios: tuple[Scenario, ...]
+    scenarios: tuple[Case, ...]
     limits: Limits
     cost: str
     branches: tuple[BranchResponse, ...]
-    stacked: tuple[Wrist, State, Array]
-    duration: float
+    lanes: Lanes
     jobs: int | None = None
-    set_aside: tuple[Scenario, ...] = ()
-    adverse: tuple[Adverse, ...] = ()
+    set_aside: tuple[Case, ...] = ()
+    adverse: tuple[Case, ...] = ()
     guard: Mapping[str, float] = field(default_factory=dict, hash=False)
     screened: bool = False
 
@@ -107,18 +105,18 @@ class Problem:
         return {n: v * (1.0 - self.guard.get(n, 0.0)) for n, v in self.limits.named.items()}
 
     @cached_property
-    def adverse_lanes(self) -> list[tuple[NDArray[np.intp], AdverseBatch]]:
-        """The adverse sequences as batches of about the same length, each with the places of its lanes."""
-        lasts = np.array([sum(s.holds) for s in self.adverse])
+    def adverse_lanes(self) -> list[tuple[NDArray[np.intp], Lanes]]:
+        """The adverse cases as batches of about the same length, each with the places of its lanes."""
+        lasts = np.array([c.task.duration for c in self.adverse])
         order = np.argsort(lasts, kind="stable")
         pieces = [p for p in np.split(order, np.flatnonzero(np.diff(lasts[order]) > 1.0) + 1) if p.size]
-        return [(p, stack_adverse([self.adverse[i] for i in p])) for p in pieces]
+        return [(p, stack([self.adverse[i] for i in p])) for p in pieces]
 
     @classmethod
     def of(
         cls,
         wrist: Wrist,
-        scenarios: Sequence[Scenario],
+        scenarios: Sequence[Case],
         limits: Limits | None = None,
         cost: str = "iae",
         duration: float | None = None,
@@ -126,15 +124,17 @@ class Problem:
     ) -> "Problem":
         """The problem of tuning a wrist; corners that no command can hold are set aside.
 
-        duration [s] of a run, the rig's where not given.
+        duration [s] for which each is judged, its own where not given.
         Raises ValueError for an unknown cost.
         """
         if cost not in COSTS:
             raise ValueError(f"unknown cost {cost!r}; one of {', '.join(COSTS)}")
+        if duration is not None:
+            scenarios = [replace(c, task=replace(c.task, holds=(duration,))) for c in scenarios]
         kept, aside = within_reach(scenarios)
         return cls(
             wrist, tuple(kept), limits or Limits.of(wrist.rig), cost, tuple(branch_responses(wrist)),
-            stack(kept), wrist.rig.task.duration if duration is None else duration, jobs, tuple(aside),
+            stack(kept), jobs, tuple(aside),
         )  # fmt: skip
 
     def place(self, limit: str, index: int) -> str:
@@ -159,7 +159,7 @@ def default_problem(
     """The problem that ``wrist tune`` solves: all scenarios, or the step from rest of the nominal plant."""
     scenarios = tuning_scenarios(wrist, spread)
     if nominal:
-        scenarios = [s for s in scenarios if (s.plant, s.start) == ("nominal", "virgin")]
+        scenarios = [s for s in scenarios if (s.plant, s.task.start) == ("nominal", "virgin")]
     return Problem.of(wrist, scenarios, limits, cost, jobs=jobs)
 
 

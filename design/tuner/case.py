@@ -4,11 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from design.evaluation.scenarios import tuning_scenarios
-from design.evaluation.sequence import batch
+from design.evaluation.cases import Case
+from design.evaluation.tasks import tuning_tasks
 from design.margins import branch_responses
 from design.synthesis.requirements import Limits, Problem
-from design.tuner.setting import DELAY, Setting, plant, trouble
+from design.tuner.setting import Setting, plant, trouble
 from plants.wrist import Wrist
 
 COARSE = 200
@@ -43,22 +43,7 @@ def case(wrist: Wrist, setting: Setting, limits: Limits | None = None, jobs: int
     wrong = trouble(here)
     if wrong is not None:
         return TunedPlant(None, None, wrong)
-    scenarios = tuple(s for s in tuning_scenarios(here) if s.plant == "nominal")
-    lanes = len(scenarios)
-    angles, references = (np.array([getattr(s, n) for s in scenarios], float) for n in ("angle", "reference"))
-    # The state at rest in closed form where the wrist has no effects of its own: those of `Scenario` take
-    # ten times as long, which a drag would feel.
-    own = DELAY in wrist.values
-    bare = here if own else wrist.made_of(here.values)
-    rest = batch(
-        bare, [s.start for s in scenarios], angles, references[None], np.ones((1, lanes)),
-        None if own else setting.dead_time,
-    )  # fmt: skip
-    stacked = here.made_of({n: np.full(lanes, v) for n, v in here.values.items()})
-    problem = Problem(
-        here, scenarios, limits or Limits.of(here.rig), "iae", tuple(branch_responses(here)),
-        (stacked, rest.state, references), here.rig.task.duration, jobs,
-    )  # fmt: skip
+    problem = Problem.of(here, [Case(t, here) for t in tuning_tasks(here.rig)], limits, jobs=jobs)
     coarse = replace(problem, branches=tuple(branch_responses(here, COARSE)))
     return TunedPlant(problem, coarse, note=out_of_reach(problem))
 
@@ -69,19 +54,20 @@ def out_of_reach(problem: Problem) -> str | None:
     As `design.synthesis.evaluate.out_of_range`, from the states at rest that are known already: the
     scenarios hold those on each line at every reference.
     """
-    pressure = np.asarray(problem.stacked[1].pressure, float)
-    at_rest = {(s.start, s.angle): p for s, p in zip(problem.scenarios, pressure, strict=True)}
+    pressure = np.asarray(problem.lanes.state.pressure, float)
+    tasks = [s.task for s in problem.scenarios]
+    at_rest = {(t.start, t.angle): p for t, p in zip(tasks, pressure, strict=True)}
     found = []
-    for s in problem.scenarios:
-        needed = float(at_rest["line1" if s.reference > s.angle else "line2", s.reference])
+    for t in tasks:
+        needed = float(at_rest["line1" if t.reference > t.angle else "line2", t.reference])
         for effect in problem.wrist.effects:
-            words = effect.obstacle(needed, s.reference)
+            words = effect.obstacle(needed, t.reference)
             if words is not None:
-                return f"{words} keeps the wrist from holding {s.reference:+g} deg"
+                return f"{words} keeps the wrist from holding {t.reference:+g} deg"
         command = needed / problem.wrist.regulator.gain
         low, high = problem.wrist.rig.command_range
-        found.append((max(low - command, command - high), s))
-    lack, scenario = max(found, key=lambda pair: pair[0])
+        found.append((max(low - command, command - high), t))
+    lack, task = max(found, key=lambda pair: pair[0])
     if lack <= 0.0:
         return None
-    return f"the command range is {lack:.3g} V too small to hold {scenario.reference:+g} deg"
+    return f"the command range is {lack:.3g} V too small to hold {task.reference:+g} deg"

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from design.evaluation.cases import Case
 from design.evaluation.metrics import Metrics
-from design.evaluation.scenarios import Scenario
-from design.evaluation.steps import run
+from design.evaluation.runner import play
 from design.synthesis.evaluate import Evaluation, controller, evaluate
 from design.synthesis.requirements import LIMIT_UNITS, ROUNDING, Problem
 from design.tuner.branch_margins import BranchMargins, branch_margins
@@ -24,10 +24,10 @@ SAMPLES = np.unique(
 
 @dataclass(frozen=True)
 class ShownStep:
-    """A step of 15 deg: its scenario, the way gone towards the reference [deg] and the command [V], each
+    """A step of 15 deg: its case, the way gone towards the reference [deg] and the command [V], each
     (rows,), settling time [s] (infinite where it does not) and overshoot [%]."""
 
-    scenario: Scenario
+    case: Case
     way: Array
     command: Array
     settling_time_s: float
@@ -85,10 +85,8 @@ def picture(given: TunedPlant, setting: Setting) -> Picture:
     if problem is None:
         return Picture(setting, time, trouble=given.trouble)
     pi = controller(problem, setting.Kp, setting.Ki)
-    wrist, state, references = problem.stacked
-    judged, _, went = run(
-        wrist, pi, references, state, duration=problem.duration, record=True, jobs=problem.jobs
-    )
+    played = play(problem.lanes, pi, record=True, jobs=problem.jobs)
+    judged, went = played.metrics, played.trajectory
     assert went is not None
     at = evaluate(problem, setting.Kp, setting.Ki)
     return Picture(
@@ -102,7 +100,7 @@ def _series(problem: Problem, judged: Metrics, angle: Array, command: Array) -> 
     """Responses of the scenarios; angle [deg], command [V], (rows, scenarios)."""
     return tuple(
         ShownStep(
-            s, (angle[:, i] - s.angle) * np.sign(s.reference - s.angle), command[:, i],
+            s, (angle[:, i] - s.task.angle) * np.sign(s.task.reference - s.task.angle), command[:, i],
             float(judged.settling_time_s[i]), float(judged.overshoot_percent[i]),
         )
         for i, s in enumerate(problem.scenarios)

@@ -98,10 +98,10 @@ def plant_words(values: Mapping[str, float]) -> dict[str, str]:
 
 
 def _series(s: ShownStep) -> dict[str, Any]:
-    back = s.scenario.angle != 0.0
+    task = s.case.task
     return {
-        "memory": "return" if back else s.scenario.start,
-        "plus": s.scenario.reference > s.scenario.angle,
+        "memory": "return" if task.angle != 0.0 else task.start,
+        "plus": task.reference > task.angle,
         "way_deg": np.round(s.way, 3).tolist(),
         "command_V": np.round(s.command, 3).tolist(),
     }

@@ -1,7 +1,7 @@
 """Laws as CasADi graphs: what is made of one call of a step function with symbols."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -74,6 +74,13 @@ def derivatives(step: Callable[..., Any], *arguments: Any) -> Any:
     function = graph(step, *arguments)
     x = [casadi.SX.sym("x", function.size1_in(i)) for i in range(function.n_in())]
     return casadi.Function("jacobians", x, [casadi.jacobian(function(*x), xi) for xi in x])
+
+
+def slopes(of: Sequence[Any], by: Sequence[Any]) -> Any:
+    """Derivatives of symbols by others, (of, by), for a law that is itself made a graph of."""
+    import casadi
+
+    return casadi.jacobian(casadi.vertcat(*of), casadi.vertcat(*by))
 
 
 def jacobians(step: Callable[..., Any], *arguments: Any) -> list[np.ndarray]:

@@ -27,7 +27,8 @@ def burdened(
     """The wrist with more dead time [s] and a load [deg] that is there from a moment [s] on, before the run
     where not given; None leaves an effect out.
 
-    Raises InputError for a load on a wrist that has a load step of its own.
+    A load step that the wrist carries at its null takes the load.  Raises InputError for a load on a wrist
+    that has a load step of its own.
     """
     if dead_time is not None:
         own = wrist.values.get("dead-time.delay")
@@ -37,9 +38,11 @@ def burdened(
             else wrist.with_values(**{"dead-time.delay": own + dead_time})
         )
     if load is not None:
-        if any(e.NAME == LoadStep.NAME for e in wrist.effects):
+        carried = [e for e in wrist.effects if e.NAME == LoadStep.NAME]
+        if any(not isinstance(e, LoadStep) or np.any(e.shift) for e in carried):
             raise InputError("load: the plant has a load step of its own; leave the load at 0")
-        wrist = wrist + LoadStep(load, moment)
+        given = {"load-step.shift": load, "load-step.moment": moment}
+        wrist = wrist.with_values(**given) if carried else wrist + LoadStep(load, moment)
     return wrist
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from design.evaluation.metrics import SETTLING_BAND
-from design.evaluation.sequence import PlayedSequence
+from design.evaluation.runner import PlayedTask
 from design.robustness.gain_plane import GainPlane
 from design.robustness.samples.monte_carlo import Envelopes
 from design.robustness.samples.worst import Worst
@@ -138,11 +138,10 @@ def draw_envelopes(bands: Envelopes, reference: float, band: float = SETTLING_BA
     return figure
 
 
-def draw_worst(worst: Worst, played: PlayedSequence) -> "Figure":
+def draw_worst(worst: Worst, played: PlayedTask) -> "Figure":
     """The worst scenario that was found, as it was played: reference and angle, and the command."""
     t = played.trajectory
     assert t is not None
-    assert played.reference is not None
     with styled():
         figure, (angle, command) = new_figure(2, 1, height=4.6, sharex=True, height_ratios=(3, 2))
         angle.step(
@@ -154,7 +153,7 @@ def draw_worst(worst: Worst, played: PlayedSequence) -> "Figure":
             t.time, t.static_angle[:, 0], color=VERMILLION, linestyle=DASH_DOT, linewidth=1.0,
             label="static angle of the loop",
         )  # fmt: skip
-        begins = sum(worst.sequence.holds[:-1])
+        begins = sum(worst.case.task.holds[:-1])
         for axes in (angle, command):
             axes.axvspan(begins, t.time[-1], color="#f3f3f3", zorder=0)
         angle.text(
@@ -164,8 +163,8 @@ def draw_worst(worst: Worst, played: PlayedSequence) -> "Figure":
         angle.legend(loc="best")
         angle.set_ylabel("Angle [deg]")
         command.plot(t.time, t.command[:, 0], color=BLUE)
-        for bound in worst.sequence.wrist.rig.command_range:
-            words = "range of the command" if bound == worst.sequence.wrist.rig.command_range[0] else ""
+        for bound in worst.case.wrist.rig.command_range:
+            words = "range of the command" if bound == worst.case.wrist.rig.command_range[0] else ""
             command.axhline(bound, color=GREY, linewidth=0.8, linestyle=DASHED, label=words)
         command.legend(loc="best")
         command.set(xlabel="Time [s]", ylabel="Command [V]", xlim=(0.0, t.time[-1]))

@@ -28,8 +28,8 @@ def test_the_metrics_are_those_saved(wrist, saved):
     assert outcome.code == 0, outcome.err
     assert outcome.json["metrics"] == json.loads(json_text(found.metrics))  # infinite ones are null there
     assert outcome.json["same_as_saved"] is True
-    assert outcome.json["parameters"]["Tw"] == {"value": found.sequence.wrist.Tw, "unit": "s"}
-    assert outcome.json["reference_deg"][-1] == found.sequence.references[-1]
+    assert outcome.json["parameters"]["Tw"] == {"value": found.case.wrist.Tw, "unit": "s"}
+    assert outcome.json["reference_deg"][-1] == found.case.task.references[-1]
     assert len(outcome.json["reference_deg"]) == len(outcome.json["time_s"]) == len(outcome.json["angle_deg"])
     assert "all as saved" in outcome.err.replace("\n", " ")
 

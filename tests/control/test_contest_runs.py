@@ -10,10 +10,10 @@ from design.contest import coupled
 from design.contest.coupled import run_coupled
 from design.contest.periodic import play_coupled
 from design.contest.plants import carrying, nominal
-from design.contest.run import METRICS, run
-from design.contest.scores import lanes_for
+from design.contest.play import METRICS, lanes_for, told
 from design.controllers.pi import PI
 from design.controllers.pi import step as pi_step
+from design.evaluation.runner import play
 from design.evaluation.steps import run as plain_run
 from design.evaluation.tasks import lasts, side_by_side, stairs
 from design.robustness.samples.conditions import Conditions
@@ -38,9 +38,18 @@ def lanes(asked, conditions, wrist=WRIST, **effects):
     return lanes_for(field, [0] * len(asked), asked, conditions, seed=3, chunk=0)
 
 
+def run(asked, controller):
+    return SimpleNamespace(**told(play(asked, controller)))
+
+
 def short(asked):
     """The tasks for 1.3 s: where every sample is a period, a run is slow."""
-    return [replace(t, duration=1.3) for t in asked]
+    found = []
+    for t in asked:
+        n = sum(begin < 1.3 for _, begin, _ in t.stages)
+        holds = (*t.holds[: n - 1], 1.3 - sum(t.holds[: n - 1]))
+        found.append(replace(t, references=t.references[:n], holds=holds, counted=min(t.counted, n)))
+    return found
 
 
 def plainly(wrist, state, reference_at):
@@ -56,7 +65,7 @@ def plainly(wrist, state, reference_at):
 
 def test_a_step_is_judged_as_the_loop_of_the_comparison_judges_it():
     steps = [t for t in side_by_side(RIG) if t.family == "steps"]
-    found, _ = run(lanes(steps, QUIET), GAINS)
+    found = run(lanes(steps, QUIET), GAINS)
     for lane, t in enumerate(steps):
         judged, _, _ = plain_run(WRIST, GAINS, t.references[0], WRIST.rest(t.start), duration=DURATION)
         assert found.iae_deg_s[lane] == pytest.approx(float(judged.iae_deg_s[0]), rel=1e-6)
@@ -68,7 +77,7 @@ def test_a_step_is_judged_as_the_loop_of_the_comparison_judges_it():
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_staircase_is_judged_stair_by_stair(sign):
     asked = [t for t in side_by_side(RIG) if t.family == "staircase" and t.references[0] * sign > 0.0]
-    found, _ = run(lanes(asked, QUIET), GAINS)
+    found = run(lanes(asked, QUIET), GAINS)
     treads = sign * np.array(stairs(RIG))
     held = round(1000 * lasts("tread", RIG))
     angle, command, pressure = plainly(WRIST, WRIST.rest(), lambda k: treads[k // held])
@@ -86,14 +95,14 @@ def test_a_staircase_is_judged_stair_by_stair(sign):
 
 def test_a_stair_that_is_not_settled_counts_as_the_whole_window():
     asked = [t for t in side_by_side(RIG) if t.family == "staircase"]
-    found, _ = run(lanes(asked, QUIET), PI(1.2, 2.2))
+    found = run(lanes(asked, QUIET), PI(1.2, 2.2))
     assert found.unsettled.tolist() == [1.0, 1.0]
     assert found.settling_time_s.tolist() == [DURATION, DURATION]
 
 
 def test_a_load_counts_from_when_it_comes():
     asked = [t for t in side_by_side(RIG) if t.family == "load step"]
-    found, _ = run(lanes(asked, QUIET), GAINS)
+    found = run(lanes(asked, QUIET), GAINS)
     for lane, t in enumerate(asked):
         loaded = WRIST + LoadStep(t.load, 1.0)
         rest = WRIST.rest(t.start, t.angle)
@@ -122,8 +131,8 @@ class EverySample:
 def test_a_controller_that_is_played_by_periods_meets_the_same_cases():
     asked = [next(t for t in side_by_side(RIG) if t.family == f) for f in ("steps", "staircase", "load step")]
     case = lanes(short(asked), NOISY, **{"dead-time.delay": 0.0503, "creep.gain": 0.1})
-    one, _ = run(case, GAINS)
-    other, _ = run(case, EverySample())
+    one = run(case, GAINS)
+    other = run(case, EverySample())
     for name in METRICS:
         np.testing.assert_allclose(getattr(other, name), getattr(one, name), rtol=1e-6, atol=1e-9)
 
@@ -150,8 +159,8 @@ def test_coupled_motions_do_what_two_wrists_in_one_loop_do():
             iae[me] += abs(15.0 - states[me].angle) * 1e-3
             held[me], command = pi_step(held[me], 15.0 - states[me].angle, pis)
             states[me] = plant.step(states[me], command, c[me], Around(k * 1e-3, pressures[1 - me] - 100.0))
-    assert [float(r.iae_deg_s[0]) for r in found] == pytest.approx(iae.tolist(), rel=1e-6)
-    alone = [float(run(lanes(asked, QUIET, w), GAINS)[0].iae_deg_s[0]) for w in others]
+    assert [float(r.metrics.iae_deg_s[0]) for r in found] == pytest.approx(iae.tolist(), rel=1e-6)
+    alone = [float(run(lanes(asked, QUIET, w), GAINS).iae_deg_s[0]) for w in others]
     assert abs(iae[0] - alone[0]) > 1e-2  # the coupling is felt
 
 
@@ -162,7 +171,7 @@ def test_coupled_motions_that_are_played_by_periods_do_the_same():
     by_periods = play_coupled((EverySample(), EverySample()), case)
     for one, other in zip(together, by_periods, strict=True):
         for name in METRICS:
-            np.testing.assert_allclose(getattr(other, name), getattr(one, name), rtol=1e-6, atol=1e-9)
+            np.testing.assert_allclose(told(other)[name], told(one)[name], rtol=1e-6, atol=1e-9)
 
 
 def test_a_wrist_with_effects_of_its_own_is_refused():
@@ -174,7 +183,11 @@ def test_a_wrist_with_effects_of_its_own_is_refused():
 def test_turns_end_where_no_pressure_changes_by_a_millionth(monkeypatch, last, turns):
     """The pressures of one motion change from turn to turn: by 1e-3, by `last`, not at all."""
     levels = {1: iter((0.0, 1e-3, 1e-3 + last, 1e-3 + last)), 2: iter((0.0,) * 4)}
-    monkeypatch.setattr(coupled, "run", lambda lanes, who, *_: (who, np.full((3, 1), next(levels[who]))))
+
+    def rows(lanes, who, **_):
+        return SimpleNamespace(rows=[np.full((3, 1), next(levels[who]))])
+
+    monkeypatch.setattr(coupled, "play", rows)
     both = SimpleNamespace(other_pressure=None)
     monkeypatch.setattr(coupled, "replace", lambda lanes, **_: lanes)
     assert run_coupled((1, 2), (both, both))[1] == turns

@@ -9,8 +9,8 @@ import pytest
 
 from design.contest import Contest, contest, contest_record
 from design.contest.plants import FORMS, RIGS, day_to_day, first, nominal, perturbed, rig, within_reach
-from design.contest.run import METRICS
-from design.contest.scores import BESIDE, BOTH, Score, by_plant, play
+from design.contest.play import METRICS, by_plant, play
+from design.contest.scores import BESIDE, BOTH, Score
 from design.contest.statistics import FEWEST, ConfidenceInterval
 from design.controllers.pi import PI
 from design.evaluation.tasks import FAMILIES, side_by_side
@@ -90,10 +90,10 @@ def test_a_score_is_the_mean_over_plants_of_means_and_worst_values_over_tasks():
         [t for t in side_by_side(built_in_rig()) if t.family == "steps"],
     )
     played = play(drawn, {"x": PIS["timid"]}, asked, Conditions(0.0, 0.0, 0.07, 0.01), seed=1)["x"]
-    assert played.iae_deg_s.shape == (drawn.count, 8)
+    assert played["iae_deg_s"].shape == (drawn.count, 8)
     values = by_plant(played, [0, 3])
-    assert values["iae_deg_s"] == pytest.approx(played.iae_deg_s[:, [0, 3]].mean(axis=1))
-    assert values["settling_time_s"] == pytest.approx(played.settling_time_s[:, [0, 3]].max(axis=1))
+    assert values["iae_deg_s"] == pytest.approx(played["iae_deg_s"][:, [0, 3]].mean(axis=1))
+    assert values["settling_time_s"] == pytest.approx(played["settling_time_s"][:, [0, 3]].max(axis=1))
 
 
 def test_a_plant_is_the_same_however_many_are_drawn_and_lies_in_its_box():

@@ -7,9 +7,10 @@ from design.controllers.controller import Measured, stacked
 from design.controllers.feedforward import Feedforward, FeedforwardPI
 from design.controllers.pi import PI
 from design.controllers.reference_model import no_inverse, reachable, within_reach
-from design.evaluation.runner import step_from
-from design.evaluation.sequence import Sequence, play
+from design.evaluation.cases import Case, stack
+from design.evaluation.runner import play, step_from
 from design.evaluation.steps import run
+from design.evaluation.tasks import Task
 from plants import one_page
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.wrist.creep import Creep
@@ -219,9 +220,10 @@ def test_controllers_stack_into_lanes():
 def test_after_a_step_that_was_taken_back_behind_dead_time_it_starts_from_the_wrists_branch(load):
     # A model that kept its own memory overshot by 15 and 31 % of the last step here.
     wrist = WRISTS["flexion"]
-    taken_back = Sequence("virgin", 0.0, (15.0, 10.0, 5.0), (0.3, 3.4, 10.0), wrist, 0.05, load)
+    task = Task("virgin", 0.0, (15.0, 10.0, 5.0), (0.3, 3.4, 10.0), load=load)
+    taken_back = Case(task, wrist, dead_time=0.05)
     controller = FeedforwardPI.of(wrist, Kp=3.0, Ki=8.0, speed=3.0, dead_time=0.025)
-    found = play([taken_back], controller).metrics
+    found = play(stack([taken_back]), controller).metrics
     assert found.overshoot_percent[0] < 1.0
     assert found.settling_time_s[0] < 1.5
 

@@ -45,11 +45,16 @@ def test_the_judgement_is_that_of_single_runs(problem):
     at = judge(problem, place)
     controller = FeedforwardPI.of(WRIST, speed=12.0, Kp=4.0, Ki=12.0)
     iae = [
-        float(run(WRIST, controller, s.reference, s.wrist.rest(s.start, s.angle))[0].iae_deg_s[0])
+        float(
+            run(WRIST, controller, s.task.reference, s.wrist.rest(s.task.start, s.task.angle))[0].iae_deg_s[0]
+        )
         for s in problem.scenarios
     ]
     assert at.cost[0] == pytest.approx(max(iae), abs=1e-12)
-    assert problem.scenarios[at.cost_at[0]].reference == problem.scenarios[int(np.argmax(iae))].reference
+    assert (
+        problem.scenarios[at.cost_at[0]].task.reference
+        == problem.scenarios[int(np.argmax(iae))].task.reference
+    )
 
 
 def test_a_wrist_without_an_inverse_is_refused():

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from design.evaluation.scenarios import Scenario
+from design.evaluation.cases import Case
+from design.evaluation.tasks import Task
 from design.limit import bound, limit
 from plants import Wrist
 from plants import dynamics as plant
@@ -92,6 +93,6 @@ def test_refusals_of_trajectories_and_steps():
     with pytest.raises(InputError, match="no size"):
         bound(Wrist.flexion(), 0.0)
     with pytest.raises(InputError, match="out of reach"):
-        limit(Scenario("virgin", 0.0, 60.0, Wrist.flexion()), trajectory=True)
+        limit(Case(Task("virgin", 0.0, (60.0,)), Wrist.flexion()), trajectory=True)
     with pytest.raises(InputError, match="no trajectory for a wrist with creep"):
-        limit(Scenario("virgin", 0.0, 15.0, Wrist.flexion() + Creep(0.1)), trajectory=True)
+        limit(Case(Task("virgin", 0.0, (15.0,)), Wrist.flexion() + Creep(0.1)), trajectory=True)

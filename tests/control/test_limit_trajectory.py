@@ -5,8 +5,9 @@ import pytest
 from scipy.optimize import fsolve
 
 from design.controllers.pi import PI
-from design.evaluation.scenarios import Scenario
+from design.evaluation.cases import Case
 from design.evaluation.steps import run
+from design.evaluation.tasks import Task
 from design.limit import bound, limit, limits_of, optimal, ratios, replay
 from design.limit.optimal import TimeOptimalProblem, _guess
 from plants import Wrist
@@ -20,7 +21,7 @@ from tests.control.limit_plant import iae, lanes, of_state, settled_at
 )
 def test_within_five_percent_and_replayed_by_another_simulator(motion, start, angle, reference):
     wrist = getattr(Wrist, motion)()
-    found = limit(Scenario(start, angle, reference, wrist), trajectory=True)
+    found = limit(Case(Task(start, angle, (reference,)), wrist), trajectory=True)
     assert 0.0 <= found.gap <= 0.05
     assert 1.0 <= found.iae_achieved / found.iae_bound <= 1.05
     assert found.commands is found.fastest.commands

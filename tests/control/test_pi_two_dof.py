@@ -10,8 +10,10 @@ from scipy.integrate import solve_ivp
 from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
 from design.controllers.plausible import SensorLimits
-from design.evaluation.sequence import Sequence, play
+from design.evaluation.cases import Case, stack
+from design.evaluation.runner import play
 from design.evaluation.steps import run
+from design.evaluation.tasks import Task
 from design.export.part import of_controller
 from design.margins import branch_responses, margins
 from design.robustness.certificates.continuous.virgin import time_on_virgin_curve
@@ -52,9 +54,8 @@ def by_hand(Kp, Ki, b, Tf, references, hold):
 @pytest.mark.parametrize(("b", "Tf"), [(0.6, 0.0), (1.7, 0.0), (1.0, 0.02), (0.8, 0.01)])
 def test_it_is_the_standard_form_in_plain_python(b, Tf):
     controller = TwoDofPI(3.0, 8.0, b=b, Tf=Tf)
-    played = play(
-        [Sequence("virgin", 0.0, (15.0, -5.0), (2.0, 2.0), WRIST)], controller, record=True
-    ).trajectory
+    asked = stack([Case(Task("virgin", 0.0, (15.0, -5.0), (2.0, 2.0)), WRIST)])
+    played = play(asked, controller, record=True).trajectory
     assert np.abs(played.angle[:-1, 0] - by_hand(3.0, 8.0, b, Tf, (15.0, -5.0), 2.0)).max() < 1e-9
 
 

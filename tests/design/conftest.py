@@ -4,7 +4,8 @@ from functools import cache
 
 import pytest
 
-from design.evaluation.scenarios import Scenario
+from design.evaluation.cases import Case
+from design.evaluation.tasks import Task
 from design.synthesis.requirements import Limits, Problem
 from design.synthesis.tuning import Region, Tuning, tune
 from plants import Wrist
@@ -17,10 +18,10 @@ FOUR_SECONDS = 4.0
 def solved(axis: str, limits: Limits, cost: str = "iae") -> Tuning:
     wrist = getattr(Wrist, axis)()
     scenarios = [
-        Scenario("virgin", 0.0, 15.0, wrist),
-        Scenario("line2", 0.0, 15.0, wrist),
-        Scenario("inside", 0.0, -15.0, wrist),
-        Scenario("line1", 15.0, 0.0, wrist),
+        Case(Task("virgin", 0.0, (15.0,)), wrist),
+        Case(Task("line2", 0.0, (15.0,)), wrist),
+        Case(Task("inside", 0.0, (-15.0,)), wrist),
+        Case(Task("line1", 15.0, (0.0,)), wrist),
     ]
     problem = Problem.of(wrist, scenarios, limits, cost, duration=FOUR_SECONDS)
     return tune(problem, REGION, starts=3)

@@ -17,7 +17,7 @@ from design.comparison.compare import (
     compare,
     on_tasks,
     row_record,
-    task_scenarios,
+    step_cases,
     together,
 )
 from design.controllers.controller import settings_of
@@ -44,8 +44,7 @@ DESIGNS = (CONVEX, LQI_NAME, FORWARD_PI)
 def designs() -> dict[str, dict]:
     """The other designs of both motions, made on the tasks alone."""
     return {
-        m: design_others(Problem.of(w, task_scenarios(w), duration=5.0), makers=QUICK)
-        for m, w in WRISTS.items()
+        m: design_others(Problem.of(w, step_cases(w), duration=5.0), makers=QUICK) for m, w in WRISTS.items()
     }
 
 
@@ -108,9 +107,9 @@ def test_a_row_is_the_run_that_it_names(comparison, motion):
     w = WRISTS[motion]
     others = {n: d.controller for n, d in designs()[motion].items()}
     for name, pi in {**baselines(w), TUNED: GAINS[motion], **others}.items():
-        for s in task_scenarios(w)[::3]:
-            judged, _, _ = run(w, pi, s.reference, w.rest(s.start, s.angle))
-            found = row(comparison, motion, f"0 to {s.reference:+g} deg, {s.start}", name)
+        for s in step_cases(w)[::3]:
+            judged, _, _ = run(w, pi, s.task.reference, w.rest(s.task.start, s.task.angle))
+            found = row(comparison, motion, f"0 to {s.task.reference:+g} deg, {s.task.start}", name)
             assert found.metrics == {n: float(getattr(judged, n)[0]) for n in METRICS}
 
 
@@ -244,7 +243,7 @@ def test_the_other_designs_stand_in_the_table_with_the_settings_that_they_have(c
 def test_a_design_that_cannot_be_made_is_lacking_with_its_reason():
     w = WRISTS["flexion"]
     strict = Limits(Ms=0.9)
-    others = design_others(Problem.of(w, task_scenarios(w)[:2], strict, duration=3.0), makers=QUICK)
+    others = design_others(Problem.of(w, step_cases(w)[:2], strict, duration=3.0), makers=QUICK)
     assert others[CONVEX] == "Ms = 0.9: a peak of a sensitivity is limited to more than 1"
     assert design_record(others[CONVEX]) == {"none": others[CONVEX]}
     found = compare({"flexion": w}, {"flexion": GAINS["flexion"]}, strict, designs={"flexion": others})

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from design.evaluation.scenarios import Scenario
+from design.evaluation.cases import Case
+from design.evaluation.tasks import Task
 from design.synthesis.evaluate import evaluate
 from design.synthesis.requirements import Limits, Problem
 from design.synthesis.tuning import Region, tune
@@ -12,7 +13,7 @@ from plants import Wrist
 
 def problem(limits: Limits) -> Problem:
     wrist = Wrist.flexion()
-    return Problem.of(wrist, [Scenario("virgin", 0.0, 15.0, wrist)], limits, duration=4.0)
+    return Problem.of(wrist, [Case(Task("virgin", 0.0, (15.0,)), wrist)], limits, duration=4.0)
 
 
 def test_no_overshoot_at_all_is_held_by_slow_gains():
@@ -36,7 +37,7 @@ def test_without_limits_everything_is_feasible():
 
 def test_where_nothing_holds_the_limits_the_least_excess_of_the_map_is_not_undercut():
     wrist = Wrist.flexion()
-    scenarios = [Scenario("virgin", 0.0, 15.0, wrist), Scenario("line1", 15.0, 0.0, wrist)]
+    scenarios = [Case(Task("virgin", 0.0, (15.0,)), wrist), Case(Task("line1", 15.0, (0.0,)), wrist)]
     limits = Limits(total_variation_V=0.3, steady_error_percent=0.5)
     region = Region((0.5, 40.0), (1.0, 200.0), 9)
     found = tune(Problem.of(wrist, scenarios, limits, duration=4.0), region, starts=3)

@@ -3,14 +3,9 @@
 import numpy as np
 import pytest
 
-from design.evaluation.scenarios import (
-    Scenario,
-    hindrance,
-    stack,
-    tuning_scenarios,
-    unreachable,
-    within_reach,
-)
+from design.evaluation.cases import Case, hindrance, stack, unreachable
+from design.evaluation.scenarios import tuning_scenarios, within_reach
+from design.evaluation.tasks import Task
 from design.synthesis.answer import OutOfReach, refusal
 from design.synthesis.evaluate import out_of_range, rollouts
 from design.synthesis.requirements import Limits, Problem, default_problem
@@ -31,7 +26,7 @@ from plants.kernel import pytrees as tree
 from reports.shared.tuning import refused
 from tests.design.effect_samples import WRIST
 
-UP = {"start": "virgin", "angle": 0.0, "reference": 15.0}
+UP = Task("virgin", 0.0, (15.0,))
 
 
 def needed(wrist, reference=15.0):
@@ -50,7 +45,7 @@ def needed(wrist, reference=15.0):
 def test_the_command_that_lacks_is_the_one_that_a_simulation_finds(effect, reference):
     w = (WRIST + effect).with_values(k_slow=5.0)
     volts = needed(w, reference)
-    scenario = Scenario("virgin", 0.0, reference, w)
+    scenario = Case(Task("virgin", 0.0, (reference,)), w)
     lack = unreachable(scenario, volts + 0.1, volts - 0.1)  # an empty range: both ends lack 0.1 V
     assert lack == pytest.approx(0.1, abs=1e-3)
     assert unreachable(scenario, volts - 0.01, volts + 0.01) == 0.0
@@ -68,10 +63,10 @@ def test_the_command_that_lacks_is_the_one_that_a_simulation_finds(effect, refer
 )
 def test_what_keeps_the_wrist_from_the_task_is_told(effect, words):
     w = WRIST + effect
-    scenario = Scenario(**UP, wrist=w)
+    scenario = Case(UP, w)
     assert hindrance(scenario) == words
     assert unreachable(scenario, 0.0, 4.0) == np.inf
-    problem = Problem.of(w, [scenario, Scenario("line1", 15.0, 0.0, w)], duration=1.0)
+    problem = Problem.of(w, [scenario, Case(Task("line1", 15.0, (0.0,)), w)], duration=1.0)
     found = tune(problem, Region(points=5), starts=1)
     said = refusal(found)
     assert said == OutOfReach("0 to +15 deg from virgin, nominal plant", words, np.inf)
@@ -81,28 +76,29 @@ def test_what_keeps_the_wrist_from_the_task_is_told(effect, words):
 
 def test_a_stop_that_is_out_of_the_way_hinders_nothing():
     w = WRIST + HardStop(-16.0, 16.0) + CappedPressure(180.0)
-    assert out_of_range(Problem.of(w, [Scenario(**UP, wrist=w)], duration=1.0)) is None
+    assert out_of_range(Problem.of(w, [Case(UP, w)], duration=1.0)) is None
 
 
 def test_corners_behind_a_stop_or_above_the_supply_are_set_aside():
     w = WRIST + CappedPressure(160.0)  # the nominal task needs 158.3 kPa
     kept, aside = within_reach(tuning_scenarios(w))
-    assert {s.plant for s in kept if s.reference > 0.0} >= {"nominal", "narrow steep quick"}
+    assert {s.plant for s in kept if s.task.reference > 0.0} >= {"nominal", "narrow steep quick"}
     wide = {f"wide {a} {b}" for a in ("flat", "steep") for b in ("quick", "slow")}
     assert {s.plant for s in aside} <= wide | {"narrow flat quick", "narrow flat slow"}
-    assert all(s.plant != "nominal" and 15.0 in (s.angle, s.reference) for s in aside)
+    assert all(s.plant != "nominal" and 15.0 in (s.task.angle, s.task.reference) for s in aside)
     assert any(s.plant == "wide flat slow" for s in aside)
 
 
 def test_stacked_scenarios_keep_their_effects():
     w = WRIST + DeadTime(0.1) + Creep(0.1, 2.0)
     found = tuning_scenarios(w)[5:60:9]
-    wrist, state, _ = stack(found)
+    lanes = stack(found)
+    wrist, state = lanes.wrist, lanes.state
     assert wrist.forms == w.forms
     np.testing.assert_array_equal(wrist.values["creep.gain"], np.full(len(found), 0.1))
     for i, s in enumerate(found):
         assert [float(x[i]) for x in tree.leaves(state)] == pytest.approx(
-            [float(x) for x in tree.leaves(s.wrist.rest(s.start, s.angle))], abs=1e-12
+            [float(x) for x in tree.leaves(s.wrist.rest(s.task.start, s.task.angle))], abs=1e-12
         )
     problem = Problem.of(w, found, Limits(), duration=1.0)
     table = rollouts(problem, np.array([1.0, 3.0]), np.array([2.0, 9.0]))

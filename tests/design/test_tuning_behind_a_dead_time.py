@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.evaluation.scenarios import Scenario
+from design.evaluation.cases import Case
 from design.evaluation.steps import run
+from design.evaluation.tasks import Task
 from design.synthesis.answer import refusal
 from design.synthesis.evaluate import evaluate
 from design.synthesis.requirements import Problem
@@ -24,8 +25,8 @@ TUBE = WRIST + DeadTime(0.1)
 @cache
 def tuned() -> Tuning:
     scenarios = [
-        Scenario("virgin", 0.0, 15.0, TUBE), Scenario("line2", 0.0, 15.0, TUBE),
-        Scenario("inside", 0.0, -15.0, TUBE), Scenario("line1", 15.0, 0.0, TUBE),
+        Case(Task("virgin", 0.0, (15.0,)), TUBE), Case(Task("line2", 0.0, (15.0,)), TUBE),
+        Case(Task("inside", 0.0, (-15.0,)), TUBE), Case(Task("line1", 15.0, (0.0,)), TUBE),
     ]  # fmt: skip
     region = Region(Kp=(0.5, 20.0), Ki=(1.0, 60.0), points=12)
     return tune(Problem.of(TUBE, scenarios, duration=8.0), region, starts=2)
@@ -49,7 +50,7 @@ def test_the_declared_gains_break_limits_behind_the_tube():
 
 
 def test_the_declared_gains_hold_them_without_it():
-    scenario = Scenario("virgin", 0.0, 15.0, WRIST)
+    scenario = Case(Task("virgin", 0.0, (15.0,)), WRIST)
     at = evaluate(Problem.of(WRIST, [scenario], duration=8.0), *DECLARED)
     assert bool(at.feasible[0])
 

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from design.evaluation.scenarios import Scenario
+from design.evaluation.cases import Case
+from design.evaluation.tasks import Task
 from design.synthesis.evaluate import evaluate, out_of_range
 from design.synthesis.requirements import Limits, Problem
 from plants import Wrist
@@ -52,8 +53,8 @@ def test_the_limit_that_is_named_is_the_one_broken_most(solve, axis, limits):
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_reference_beyond_the_command_range_is_named_with_what_it_lacks(sign):
     w = Wrist.flexion()
-    far = Scenario("virgin", 0.0, sign * 40.0, w)
-    found = out_of_range(Problem.of(w, [Scenario("virgin", 0.0, 5.0, w), far], duration=1.0))
+    near, far = (Case(Task("virgin", 0.0, (r,), (1.0,)), w) for r in (5.0, sign * 40.0))
+    found = out_of_range(Problem.of(w, [near, far]))
     assert found is not None
     scenario, lack = found
     assert scenario is far
@@ -64,18 +65,18 @@ def test_a_reference_beyond_the_command_range_is_named_with_what_it_lacks(sign):
 
 def test_references_within_the_range_are_not():
     w = Wrist.deviation()
-    assert out_of_range(Problem.of(w, [Scenario("virgin", 0.0, r, w) for r in (15.0, -15.0)])) is None
+    assert out_of_range(Problem.of(w, [Case(Task("virgin", 0.0, (r,)), w) for r in (15.0, -15.0)])) is None
 
 
 def test_an_unknown_cost_is_refused():
     w = Wrist.flexion()
     with pytest.raises(ValueError, match="unknown cost 'speed'; one of iae, itae, settling_time"):
-        Problem.of(w, [Scenario("virgin", 0.0, 5.0, w)], cost="speed")
+        Problem.of(w, [Case(Task("virgin", 0.0, (5.0,)), w)], cost="speed")
 
 
 def test_a_limit_of_none_is_no_limit():
     assert set(Limits().named) - set(Limits(Ms=None).named) == {"Ms"}
     w = Wrist.flexion()
-    at = evaluate(Problem.of(w, [Scenario("virgin", 0.0, 15.0, w)], ONLY_MS, duration=1.0), [3.0], [8.0])
+    at = evaluate(Problem.of(w, [Case(Task("virgin", 0.0, (15.0,)), w)], ONLY_MS, duration=1.0), [3.0], [8.0])
     assert list(at.excess) == ["Ms"]
     np.testing.assert_allclose(at.worst_excess, at.values["Ms"] / 1.0 - 1.0)

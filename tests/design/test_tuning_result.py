@@ -32,8 +32,10 @@ def test_the_limits_hold_when_each_scenario_is_run_by_itself(solve, axis, limits
     worst = dict.fromkeys(("overshoot_percent", "total_variation_V", "steady_error_percent"), 0.0)
     cost = 0.0
     for s in t.problem.scenarios:
-        judged, _, _ = run(s.wrist, pi, s.reference, s.wrist.rest(s.start, s.angle), duration=4.0)
-        size = abs(s.reference - s.angle)
+        judged, _, _ = run(
+            s.wrist, pi, s.task.reference, s.wrist.rest(s.task.start, s.task.angle), duration=4.0
+        )
+        size = abs(s.task.reference - s.task.angle)
         found = {
             "overshoot_percent": judged.overshoot_percent[0],
             "total_variation_V": judged.total_variation_V[0],

@@ -5,19 +5,11 @@ from itertools import product
 import numpy as np
 import pytest
 
-from design.comparison.compare import on_tasks, task_scenarios
+from design.comparison.compare import on_tasks, step_cases
 from design.controllers.pi import PI
-from design.evaluation.scenarios import (
-    HEADROOM,
-    STEP,
-    Scenario,
-    Spread,
-    corners,
-    stack,
-    tuning_scenarios,
-    unreachable,
-    within_reach,
-)
+from design.evaluation.cases import Case, stack, unreachable
+from design.evaluation.scenarios import HEADROOM, STEP, Spread, corners, tuning_scenarios, within_reach
+from design.evaluation.tasks import Task
 from design.synthesis.evaluate import rollouts
 from design.synthesis.requirements import Problem
 from plants import Wrist
@@ -40,7 +32,7 @@ def test_every_corner_is_stepped_both_ways_from_every_memory_and_back(axis):
     found = tuning_scenarios(w)
     assert {s.wrist for s in found} == {plant for _, plant in corners(w, Spread())}
     for name, _ in corners(w, Spread()):
-        here = {(s.start, s.angle, s.reference) for s in found if s.plant == name}
+        here = {(s.task.start, s.task.angle, s.task.reference) for s in found if s.plant == name}
         assert here >= set(product(STARTS, [0.0], [STEP, -STEP]))
         assert {(a, r) for _, a, r in here} >= {(STEP, 0.0), (-STEP, 0.0)}
 
@@ -67,14 +59,14 @@ def test_every_corner_still_is_a_loop(axis):
 @every_axis
 def test_the_tuning_set_is_not_the_set_of_reported_tasks(axis):
     w = getattr(Wrist, axis)()
-    tuned_on = {(s.start, s.angle, s.reference, s.wrist) for s in tuning_scenarios(w)}
-    reported = {(s.start, s.angle, s.reference, s.wrist) for s in task_scenarios(w)}
+    tuned_on = {(s.task, s.wrist) for s in tuning_scenarios(w)}
+    reported = {(s.task, s.wrist) for s in step_cases(w)}
     assert tuned_on - reported
-    assert {s[3] for s in reported} == {w}
-    assert len({s[3] for s in tuned_on}) == 9
+    assert {plant for _, plant in reported} == {w}
+    assert len({plant for _, plant in tuned_on}) == 9
     # What tuning never sees: a return from a step that is still under way after 5 s of holding.
     (there,) = on_tasks(w, [PI(1.2, 2.2)])["return+"]
-    problem = Problem.of(w, [Scenario("line1", STEP, 0.0, w)])
+    problem = Problem.of(w, [Case(Task("line1", STEP, (0.0,)), w)])
     rested = rollouts(problem, np.array([1.2]), np.array([2.2]))
     assert abs(there.iae_deg_s - rested.iae_deg_s[0, 0]) > 1e-3
 
@@ -82,8 +74,8 @@ def test_the_tuning_set_is_not_the_set_of_reported_tasks(axis):
 def test_corners_that_no_command_holds_are_set_aside_and_the_task_itself_never_is():
     w = Wrist.flexion()
     out = w.with_values(w1=25.0)
-    scenarios = [Scenario("virgin", 0.0, 15.0, out, "wide"), Scenario("virgin", 0.0, 15.0, out),
-                 Scenario("virgin", 0.0, 15.0, w, "as it is")]  # fmt: skip
+    scenarios = [Case(Task("virgin", 0.0, (15.0,)), out, "wide"), Case(Task("virgin", 0.0, (15.0,)), out),
+                 Case(Task("virgin", 0.0, (15.0,)), w, "as it is")]  # fmt: skip
     kept, aside = within_reach(scenarios)
     assert ([s.plant for s in kept], [s.plant for s in aside]) == (["nominal", "as it is"], ["wide"])
     problem = Problem.of(w, scenarios, duration=1.0)
@@ -94,13 +86,14 @@ def test_corners_that_no_command_holds_are_set_aside_and_the_task_itself_never_i
 @every_axis
 def test_stacked_scenarios_are_the_scenarios(axis):
     found = tuning_scenarios(getattr(Wrist, axis)())[5:40:7]
-    wrist, state, reference = stack(found)
+    lanes = stack(found)
+    wrist, state, reference = lanes.wrist, lanes.state, lanes.reference.references[0]
     for i, s in enumerate(found):
         assert {n: float(v[i]) for n, v in wrist.values.items()} == s.wrist.values
         assert [float(x[i]) for x in tree.leaves(state)] == [
-            float(x) for x in tree.leaves(s.wrist.rest(s.start, s.angle))
+            float(x) for x in tree.leaves(s.wrist.rest(s.task.start, s.task.angle))
         ]
-        assert reference[i] == s.reference
+        assert reference[i] == s.task.reference
 
 
 @every_axis

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.evaluation.scenarios import Scenario
+from design.evaluation.cases import Case
+from design.evaluation.tasks import Task
 from design.margins import branch_responses, margins
 from design.synthesis.requirements import NOMINAL, Limits, Problem
 from design.synthesis.tuning import Region, tune
@@ -61,7 +62,7 @@ def test_the_careful_gains_use_their_margin_up(axis):
 @cache
 def tuned(axis: str, limits: Limits) -> tuple[float, float]:
     """Gains of least IAE on the two steps of the nominal plant from rest."""
-    steps = [Scenario("virgin", 0.0, r, WRISTS[axis]) for r in (15.0, -15.0)]
+    steps = [Case(Task("virgin", 0.0, (r,)), WRISTS[axis]) for r in (15.0, -15.0)]
     found = tune(Problem.of(WRISTS[axis], steps, limits, duration=5.0), Region(points=12), starts=3)
     assert found.feasible
     return found.Kp, found.Ki

@@ -7,7 +7,8 @@ import pytest
 
 from design.controllers.lqi import LQI
 from design.controllers.pi import PI
-from design.evaluation.sequence import play
+from design.evaluation.cases import stack
+from design.evaluation.runner import play
 from design.mpc.linear import linear_mpc
 from design.mpc.problem import MPCProblem
 from design.robustness.box import Box, Interval, box_of
@@ -36,8 +37,8 @@ def test_a_known_corner_is_found():
     box = Box(plant, tuple(i for i in small_box().intervals if i.name in ("slopes", "widths")))
     gains = PI(3.0, 1.0)
     found = worst_case(box, gains, "cost", steps=1, budget=1500, duration=60.0)
-    s = found.sequence
-    v, w = s.wrist.values, plant.values
+    c, s = found.case, found.case.task
+    v, w = c.wrist.values, plant.values
     assert v["a1"] == pytest.approx(0.9 * w["a1"], rel=1e-3)
     assert v["w1"] == pytest.approx(1.2 * w["w1"], rel=1e-3)
     assert abs(s.references[0]) == pytest.approx(5.0, abs=0.01)
@@ -53,7 +54,7 @@ def test_never_milder_than_as_many_random_draws(seed, objective):
     x = np.random.default_rng(1000 + seed).random((space.size, 2000))
     drawn = np.where(
         space.reachable(x),
-        scores(play(space.batch(x), gains, task_band=True).values, LIMITS, objective, 15.0),
+        scores(play(space.lanes(x), gains).values, LIMITS, objective, 15.0),
         -np.inf,
     )
     found = worst_case(
@@ -78,13 +79,13 @@ KINDS = {
 def test_what_is_told_is_what_the_scenario_does_whatever_the_controller(kind):
     controller, effort = KINDS[kind]
     found = worst_case(small_box(), controller, dead_time=0.03, load=1.0, **effort)
-    played = play([found.sequence], found.controller, task_band=True)
+    played = play(stack([found.case]), found.controller)
     assert found.metrics == {n: float(v[0]) for n, v in vars(played.metrics).items()}
     broken = {n for n, v in excesses(played.values, LIMITS).items() if v[0] > 0.0}
     assert set(found.violated) == broken
     assert found.excess == max(float(v[0]) for v in excesses(played.values, LIMITS).values())
-    assert 0.0 <= found.sequence.dead_time <= 0.03
-    assert abs(found.sequence.load) <= 1.0
+    assert 0.0 <= found.case.dead_time <= 0.03
+    assert abs(found.case.task.load) <= 1.0
 
 
 def test_the_same_for_a_seed_and_any_number_of_threads():
@@ -94,7 +95,7 @@ def test_the_same_for_a_seed_and_any_number_of_threads():
     ]
     assert found[0] == found[1]
     other = worst_case(small_box(), PI(2.882, 8.798), seed=5, budget=400, duration=SHORT)
-    assert other.sequence != found[0].sequence
+    assert other.case != found[0].case
 
 
 def test_cost_is_maximised_where_no_limit_is_broken():
@@ -129,7 +130,7 @@ def test_what_is_out_of_reach_is_never_the_worst():
     box = replace(small_box(), plant=plant)
     found = worst_case(box, PI(2.882, 8.798), budget=100, duration=SHORT)
     assert found.set_aside > 0
-    assert max(found.sequence.references) <= 8.0
+    assert max(found.case.task.references) <= 8.0
 
 
 def test_a_box_of_which_nothing_is_within_reach_is_refused():

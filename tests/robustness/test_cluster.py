@@ -14,7 +14,8 @@ import pytest
 
 from design.cluster import each
 from design.controllers.pi import PI
-from design.evaluation.scenarios import Scenario
+from design.evaluation.cases import Case
+from design.evaluation.tasks import Task
 from design.robustness.box import box_of
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.draws import CHUNK
@@ -94,7 +95,7 @@ def test_monte_carlo_on_two_workers_is_monte_carlo_here(address):
 @pytest.mark.suite
 def test_the_map_of_a_tuning_on_two_workers_is_the_map_here(address):
     wrist = Wrist.flexion()
-    problem = Problem.of(wrist, [Scenario("virgin", 0.0, 15.0, wrist)], Limits(), duration=1.0)
+    problem = Problem.of(wrist, [Case(Task("virgin", 0.0, (15.0,)), wrist)], Limits(), duration=1.0)
     region = Region(points=29)  # 841 gains, four pieces
     there, local = (tune(problem, region, starts=1, scheduler=a) for a in (address, None))
     for name in ("Kp", "Ki", "cost", "cost_at", "worst_excess"):

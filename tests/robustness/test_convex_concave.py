@@ -16,7 +16,8 @@ from design.alternatives.convex_concave import (
     largest_Ki,
 )
 from design.controllers.pi import PI
-from design.evaluation.scenarios import Scenario
+from design.evaluation.cases import Case
+from design.evaluation.tasks import Task
 from design.margins import BranchResponse, branch_responses, margins
 from design.synthesis.evaluate import evaluate
 from design.synthesis.requirements import Limits, Problem
@@ -129,7 +130,7 @@ def test_a_first_order_lag_in_closed_form():
 
 def problem(limits: Limits) -> Problem:
     wrist = Wrist.flexion()
-    runs = [Scenario(start, 0.0, 15.0, wrist) for start in ("virgin", "line2")]
+    runs = [Case(Task(start, 0.0, (15.0,)), wrist) for start in ("virgin", "line2")]
     return Problem.of(wrist, runs, limits, duration=4.0)
 
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from design.controllers.pi_two_dof import TwoDofPI
-from design.evaluation.sequence import play
+from design.evaluation.cases import stack
+from design.evaluation.runner import play
 from design.robustness.requirement import requirement
 from design.robustness.tuning.given_gains import DEAR, NEAR, given_gains
 from design.synthesis.answer import answer, refusal
@@ -33,7 +34,7 @@ def test_the_gains_stay_and_hold_cases_that_are_played_one_by_one(timid):
     cases = timid.problem.adverse
     assert NEAR <= len(cases) <= NEAR + DEAR
     controller = TwoDofPI.of(Wrist.flexion(), 3.0, 7.0, 0.7, 0.0)
-    over = [play([c], controller, task_band=True).values["overshoot_percent"][0] for c in cases]
+    over = [play(stack([c]), controller).values["overshoot_percent"][0] for c in cases]
     assert timid.at.values["overshoot_percent"][0] >= max(over)
     assert timid.feasible is (float(timid.at.worst_excess[0]) <= 0.0)
     assert refusal(timid) is None
@@ -45,10 +46,7 @@ def test_the_cases_are_harder_than_those_of_chance(timid):
     space = asked().space
     x = np.random.default_rng(5).random((space.size, 200))
     chance = asked().run(x[:, space.reachable(x)], timid.controller)["overshoot_percent"]
-    shown = [
-        play([c], timid.controller, task_band=True).values["overshoot_percent"][0]
-        for c in timid.problem.adverse
-    ]
+    shown = [play(stack([c]), timid.controller).values["overshoot_percent"][0] for c in timid.problem.adverse]
     assert max(shown) >= np.quantile(chance, 0.99)
 
 

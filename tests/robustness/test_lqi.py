@@ -10,8 +10,9 @@ from design.alternatives.lqi_synthesis import LQIWeights, checked, plant, synthe
 from design.controllers.controller import Measured
 from design.controllers.lqi import LQI, step
 from design.controllers.pi import PI
-from design.evaluation.scenarios import Scenario
+from design.evaluation.cases import Case
 from design.evaluation.steps import holding, run
+from design.evaluation.tasks import Task
 from design.input_loop import InputLoop, closed, worst_pole
 from design.margins import branch_responses
 from design.synthesis.requirements import Limits, Problem
@@ -251,8 +252,8 @@ def test_settings_that_make_no_controller_are_refused(wrong):
 
 
 def small(limits: Limits) -> Problem:
-    runs = [Scenario(start, 0.0, 15.0, WRIST) for start in ("virgin", "line2")]
-    runs.append(Scenario("line1", 15.0, 0.0, WRIST))
+    runs = [Case(Task(start, 0.0, (15.0,)), WRIST) for start in ("virgin", "line2")]
+    runs.append(Case(Task("line1", 15.0, (0.0,)), WRIST))
     return Problem.of(WRIST, runs, limits, duration=5.0)
 
 
@@ -270,7 +271,11 @@ def test_the_design_holds_every_limit_on_the_scenarios_one_by_one():
     worst = 0.0
     for s in found.problem.scenarios:
         judged, _, _ = run(
-            s.wrist, found.controller, s.reference, s.wrist.rest(s.start, s.angle), duration=5.0
+            s.wrist,
+            found.controller,
+            s.task.reference,
+            s.wrist.rest(s.task.start, s.task.angle),
+            duration=5.0,
         )
         assert float(judged.overshoot_percent[0]) <= 5.0
         assert float(judged.total_variation_V[0]) <= 16.0

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.evaluation.sequence import play
+from design.evaluation.cases import stack
+from design.evaluation.runner import play
 from design.robustness.box import SHIFT
 from design.robustness.certificates.memory.ladder import IN_BOX, certify_memory, plants_of
 from design.robustness.loop_model import LoopModel
@@ -125,9 +126,9 @@ def test_a_worst_case_with_a_remainder_is_played_again(tmp_path):
     worst = worst_case(box, PI.of(box.wrist, 3.0, 8.0), budget=400, seed=1)
     save(worst, tmp_path / "worst.toml")
     saved = load_scenario(tmp_path / "worst.toml")
-    played = play([saved.sequence], saved.controller, task_band=True)
+    played = play(stack([saved.case]), saved.controller)
     assert float(played.metrics.overshoot_percent[0]) == worst.metrics["overshoot_percent"]
-    assert saved.sequence.wrist.values[SHIFT] == worst.sequence.wrist.values[SHIFT]
+    assert saved.case.wrist.values[SHIFT] == worst.case.wrist.values[SHIFT]
 
 
 @pytest.mark.parametrize(

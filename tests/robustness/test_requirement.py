@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.evaluation.sequence import CALM, play
+from design.evaluation.cases import stack
+from design.evaluation.runner import play
+from design.evaluation.tasks import CALM
 from design.robustness.checks import check
 from design.robustness.requirement import requirement
 from design.robustness.samples.hunt import hunt
@@ -56,23 +58,24 @@ def test_it_judges_as_each_case_alone_is_judged():
     x = places(48, 3)
     values = STATED.run(x, PI_)
     for i in range(0, 48, 5):
-        sequence, _ = STATED.space.sequence(x[:, i])
-        alone = play([sequence], PI_, task_band=True)
+        case, _ = STATED.space.case(x[:, i])
+        alone = play(stack([case]), PI_)
         for name, v in alone.values.items():
-            assert values[name][i] == pytest.approx(v[0], rel=1e-9, abs=1e-12), (sequence.name, name)
-        assert sequence.of_task == STATED.space.of_task(x[:, [i]])[0]
+            assert values[name][i] == pytest.approx(v[0], rel=1e-9, abs=1e-12), (case.name, name)
+        assert case.of_task == STATED.space.of_task(x[:, [i]])[0]
 
 
 def test_a_load_moves_a_resting_wrist_and_the_loop_takes_it_back():
     x = places(64, 5)
     x[-1] = 0.9  # of the kind load
     settled = STATED.run(x, PI_)["settling_time_s"]
-    sequence, _ = STATED.space.sequence(x[:, 0])
-    went = play([sequence], PI_, record=True).trajectory.angle[:, 0]
-    assert went[0] == sequence.angle
-    moved = went - sequence.angle
-    assert np.abs(moved).max() > 0.2 * abs(sequence.load)
-    assert abs(moved[-1]) < 0.02 * abs(sequence.load)
+    case, _ = STATED.space.case(x[:, 0])
+    asked = case.task
+    went = play(stack([case]), PI_, record=True).trajectory.angle[:, 0]
+    assert went[0] == asked.angle
+    moved = went - asked.angle
+    assert np.abs(moved).max() > 0.2 * abs(asked.load)
+    assert abs(moved[-1]) < 0.02 * abs(asked.load)
     assert np.isfinite(settled).all()
 
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from design.controllers.lqi import LQI
-from design.evaluation.sequence import play
+from design.evaluation.cases import stack
+from design.evaluation.runner import play
 from design.robustness.checks import check
 from design.robustness.tuning.robust_lqi import tune_lqi
 from design.robustness.tuning.robust_tuning import GUARD, tune_robustly
@@ -41,7 +42,7 @@ def test_what_is_claimed_of_every_case_is_what_the_printed_gains_do(tuned):
     copied = LQI.of(WRIST, **{n: float(f"{v:.4g}") for n, v in last.gains.items()})
     worst = {"overshoot_percent": 0.0, "total_variation_V": 0.0}
     for case in last.problem.adverse:
-        values = play([case], copied, task_band=True).values
+        values = play(stack([case]), copied).values
         worst = {n: max(v, float(values[n][0])) for n, v in worst.items()}
     held = {n: v * (1.0 - GUARD.get(n, 0.0)) for n, v in Limits().named.items()}
     for name, value in worst.items():

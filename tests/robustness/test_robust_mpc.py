@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from design.evaluation.sequence import play
+from design.evaluation.cases import stack
+from design.evaluation.runner import play
 from design.mpc.problem import robust
 from design.mpc.real_time import real_time_mpc
 from design.robustness.tuning.case_pool import pool_of
@@ -36,7 +37,7 @@ def test_every_case_holds_alone_under_the_printed_weights(tuned):
     assert last.problem.adverse
     worst = dict.fromkeys(last.at.values, 0.0)
     for case in last.problem.adverse:
-        values = play([case], alone, task_band=True).values
+        values = play(stack([case]), alone).values
         worst = {n: max(v, float(values[n][0])) for n, v in worst.items()}
     held = {n: v * (1.0 - GUARD.get(n, 0.0)) for n, v in Limits().named.items()}
     for name, value in worst.items():
@@ -49,7 +50,7 @@ def test_the_next_milder_weight_breaks_a_limit_of_the_set(tuned):
     last = tuned.final
     milder = SWINGS[SWINGS.index(last.swing) - 1]
     again = with_gains(WRIST, {"swing": milder, "move": MOVE})
-    values = play(list(last.problem.adverse), again, task_band=True).values
+    values = play(stack(last.problem.adverse), again).values
     held = {n: v * (1.0 - GUARD.get(n, 0.0)) for n, v in Limits().named.items() if n in values}
     assert any(np.max(values[n]) > v for n, v in held.items())
 
@@ -58,7 +59,7 @@ def test_the_next_milder_weight_breaks_a_limit_of_the_set(tuned):
 def test_the_cost_is_the_worst_of_the_tasks_steps(tuned):
     last = tuned.final
     of_task = [s for s in last.problem.adverse if s.of_task]
-    found = [float(play([s], last.controller, task_band=True).metrics.iae_deg_s[0]) for s in of_task]
+    found = [float(play(stack([s]), last.controller).metrics.iae_deg_s[0]) for s in of_task]
     assert max(found, default=0.0) <= last.at.cost[0] + 1e-9
 
 

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.evaluation.scenarios import Scenario
-from design.evaluation.sequence import Sequence, play
+from design.evaluation.cases import Case, stack
+from design.evaluation.runner import play
+from design.evaluation.tasks import Task
 from design.robustness.box import Box
 from design.robustness.checks import check, worst_found
 from design.robustness.requirement import requirement
@@ -63,7 +64,7 @@ def test_the_first_gains_break_a_limit_that_the_last_ones_hold(tuned):
     """Judged apart from the tuning: the cases of the first round, played one by one under both gains."""
     first, last = tuned.rounds[0], tuned.final
     over = [
-        max(play([s], c, task_band=True).values["overshoot_percent"][0] for s in first.added)
+        max(play(stack([s]), c).values["overshoot_percent"][0] for s in first.added)
         for c in (first.tuning.controller, last.controller)
     ]
     assert over[0] > 5.0
@@ -81,7 +82,7 @@ def test_the_gains_are_those_that_are_printed_and_these_hold_every_case(tuned, t
     assert kept == (float(copied.Kp), float(copied.Ki))
     held = {n: v * (1.0 - GUARD.get(n, 0.0)) for n, v in Limits().named.items()}
     for case in last.problem.adverse:
-        values = play([case], copied, task_band=True).values
+        values = play(stack([case]), copied).values
         assert {n: values[n][0] for n in held if n in values and values[n][0] > held[n]} == {}
 
 
@@ -137,9 +138,8 @@ def test_another_seed_gives_the_same_gains(tuned):
 def test_the_cost_is_that_of_the_tasks_steps(tuned):
     at, problem = tuned.final.at, tuned.final.problem
     task = [s for s in problem.adverse if s.of_task]
-    runs = play(task, tuned.final.controller, task_band=True).values["iae_deg_s"]
-    plain = [Sequence(s.start, s.angle, (s.reference,), (10.0,), s.wrist) for s in problem.scenarios]
-    nominal = play(plain, tuned.final.controller).metrics.iae_deg_s
+    runs = play(stack(task), tuned.final.controller).values["iae_deg_s"]
+    nominal = play(stack(problem.scenarios), tuned.final.controller).metrics.iae_deg_s
     assert at.cost[0] == pytest.approx(max(runs.max(), nominal.max()), rel=1e-9)
 
 
@@ -187,15 +187,16 @@ def test_a_second_degree_of_freedom_is_never_dearer(tuned):
 
 
 def test_adverse_sequences_join_the_evaluation():
-    late = Sequence("line2", 0.0, (10.0, -4.0), (0.8, 5.0), WRIST.with_values(Tw=0.3), 0.1, 1.0, "late")
-    plain = Sequence("line1", 0.0, (-15.0,), (5.0,), WRIST)
-    scenarios = (Scenario("virgin", 0.0, 15.0, WRIST), Scenario("line2", 0.0, 15.0, WRIST))
+    twice = Task("line2", 0.0, (10.0, -4.0), (0.8, 5.0), "task band", load=1.0)
+    late = Case(twice, WRIST.with_values(Tw=0.3), "late", 0.1)
+    plain = Case(Task("line1", 0.0, (-15.0,), (5.0,), "task band"), WRIST)
+    scenarios = (Case(Task("virgin", 0.0, (15.0,)), WRIST), Case(Task("line2", 0.0, (15.0,)), WRIST))
     alone = Problem.of(WRIST, scenarios, duration=5.0)
     both = replace(alone, adverse=(late, plain))
     Kp, Ki = np.array([3.0, 1.5, 9.0]), np.array([9.0, 3.0, 9.0])
     at, without = evaluate(both, Kp, Ki), evaluate(alone, Kp, Ki)
     for i in range(3):
-        values = play([late, plain], PI(Kp[i], Ki[i]), task_band=True).values
+        values = play(stack([late, plain]), PI(Kp[i], Ki[i])).values
         for name in ("overshoot_percent", "total_variation_V", "steady_error_percent", "settling_time_s"):
             assert at.values[name][i] == max(without.values[name][i], *values[name])
         # A step of another size than the task's counts for the limits alone.

@@ -7,7 +7,8 @@ import pytest
 
 from design.controllers.feedforward import Feedforward
 from design.controllers.pi import PI
-from design.evaluation.sequence import play
+from design.evaluation.cases import stack
+from design.evaluation.runner import play
 from design.robustness.box import box_of
 from design.robustness.samples.adversary import worst_case
 from design.robustness.samples.scenario_file import load, save
@@ -35,7 +36,7 @@ def path(found, tmp_path):
 
 def test_what_is_saved_is_what_is_loaded(found, path):
     saved = load(path)
-    assert saved.sequence == found.sequence
+    assert saved.case == found.case
     assert saved.controller == found.controller
     assert saved.metrics == found.metrics
     assert saved.plant == found.plant
@@ -43,13 +44,13 @@ def test_what_is_saved_is_what_is_loaded(found, path):
 
 def test_a_replay_has_the_metrics_that_were_saved(path):
     saved = load(path)
-    played = play([saved.sequence], saved.controller)
+    played = play(stack([saved.case]), saved.controller)
     assert {n: float(v[0]) for n, v in vars(played.metrics).items()} == saved.metrics
 
 
 def test_the_plant_of_a_file_is_a_parameter_set(found, path):
     plant = load_plant(path)
-    assert plant.values == found.sequence.wrist.values
+    assert plant.values == found.case.wrist.values
     assert plant.effects == (Creep,)
     assert str(plant.parameters["Tw"].provenance).startswith("assumed: worst case found by search within")
 

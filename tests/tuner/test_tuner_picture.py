@@ -33,14 +33,15 @@ def test_every_series_is_a_run_of_the_loop_of_its_own(effects):
     assert moved.hysteresis.w2 == 1.3 * wrist.hysteresis.w2
     assert moved.values["dead-time.delay"] == 0.035
     seen = shown(wrist, MOVED)
-    assert {(s.scenario.start, s.scenario.reference) for s in seen.series} == {
+    assert {(s.case.task.start, s.case.task.reference) for s in seen.series} == {
         (start, sign * 15.0) for start in ("virgin", "line1", "line2", "inside") for sign in (1, -1)
     } | {("line1", 0.0), ("line2", 0.0)}
     for s in seen.series:
-        start = moved.rest(s.scenario.start, s.scenario.angle)
-        judged, _, went = run(moved, PI(4.0, 15.0), s.scenario.reference, start, record=True)
-        sign = 1.0 if s.scenario.reference > s.scenario.angle else -1.0
-        np.testing.assert_allclose(s.way, sign * (went.angle[SAMPLES, 0] - s.scenario.angle), atol=1e-9)
+        task = s.case.task
+        start = moved.rest(task.start, task.angle)
+        judged, _, went = run(moved, PI(4.0, 15.0), task.reference, start, record=True)
+        sign = 1.0 if task.reference > task.angle else -1.0
+        np.testing.assert_allclose(s.way, sign * (went.angle[SAMPLES, 0] - task.angle), atol=1e-9)
         np.testing.assert_allclose(s.command, went.command[SAMPLES, 0], atol=1e-9)
         assert s.settling_time_s == pytest.approx(float(judged.settling_time_s[0]), abs=1.1e-3)
 

@@ -256,7 +256,7 @@ def lines(answered: "Answer") -> list[str]:
         f"worst {COST_TEXT[problem.cost].format(at.cost[0])} over {len(problem.scenarios)} scenarios"
         f"{cases}, on {problem.place('cost', int(at.cost_at[0]))}",
         f"nominal step of {problem.wrist.rig.task.step:+g} deg: settles in "
-        f"{seconds(metrics['settling_time_s'], problem.duration)}, "
+        f"{seconds(metrics['settling_time_s'], problem.lanes.duration)}, "
         f"overshoot {metrics['overshoot_percent']:.2g} %, IAE {metrics['iae_deg_s']:.4g} deg s",
         f"worst overshoot {at.values['overshoot_percent'][0]:.3g} %, Ms {at.values['Ms'][0]:.3g}, "
         f"delay margin {1000 * at.values['delay_margin_s'][0]:.0f} ms, "

@@ -1,8 +1,8 @@
 """The worst case inside a box: plant, starting memory, references, dead time and load, searched for.
 
 What is maximised is the largest excess over the limits that a run shows (overshoot, steady error,
-total variation of the command, as `sequence.Played.values` states them) as a share of the limit; where
-nothing is found that breaks a limit, the IAE per degree of the last step.  A found worst case is a
+total variation of the command, as `design.evaluation.metrics.scaled` states them) as a share of the limit;
+where nothing is found that breaks a limit, the IAE per degree of the last step.  A found worst case is a
 lower bound of the true one: a sample, never a proof that there is none worse.
 
 What is fair to the gains: the last reference is at least `SMALLEST` away from the one before, which
@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.controller import Controller
-from design.evaluation.sequence import Sequence, play
+from design.evaluation.cases import Case, stack
+from design.evaluation.runner import play
 from design.robustness.box import Box
 from design.robustness.samples.search_space import SEQUENCES, Kind, Space
 from design.robustness.samples.worst import (
@@ -79,8 +80,9 @@ class Search:
         """What is minimised at places x, shape (size, lanes): the score with its sign turned."""
         x = np.clip(x, 0.0, 1.0)
         ok = self.space.reachable(x)
-        played = play(self.space.batch(x), self.controller, jobs=self.jobs, task_band=True)
-        height = np.where(ok, -scores(played.values, self.limits, self.objective, played.step), ASIDE)
+        values = play(self.space.lanes(x), self.controller, jobs=self.jobs).values
+        step = self.space.box.wrist.rig.task.step
+        height = np.where(ok, -scores(values, self.limits, self.objective, step), ASIDE)
         self.places.append(x)
         self.heights.append(height)
         self.aside += int(np.sum(~ok))
@@ -219,25 +221,25 @@ def _refuse(dead_time: float, load: float, steps: int, budget: int, duration: fl
         raise InputError(f"duration: {duration:g} s is none to judge a step in; give 1 to 100 s")
 
 
-def _others(search: Search) -> tuple[Sequence, ...]:
+def _others(search: Search) -> tuple[Case, ...]:
     """Runners-up of a search for excess that break a limit, each run by itself."""
     if search.objective == "cost":
         return ()
-    runs = [search.space.sequence(x)[0] for x in search.best(1 + OTHERS)[1:]]
-    played = [play([s], search.controller, jobs=search.jobs, task_band=True).values for s in runs]
+    runs = [search.space.case(x)[0] for x in search.best(1 + OTHERS)[1:]]
+    played = [play(stack([c]), search.controller, jobs=search.jobs).values for c in runs]
     broken = [float(scores(v, search.limits, "excess", 1.0)[0]) > 0.0 for v in played]
-    return tuple(s for s, breaks in zip(runs, broken, strict=True) if breaks)
+    return tuple(c for c, breaks in zip(runs, broken, strict=True) if breaks)
 
 
 def _described(search: Search, x: Array, plain: Plain) -> Worst:
     """The worst case at a place, run once more by itself: what is told of it is what a replay shows."""
     space, controller, limits = search.space, search.controller, search.limits
-    sequence, values = space.sequence(x)
-    played = play([sequence], controller, jobs=search.jobs, task_band=True)
+    case, values = space.case(x)
+    played = play(stack([case]), controller, jobs=search.jobs)
     beyond = {n: float(v[0]) for n, v in excesses(played.values, limits).items()}
     name = max(beyond, key=lambda n: beyond[n], default="")
     return Worst(
-        sequence=sequence,
+        case=case,
         plant=named_plant(space.box, values),
         controller=controller,
         objective=search.objective,

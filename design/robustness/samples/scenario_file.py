@@ -13,8 +13,9 @@ from typing import Any
 
 from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
+from design.evaluation.cases import Case
 from design.evaluation.metrics import UNITS, Metrics
-from design.evaluation.sequence import Sequence
+from design.evaluation.tasks import Task
 from design.robustness.box import SHIFT
 from design.robustness.samples.worst import Worst
 from plants.effects.wrist.remainder import ColouredRemainder
@@ -56,7 +57,7 @@ class Saved:
     """What a scenario file says: the run, its plant without dead time and load, its controller, and the
     metrics of the last step that were seen when it was saved."""
 
-    sequence: Sequence
+    case: Case
     plant: ParameterSet
     controller: PI
     metrics: dict[str, float]
@@ -73,16 +74,16 @@ def save(worst: Worst, path: str | Path) -> None:
             f"{path}: a scenario file holds the settings of a PI, not of a {kind}; save its record"
         )
 
-    s = worst.sequence
+    case, asked = worst.case, worst.case.task
     document = tomlkit.parse(_plant_text(worst.plant))
     scenario = tomlkit.table()
     scenario.comment("references in deg, holds in s; the last step is judged")
-    scenario["start"], scenario["angle"] = s.start, s.angle
-    scenario["references"], scenario["holds"] = list(s.references), list(s.holds)
-    scenario["dead_time"], scenario["load"], scenario["plant"] = s.dead_time, s.load, s.plant
-    if s.load_at >= 0.0:
-        scenario["load_at"] = s.load_at
-    met = s.wrist.values.get(SHIFT)
+    scenario["start"], scenario["angle"] = asked.start, asked.angle
+    scenario["references"], scenario["holds"] = list(asked.references), list(asked.holds)
+    scenario["dead_time"], scenario["load"], scenario["plant"] = case.dead_time, asked.load, case.plant
+    if asked.load_at >= 0.0:
+        scenario["load_at"] = asked.load_at
+    met = case.wrist.values.get(SHIFT)
     if met is not None:
         scenario[REMAINDER] = float(met)
     scenario["violated"] = list(worst.violated)
@@ -128,10 +129,10 @@ def load(path: str | Path) -> Saved:
     if not all(0.0 <= v <= FASTEST for v in more.values()):
         raise InputError(f"{path}: controller.b and controller.Tf must be numbers of 0 to {FASTEST:g}")
     made = TwoDofPI(**controller, **more) if more else PI(**controller)
-    return Saved(_sequence(path, asked, plant), plant, made, metrics)
+    return Saved(_case(path, asked, plant), plant, made, metrics)
 
 
-def _sequence(path: str | Path, asked: Mapping[str, Any], plant_set: ParameterSet) -> Sequence:
+def _case(path: str | Path, asked: Mapping[str, Any], plant_set: ParameterSet) -> Case:
     wrist = Wrist.of(plant_set)
     start = asked.get("start")
     if start not in STARTS:
@@ -161,7 +162,8 @@ def _sequence(path: str | Path, asked: Mapping[str, Any], plant_set: ParameterSe
         if left is None:
             raise InputError(f"{path}: scenario.{REMAINDER} is of a residual that [remainder] does not tell")
         wrist = wrist + replace(left, shift=_number(path, f"scenario.{REMAINDER}", asked[REMAINDER]))
-    return Sequence(start, angle, references, holds, wrist, dead_time, shift, str(plant), load_at)
+    task = Task(start, angle, references, holds, "task band", shift, load_at)
+    return Case(task, wrist, str(plant), dead_time)
 
 
 def _table(path: str | Path, text: Mapping[str, Any], name: str) -> Mapping[str, Any]:

@@ -1,4 +1,4 @@
-"""Where the worst case is searched for: a cube whose places are sequences on plants of a box.
+"""Where the worst case is searched for: a cube whose places are cases on plants of a box.
 
 Coordinates, each from 0 to 1: those of the box; the starting memory (four equal parts); the references,
 each within the task's step either way and at least `SMALLEST` of it from the one before; how long all
@@ -17,8 +17,11 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from design.evaluation.cases import Case, as_lanes
+from design.evaluation.metrics import SMALLEST
+from design.evaluation.runner import Lanes
 from design.evaluation.scenarios import HEADROOM
-from design.evaluation.sequence import CALM, SMALLEST, Batch, Sequence, batch
+from design.evaluation.tasks import CALM, Task
 from design.robustness.box import Box
 from plants.effects.effect import Effect
 from plants.equilibrium import holding_command
@@ -76,7 +79,7 @@ class Space:
         return self.kind(x) == self.kinds.index(kind) if known else np.zeros(x.shape[1], bool)
 
     def asked(self, x: Array) -> dict[str, Any]:
-        """What the wrists are asked at places x, as arguments of `sequence.batch`."""
+        """What the wrists are asked at places x, as arguments of `design.evaluation.cases.as_lanes`."""
         first, n, lanes = len(self.box.intervals) + 1, self.steps, x.shape[1]
         angles, before = [], np.zeros(lanes)
         for share in x[first : first + n]:
@@ -124,12 +127,12 @@ class Space:
         """The wrists at places x, as lanes."""
         return self.box.at(x[: len(self.box.intervals)])
 
-    def batch(self, x: Array) -> Batch:
-        """The sequences at places x, as lanes."""
-        return batch(self.wrist(x), **self.asked(x))
+    def lanes(self, x: Array) -> Lanes:
+        """The cases at places x, as lanes."""
+        return as_lanes(self.wrist(x), **self.asked(x))
 
-    def sequence(self, x: Array) -> tuple[Sequence, dict[str, float]]:
-        """The sequence at one place x, shape (size,), and the values that the box gives its wrist."""
+    def case(self, x: Array) -> tuple[Case, dict[str, float]]:
+        """The case at one place x, shape (size,), and the values that the box gives its wrist."""
         asked = self.asked(x[:, None])
         values = {n: float(v) for n, v in self.box.values(x[: len(self.box.intervals)]).items()}
         dead_time, load = (0.0 if asked[n] is None else float(asked[n][0]) for n in ("dead_time", "load"))
@@ -137,8 +140,8 @@ class Space:
         references, holds = (tuple(map(float, asked[n][held, 0])) for n in ("references", "holds"))
         wrist, plant = self.box.at(x[: len(self.box.intervals)]), "worst-case"
         angle, load_at = float(asked["angle"][0]), float(asked["load_at"][0])
-        start = asked["starts"][0]
-        return Sequence(start, angle, references, holds, wrist, dead_time, load, plant, load_at), values
+        task = Task(asked["starts"][0], angle, references, holds, "task band", load, load_at)
+        return Case(task, wrist, plant, dead_time), values
 
     def reachable(self, x: Array) -> NDArray[np.bool_]:
         """Where every reference can be held: by a command in the range, less the headroom of the tuning

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from design.controllers.controller import Controller
 from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
+from design.evaluation.cases import Case, stack
+from design.evaluation.runner import play
 from design.evaluation.scenarios import tuning_scenarios, within_reach
-from design.evaluation.sequence import PlayedSequence, Sequence, play
 from design.robustness.box import SHIFT, Box
 from design.synthesis.requirements import Limits
 from plants.parameters.quantities import Assumed, Parameter, ParameterSet
@@ -41,7 +42,7 @@ class Plain:
 class Worst:
     """What was found.
 
-    sequence: the scenario; plant: the parameter set of its wrist, dead time and load not included;
+    case: the scenario; plant: the parameter set of its wrist, dead time and load not included;
     metrics: of the last step, which begins at the true angle `start` [deg] and is of `size` [deg];
     values: what limits and cost were held against; objective: what was maximised in the end;
     excess: over the limits, as a share, and excess_of which; greatest_excess: of all runs;
@@ -50,7 +51,7 @@ class Worst:
     apart from this one that break a limit too, worst first.
     """
 
-    sequence: Sequence
+    case: Case
     plant: ParameterSet
     controller: Controller | Periodic
     objective: Objective
@@ -65,12 +66,12 @@ class Worst:
     evaluations: int
     set_aside: int
     plain: Plain
-    others: tuple[Sequence, ...] = ()
+    others: tuple[Case, ...] = ()
 
     @property
     def cost_per_deg(self) -> float:
         """IAE of the last step per degree [s]."""
-        return self.values["iae_deg_s"] / self.sequence.wrist.rig.task.step
+        return self.values["iae_deg_s"] / self.case.wrist.rig.task.step
 
     @property
     def settings(self) -> dict[str, float]:
@@ -83,17 +84,17 @@ class Worst:
     @property
     def record(self) -> dict[str, object]:
         """The worst case for JSON."""
-        s = self.sequence
+        c, asked = self.case, self.case.task
         return {
-            "scenario": s.name,
-            "start": s.start,
-            "angle_deg": s.angle,
-            "references_deg": list(s.references),
-            "holds_s": list(s.holds),
-            "dead_time_s": s.dead_time,
-            "load_deg": s.load,
-            "load_at_s": s.load_at,
-            "parameters": {n: float(v) for n, v in s.wrist.values.items()},
+            "scenario": c.name,
+            "start": asked.start,
+            "angle_deg": asked.angle,
+            "references_deg": list(asked.references),
+            "holds_s": list(asked.holds),
+            "dead_time_s": c.dead_time,
+            "load_deg": asked.load,
+            "load_at_s": asked.load_at,
+            "parameters": {n: float(v) for n, v in c.wrist.values.items()},
             **self.settings,
             "objective": self.objective,
             "metrics": self.metrics,
@@ -141,12 +142,9 @@ def plain_worst(
 ) -> Plain:
     """The worst of the plain tuning set on the box's plant, in runs of a duration [s], judged as the search
     judges."""
-    scenarios, _ = within_reach(tuning_scenarios(box.wrist))
-    runs = [
-        Sequence(s.start, s.angle, (s.reference,), (duration,), s.wrist, plant=s.plant) for s in scenarios
-    ]
-    played: PlayedSequence = play(runs, controller, jobs=jobs, task_band=True)
-    beyond, cost = excesses(played.values, limits), played.values["iae_deg_s"] / played.step
+    scenarios, _ = within_reach(tuning_scenarios(box.wrist, duration=duration))
+    values = play(stack(scenarios), controller, jobs=jobs).values
+    beyond, cost = excesses(values, limits), values["iae_deg_s"] / box.wrist.rig.task.step
     dearest = int(np.argmax(cost))
     if not beyond:
         return Plain(-1.0, "", "", float(cost[dearest]), scenarios[dearest].name)

@@ -37,7 +37,7 @@ def given_gains(
         cost = np.where(requirement.space.of_task(pool), values[COSTS[requirement.cost]], 0.0)
         near, dear = Hunted(pool, requirement.excess(values)), Hunted(pool, cost)
         chosen = np.unique(np.concatenate([near.worst(NEAR), dear.worst(DEAR)]))
-        problem = replace(problem, adverse=tuple(requirement.space.sequence(pool[:, i])[0] for i in chosen))
+        problem = replace(problem, adverse=tuple(requirement.space.case(pool[:, i])[0] for i in chosen))
     at = evaluate_law(problem, law, Kp, Ki)
     found = Tuning(problem, region, at, at, (), given=True)
     return found if out_of_reach(problem) is not None else with_evidence(found, 0)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from design.evaluation.sequence import Sequence, play, stack
+from design.evaluation.runner import play
 from design.robustness.requirement import LINEAR, Requirement
 from design.robustness.tuning.robust_tuning import GUARD, RobustTuning, RoundEffort, grow
 from design.synthesis.judged import JudgedDesign
@@ -114,17 +114,15 @@ def design_mpc(problem: Problem, known: RobustMPC | None = None) -> RobustMPC:
 
 
 def judge(problem: Problem, controller: Periodic) -> JudgedDesign:
-    """Cost and limits of runs of a controller on every scenario and adverse sequence of a problem."""
-    steps = [
-        Sequence(s.start, s.angle, (s.reference,), (problem.duration,), s.wrist) for s in problem.scenarios
-    ]
-    counts = np.array([s.of_task for s in (*steps, *problem.adverse)])
-    pieces = [(np.arange(len(steps)), stack(steps))]
+    """Cost and limits of runs of a controller on every scenario and adverse case of a problem."""
+    count = len(problem.scenarios)
+    counts = np.array([c.of_task for c in (*problem.scenarios, *problem.adverse)])
+    pieces = [(np.arange(count), problem.lanes)]
     if problem.adverse:
-        pieces += [(len(steps) + places, lanes) for places, lanes in problem.adverse_lanes]
+        pieces += [(count + places, lanes) for places, lanes in problem.adverse_lanes]
     found: dict[str, Array] = {}
     for places, lanes in pieces:
-        values = play(lanes, controller, jobs=problem.jobs, task_band=True).values
+        values = play(lanes, controller, jobs=problem.jobs).values
         for name, v in values.items():
             found.setdefault(name, np.empty(counts.size))[places] = v
     limits = {n: v for n, v in problem.held_to.items() if n not in LINEAR}

@@ -19,7 +19,7 @@ from typing import Any, Generic, Literal, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from design.evaluation.sequence import Sequence
+from design.evaluation.cases import Case
 from design.robustness.checks import Check, check, worst_of
 from design.robustness.requirement import Requirement
 from design.robustness.samples.hunt import Hunted
@@ -119,7 +119,7 @@ class Round(Generic[T]):
     excess: float
     by: Literal["pool", "search", "samples"]
     runs: int
-    added: tuple[Sequence, ...]
+    added: tuple[Case, ...]
 
 
 @dataclass(frozen=True)
@@ -270,10 +270,10 @@ def _worse(
     (pool, values), controller = at_places, found.controller
     half = {n: SLACK * v for n, v in found.problem.guard.items()}
     at_pool = Hunted(pool, requirement.excess(values, half))
-    added = _sequences(requirement, at_pool, 0.0)
+    added = _cases(requirement, at_pool, 0.0)
     cost = np.where(requirement.space.of_task(pool), values[COSTS[requirement.cost]], 0.0)
     dear = Hunted(pool, cost / float(found.at.cost[0]) - 1.0 - DEARER)
-    added += _sequences(requirement, dear, 0.0, 2)
+    added += _cases(requirement, dear, 0.0, 2)
     worst = float(requirement.excess(values).max())
     if added:
         return Round(found, worst, "pool", pool.shape[1], added), None
@@ -285,7 +285,7 @@ def _worse(
             np.unique(of)
         ])  # fmt: skip
         hunted = worst_of(requirement, controller, effort.search, seed, begin, jobs, guard=half)
-        added = _sequences(requirement, hunted, 0.0)
+        added = _cases(requirement, hunted, 0.0)
         found_worst = requirement.run(hunted.places[:, hunted.worst(1)], controller, jobs=jobs)
         worst = max(worst, float(requirement.excess(found_worst).max()))
         if added:
@@ -293,15 +293,11 @@ def _worse(
     tell("fresh samples")
     fresh = check(requirement, controller, effort.fresh, seed, jobs)
     beyond = Hunted(fresh.places, fresh.excess)
-    return Round(found, worst, "samples", effort.fresh, _sequences(requirement, beyond, 0.0)), fresh
+    return Round(found, worst, "samples", effort.fresh, _cases(requirement, beyond, 0.0)), fresh
 
 
-def _sequences(
-    requirement: Requirement, found: Hunted, above: float, count: int = BATCH
-) -> tuple[Sequence, ...]:
-    """The worst places of a search that lie above a height, as sequences."""
+def _cases(requirement: Requirement, found: Hunted, above: float, count: int = BATCH) -> tuple[Case, ...]:
+    """The worst places of a search that lie above a height, as cases."""
     return tuple(
-        requirement.space.sequence(found.places[:, i])[0]
-        for i in found.worst(count)
-        if found.heights[i] > above
+        requirement.space.case(found.places[:, i])[0] for i in found.worst(count) if found.heights[i] > above
     )

@@ -7,20 +7,18 @@ lies from the samples' median, in units of their spread.  A rig that is one of t
 all n of them with probability 1 / (n + 1), however many figures there are.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from design.evaluation import metrics
-from design.evaluation.runner import Lanes, play
-from design.evaluation.sequence import batch
+from design.evaluation.cases import as_lanes
+from design.evaluation.runner import play
 from design.robustness.requirement import Requirement
 from design.robustness.samples.draws import CASES, NOISE, generator
 from design.studies.check.stairs import FINEST, UNITS, Stair, figures
 from plants.measured.begin import at_rest
 from plants.measured.playback import Playback
-from plants.simulation.reference_profile import ReferenceProfile
 from plants.simulation.sensor import HOLD, sensor
 from plants.wrist import Start
 
@@ -124,17 +122,13 @@ def _played(
         u = generator(seed, piece, CASES).random((3 + len(space.box.intervals), AT_ONCE))[:, :lanes]
         starts: list[Start] = ["virgin" if calm else MOVED[int(len(MOVED) * share)] for share in u[0]]
         one = np.full((1, lanes), asked[0])
-        b = batch(
+        run = as_lanes(
             space.box.at(u[3:]), starts, begin, one, np.full((1, lanes), count * playback.dt),
             space.dead_time * u[1] if space.dead_time > 0.0 else None,
             space.load * (2.0 * u[2] - 1.0) if space.load > 0.0 else None,
         )  # fmt: skip
         shown = generator(seed, piece, NOISE).standard_normal((-(-count // HOLD) + 1, AT_ONCE))[:, :lanes]
-        judge = metrics.of_step(b.state.angle, asked[0] + 1.0, wrist.rig)  # judges nothing: see `figures`
-        run = Lanes(
-            b.wrist, b.state, ReferenceProfile((0.0,)), judge, count * playback.dt, sensor(noise), shown,
-            float(log.time[0]), logged=asked,
-        )  # fmt: skip
+        run = replace(run, sensor=sensor(noise), noise=shown, begin=float(log.time[0]), logged=asked)
         went = play(run, controller, record=True, jobs=jobs).trajectory  # type: ignore[arg-type]
         assert went is not None
         seen = noise * np.repeat(shown, HOLD, axis=0)[:count]

@@ -7,7 +7,9 @@ import numpy as np
 
 from design.comparison.behind_dead_time import DeadTimeSweep, behind_dead_time
 from design.controllers.pi import PI
-from design.evaluation.sequence import PlayedSequence, Sequence, play
+from design.evaluation.cases import Case, stack
+from design.evaluation.runner import PlayedTask, play
+from design.evaluation.tasks import Task
 from plants.wrist import STARTS, Wrist
 
 DEAD_TIMES = np.linspace(0.0, 0.1, 11)
@@ -26,7 +28,7 @@ class BranchSteps:
     """
 
     controllers: Mapping[str, PI]
-    steps: Mapping[str, PlayedSequence]
+    steps: Mapping[str, PlayedTask]
     late: DeadTimeSweep
 
 
@@ -37,6 +39,6 @@ def branch_steps(wrist: Wrist, controllers: Mapping[str, PI]) -> BranchSteps:
     >>> found.late.overshoot["PI"].shape
     (11,)
     """
-    shown = [Sequence(s, 0.0, (wrist.rig.task.step,), (SECONDS,), wrist) for s in STARTS]
+    shown = stack(Case(Task(s, 0.0, (wrist.rig.task.step,), (SECONDS,)), wrist) for s in STARTS)
     steps = {name: play(shown, c, record=True) for name, c in controllers.items()}
     return BranchSteps(controllers, steps, behind_dead_time(wrist, controllers, DEAD_TIMES))

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from design.controllers.pi import PI
-from design.evaluation.scenarios import tuning_scenarios
-from design.evaluation.sequence import Sequence, play
+from design.evaluation.cases import Case, stack
+from design.evaluation.runner import play
+from design.evaluation.tasks import Task, tuning_tasks
 from design.margins import Margins, branch_responses, margins
 from design.robustness.requirement import LINEAR, Requirement
 from design.robustness.samples.draws import CASES, generator
@@ -71,12 +72,8 @@ def _margin(found: Margins, name: str) -> float:
 
 def _on_scenarios(required: Requirement, controller: PI, dead_time: float) -> dict[str, Any]:
     """What limits are held against in the task's steps of the nominal plant, that from rest first."""
-    scenarios = [s for s in tuning_scenarios(required.wrist) if s.plant == "nominal"]
-    lanes = [
-        Sequence(s.start, s.angle, (s.reference,), (required.duration,), s.wrist, dead_time)
-        for s in scenarios
-    ]
-    return play(lanes, controller, task_band=True).values
+    asked = tuning_tasks(required.wrist.rig, required.duration)
+    return play(stack(Case(t, required.wrist, dead_time=dead_time) for t in asked), controller).values
 
 
 def step_band(required: Requirement, controller: PI, seed: int) -> dict[str, Any]:
@@ -85,17 +82,16 @@ def step_band(required: Requirement, controller: PI, seed: int) -> dict[str, Any
     steps = replace(required, kinds=("step",))
     x = generator(3000 + seed, 0, CASES).random((steps.space.size, SHOWN))
     x = x[:, steps.space.reachable(x)]
-    batch = replace(steps.space, duration=SECONDS).batch(x)
-    angle = play(batch, controller, record=True).trajectory
+    lanes = replace(steps.space, duration=SECONDS).lanes(x)
+    angle = play(lanes, controller, record=True).trajectory
     assert angle is not None
-    sign = np.sign(batch.references[-1])
+    sign = np.sign(lanes.reference.references[-1])
     rows = slice(0, round(SECONDS / required.wrist.rig.sample_time), EVERY)
     seen = (angle.angle * sign)[rows]
     step = required.wrist.rig.task.step
+    asked = Task("virgin", 0.0, (step,), (SECONDS,))
     plain, late = (
-        play(
-            [Sequence("virgin", 0.0, (step,), (SECONDS,), required.wrist, t)], controller, record=True
-        ).trajectory
+        play(stack([Case(asked, required.wrist, dead_time=t)]), controller, record=True).trajectory
         for t in (0.0, required.space.dead_time)
     )
     assert plain is not None

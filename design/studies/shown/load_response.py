@@ -1,14 +1,15 @@
 """What PIs do when a load comes while they hold the reference, and what sensor noise does to the command."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.pi import PI
-from design.evaluation.sequence import Sequence, play
+from design.evaluation.cases import Case, stack
+from design.evaluation.runner import play
+from design.evaluation.tasks import Task
 from design.robustness.samples.conditions import Conditions
 from design.robustness.samples.draws import generator
 from plants.effects.wrist.load_step import LoadStep
@@ -56,12 +57,13 @@ def load_response(wrist: Wrist, controllers: Mapping[str, PI], seed: int = 0) ->
     asked, task = Conditions.of(wrist.rig), wrist.rig.task
     if not asked.load or any(e.NAME == LoadStep.NAME for e in wrist.effects):
         return None
-    lane = Sequence("line1", task.step, (task.step,), (SECONDS,), wrist, load=asked.load, load_at=MOMENT)
+    held = Task("line1", task.step, (task.step,), (SECONDS,), "task band", asked.load, MOMENT)
+    lane = stack([Case(held, wrist)])
     rows = round(SECONDS / wrist.rig.sample_time) // HOLD + 2
     drawn = generator(seed, 0, STREAM).standard_normal((rows, 1)) if asked.noise else None
-    seen: dict[str, Any] = {"sensor": sensor(asked.noise, asked.quantum), "noise": drawn}
-    calm = {n: _signals(play([lane], c, record=True).trajectory) for n, c in controllers.items()}
-    noisy = {n: _signals(play([lane], c, record=True, **seen).trajectory) for n, c in controllers.items()}
+    seen = replace(lane, sensor=sensor(asked.noise, asked.quantum), noise=drawn)
+    calm = {n: _signals(play(lane, c, record=True).trajectory) for n, c in controllers.items()}
+    noisy = {n: _signals(play(seen, c, record=True).trajectory) for n, c in controllers.items()}
     time = next(iter(calm.values())).time
     error = {n: np.abs(t.angle[:, 0] - task.step) for n, t in calm.items()}
     before = time < MOMENT

@@ -19,7 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design.evaluation.sequence import Sequence, play
+from design.evaluation.cases import Case, stack
+from design.evaluation.runner import play
 from design.evaluation.tasks import steps as step_tasks
 from design.limit import limits_of
 from design.robustness.requirement import Requirement
@@ -79,11 +80,12 @@ class Tasks:
             return None
         wrist, asked = self.requirement.wrist, self.requirement
         tasks = step_tasks(wrist.rig)
-        lanes = [
-            Sequence(t.start, t.angle, t.references, (asked.duration,), wrist, asked.space.dead_time)
+        late = asked.space.dead_time
+        cases = [
+            Case(replace(t, holds=(asked.duration,), judged="task band"), wrist, dead_time=late)
             for t in tasks
         ]
-        found = play(lanes, controller, jobs=jobs, task_band=True).metrics.iae_deg_s
+        found = play(stack(cases), controller, jobs=jobs).metrics.iae_deg_s
         return float(max(v / self.bounds[t.id] for v, t in zip(found, tasks, strict=True)))
 
 

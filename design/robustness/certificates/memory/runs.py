@@ -74,7 +74,7 @@ def run(wrist: Wrist, controller: PI, tasks: Sequence[Task], samples: int, dt: f
         held, given[k] = law.act(held, Measured(asked[k] - state.angle, state.angle, state.pressure))
         state = move(state, given[k - samples] if k >= samples else before, coefficients)
     gain = float(wrist.regulator.gain)
-    begins = np.array([round(t.moments[-1] / dt) for t in profiles])
+    begins = np.array([round(t.stages[-1][1] / dt) for t in profiles])
     return Runs(
         pressure, static, angle, asked, gain * given, left, gain * float(controller.low),
         gain * float(controller.high), gain * before, begins, tuple(names),
