@@ -47,9 +47,9 @@ class Case:
         (0.8 s), -10 deg from line2, nominal plant, 40 ms of dead time``."""
         t, asked = self.task, self._asked()
         more = f", {1000 * self.dead_time:.3g} ms of dead time" if self.dead_time else ""
-        more += f", load {t.load:+.3g} deg" if t.load else ""
+        more += f", load {t.load:+.3g} {self.wrist.rig.units.angle}" if t.load else ""
         more += f" after {t.load_at:.3g} s" if t.load and t.load_at >= 0.0 else ""
-        return f"{asked} deg from {t.start}, {self.plant} plant{more}"
+        return f"{asked} {self.wrist.rig.units.angle} from {t.start}, {self.plant} plant{more}"
 
     def _asked(self) -> str:
         t = self.task

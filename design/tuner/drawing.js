@@ -25,6 +25,12 @@ const range = (low, high, step) =>
   Array.from({ length: Math.floor((high - low) / step + 1e-9) + 1 }, (_, i) => low + i * step);
 const shown = (value) => Number(value.toPrecision(3));
 
+// The distance of ticks, 1, 2, 3 or 5 of a power of ten, of which no more than seven go into a span.
+function spacing(span) {
+  const power = 10 ** Math.floor(Math.log10(span / 7));
+  return power * [1, 2, 3, 5, 10].find((v) => span / 7 <= v * power * (1 + 1e-9));
+}
+
 function decades(low, high) {
   const ticks = [];
   for (let power = 10 ** Math.floor(Math.log10(low)); power <= high; power *= 10) {
@@ -75,16 +81,17 @@ function legend(entries) {
 const stroke = (kind) => node("svg:path", { class: kind, d: "M1 6L25 6" });
 
 function drawSteps(svg, width, about, picture, seconds) {
-  const { step_deg: step, time_s: time, overshoot_percent: allowed } = about;
-  const highest = Math.max(step * 1.15, ...picture.series.map((s) => Math.max(...s.way_deg) * 1.03));
-  const top = Math.min(Math.ceil(highest / 3) * 3, 3 * step);
+  const { step, time_s: time, overshoot_percent: allowed } = about;
+  const highest = Math.min(Math.max(step * 1.15, ...picture.series.map((s) => Math.max(...s.way) * 1.03)), 3 * step);
+  const tick = spacing(highest);
+  const top = Math.ceil(highest / tick - 1e-9) * tick;
   const box = { left: 46, top: 8, right: width - 8, bottom: 262 };
-  const x = { at: linear(0, seconds, box.left, box.right), ticks: range(0, seconds, seconds > 5 ? 1 : seconds / 5), label: "Time [s]" };
-  const y = { at: linear(-1, top, box.bottom, box.top), ticks: range(0, top, top > 30 ? 5 : 3), label: "Way towards the reference [deg]" };
+  const x = { at: linear(0, seconds, box.left, box.right), ticks: range(0, seconds, seconds / (seconds < about.duration_s ? 5 : 10)), label: "Time [s]" };
+  const y = { at: linear(-step / 15, top, box.bottom, box.top), ticks: range(0, top, tick), label: `Way towards the reference [${about.units.angle}]` };
   svg.setAttribute("height", 298);
   const layer = axes(svg, box, x, y);
   layer.append(node("svg:line", { class: "reference", x1: box.left, x2: box.right, y1: y.at(step), y2: y.at(step) }));
-  for (const s of picture.series) layer.append(curve(s, s.way_deg, time, x, y, "response"));
+  for (const s of picture.series) layer.append(curve(s, s.way, time, x, y, "response"));
   if (allowed !== null) {
     const broken = picture.limits.some((row) => row.name === "overshoot_percent" && row.broken);
     const level = y.at(step * (1 + allowed / 100));
@@ -94,13 +101,14 @@ function drawSteps(svg, width, about, picture, seconds) {
 }
 
 function drawCommand(svg, width, about, picture, seconds) {
-  const [low, high] = about.command_V;
+  const [low, high] = about.command;
+  const room = (high - low) / 40;
   const box = { left: 46, top: 6, right: width - 8, bottom: 92 };
-  const x = { at: linear(0, seconds, box.left, box.right), ticks: range(0, seconds, seconds > 5 ? 1 : seconds / 5), label: "Time [s]" };
-  const y = { at: linear(low - 0.1, high + 0.1, box.bottom, box.top), ticks: range(low, high, 1), label: "Command [V]" };
+  const x = { at: linear(0, seconds, box.left, box.right), ticks: range(0, seconds, seconds / (seconds < about.duration_s ? 5 : 10)), label: "Time [s]" };
+  const y = { at: linear(low - room, high + room, box.bottom, box.top), ticks: range(low, high, spacing(high - low)), label: `Command [${about.units.command}]` };
   svg.setAttribute("height", 128);
   const layer = axes(svg, box, x, y);
-  for (const s of picture.series) layer.append(curve(s, s.command_V, about.time_s, x, y, "command"));
+  for (const s of picture.series) layer.append(curve(s, s.command, about.time_s, x, y, "command"));
 }
 
 function curve(s, values, time, x, y, kind) {
@@ -111,8 +119,9 @@ function curve(s, values, time, x, y, kind) {
 function drawMap(svg, width, about, regions, picture, at) {
   const height = Math.min(width, 390);
   const box = { left: 46, top: 8, right: width - 8, bottom: height - 36 };
-  const x = { at: logarithmic(...about.Kp, box.left, box.right), ticks: decades(...about.Kp), label: "Kp [kPa/deg]" };
-  const y = { at: logarithmic(...about.Ki, box.bottom, box.top), ticks: decades(...about.Ki), label: "Ki [kPa/(deg s)]" };
+  const { pressure, angle } = about.units;
+  const x = { at: logarithmic(...about.Kp, box.left, box.right), ticks: decades(...about.Kp), label: `Kp [${pressure}/${angle}]` };
+  const y = { at: logarithmic(...about.Ki, box.bottom, box.top), ticks: decades(...about.Ki), label: `Ki [${pressure}/(${angle} s)]` };
   svg.setAttribute("height", height);
   const layer = axes(svg, box, x, y);
   const place = ([u, v]) => [box.left + u * (box.right - box.left), box.bottom + v * (box.top - box.bottom)];
@@ -161,7 +170,7 @@ function tables(picture) {
     [row.limit === "none" ? "–" : row.broken ? "violated" : "✓ held", false], [row.place, false],
   ]);
   const margins = picture.margins.map((row) => [row.branch, ...row.cells.map((c) => [c.text, c.broken])]);
-  const quick = `Worst settling time ${picture.settling}, worst IAE ${picture.iae} deg s`;
+  const quick = `Worst settling time ${picture.settling}, worst IAE ${picture.iae}`;
   return [
     table(`Limits. ${quick}`, ["Quantity", "Worst", "Limit", "", "Where"], limits),
     table("Margins of the linear loop", ["Branch, rate", "Ms", "Delay margin", "Phase margin", "Gain margin"], margins),

@@ -13,18 +13,29 @@ from design.synthesis.requirements import LIMIT_UNITS, ROUNDING, Problem
 from design.tuner.branch_margins import BranchMargins, branch_margins
 from design.tuner.case import TunedPlant
 from design.tuner.setting import Setting
+from plants.rig import Rig
 
 Array = NDArray[np.float64]
 
-SAMPLES = np.unique(
-    np.concatenate([np.arange(0, 2000, 10), np.arange(2000, 5000, 30), np.arange(5000, 10001, 100)])
+ROWS = np.unique(
+    np.concatenate([np.arange(0.0, 0.2, 0.001), np.arange(0.2, 0.5, 0.003), np.arange(0.5, 1.0001, 0.01)])
 )
-"""Samples of 1 ms that are shown, (rows,): dense where a step moves, a tenth of a second apart at its end."""
+"""What is shown of a run, as shares of it, (rows,): dense where a step moves, coarse at its end."""
+
+
+def shown_samples(rig: Rig) -> NDArray[np.intp]:
+    """The samples of a run of a rig's task that are shown, (rows,).
+
+    >>> from plants.rig import built_in_rig
+    >>> shown_samples(built_in_rig())[[0, 1, -2, -1]].tolist()
+    [0, 10, 9900, 10000]
+    """
+    return np.unique(np.round(ROWS * round(rig.task.duration / rig.sample_time)).astype(np.intp))
 
 
 @dataclass(frozen=True)
 class ShownStep:
-    """A step of 15 deg: its case, the way gone towards the reference [deg] and the command [V], each
+    """A step of the task: its case, the way gone towards the reference [deg] and the command [V], each
     (rows,), settling time [s] (infinite where it does not) and overshoot [%]."""
 
     case: Case
@@ -51,8 +62,8 @@ class LimitReading:
 class Picture:
     """What a setting leads to.
 
-    time [s] (rows,), that of the series; cost: the worst IAE [deg s]; settling_time_s: the longest;
-    trouble: why there is nothing to show, in one line; note: what keeps the plant from a reference.
+    time [s] (rows,), that of the series, if there are any; cost: the worst IAE [deg s]; settling_time_s: the
+    longest; trouble: why there is nothing to show, in one line; note: what keeps the plant from a reference.
     """
 
     setting: Setting
@@ -80,17 +91,16 @@ def picture(given: TunedPlant, setting: Setting) -> Picture:
     >>> len(shown.series), round(shown.series[0].settling_time_s, 2), shown.broken
     (10, 5.59, [])
     """
-    time = SAMPLES * 1e-3
     problem = given.problem
     if problem is None:
-        return Picture(setting, time, trouble=given.trouble)
+        return Picture(setting, np.empty(0), trouble=given.trouble)
     pi = controller(problem, setting.Kp, setting.Ki)
     played = play(problem.lanes, pi, record=True, jobs=problem.jobs)
     judged, went = played.metrics, played.trajectory
     assert went is not None
-    at = evaluate(problem, setting.Kp, setting.Ki)
+    at, rows = evaluate(problem, setting.Kp, setting.Ki), shown_samples(problem.wrist.rig)
     return Picture(
-        setting, time, _series(problem, judged, went.angle[SAMPLES], went.command[SAMPLES]),
+        setting, went.time[rows], _series(problem, judged, went.angle[rows], went.command[rows]),
         branch_margins(problem.branches, pi), _limits(problem, at), float(at.cost[0]),
         float(judged.settling_time_s.max()), note=given.note,
     )  # fmt: skip

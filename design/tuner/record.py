@@ -1,20 +1,24 @@
 """Pictures and maps as what JSON holds, numbers in words where they are read: what the browser is sent."""
 
 from collections.abc import Mapping
-from math import isfinite
+from math import floor, isfinite, log10
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from design.evaluation.scenarios import STEP
 from design.synthesis.requirements import Limits
 from design.synthesis.tuning import Region
 from design.tuner.branch_margins import BranchMargins
-from design.tuner.picture import SAMPLES, LimitReading, Picture, ShownStep
+from design.tuner.picture import LimitReading, Picture, ShownStep, shown_samples
 from design.tuner.regions import Regions, outline
 from design.tuner.setting import Slider
-from plants.hysteresis import Role, law_of
-from plants.wrist import COMMAND_RANGE, SAMPLE_TIME
+from plants.hysteresis import Role
+from plants.parameters.quantities import in_units
+from plants.rig import Rig
+from plants.wrist import Wrist
+
+Array = NDArray[np.float64]
 
 
 class Words(NamedTuple):
@@ -40,6 +44,12 @@ LIMITS: Mapping[str, Words] = {
 PLAIN = Words("")
 
 
+def words_of(name: str, rig: Rig) -> Words:
+    """How a limited quantity of a rig is told, in its units."""
+    words = LIMITS[name]
+    return words._replace(unit=f" {rig.units.command}") if name == "total_variation_V" else words
+
+
 def number(value: float, words: Words = PLAIN) -> str:
     """A value for reading.
 
@@ -50,7 +60,7 @@ def number(value: float, words: Words = PLAIN) -> str:
 
 
 def about(
-    title: str, sliders: tuple[Slider, ...], dead_time: float, limits: Limits, region: Region
+    title: str, sliders: tuple[Slider, ...], dead_time: float, limits: Limits, region: Region, rig: Rig
 ) -> dict[str, Any]:
     """What never changes while the tuner is shown; dead_time [s]: that of the user's own wrist."""
     return {
@@ -59,56 +69,67 @@ def about(
         "sliders": [s._asdict() for s in sliders],
         "limits": {n: w.label for n, w in LIMITS.items() if n in limits.named},
         "overshoot_percent": limits.overshoot_percent,
-        "time_s": np.round(SAMPLES * SAMPLE_TIME, 3).tolist(),
-        "step_deg": STEP,
-        "command_V": list(COMMAND_RANGE),
+        "time_s": np.round(shown_samples(rig) * rig.sample_time, 9).tolist(),
+        "duration_s": rig.task.duration,
+        "step": rig.task.step,
+        "command": list(rig.command_range),
+        "units": dict(vars(rig.units)),
         "Kp": list(region.Kp),
         "Ki": list(region.Ki),
     }
 
 
-def picture_record(shown: Picture, limits: Limits, values: Mapping[str, float]) -> dict[str, Any]:
-    """A picture, its numbers rounded to what a screen shows; values: of the plant's parameters."""
+def picture_record(shown: Picture, limits: Limits, plant: Wrist) -> dict[str, Any]:
+    """A picture of a plant, its numbers rounded to what a screen shows."""
+    rig = plant.rig
+    settling = (
+        f"{shown.settling_time_s:.3g} s" if isfinite(shown.settling_time_s) else f"> {rig.task.duration:g} s"
+    )
     return {
-        "plant": plant_words(values),
+        "plant": plant_words(plant),
         "trouble": shown.trouble,
         "note": shown.note,
-        "series": [_series(s) for s in shown.series],
-        "limits": [_held(row) for row in shown.limits],
+        "series": [_series(s, rig) for s in shown.series],
+        "limits": [_held(row, rig) for row in shown.limits],
         "margins": [_margins(row, limits) for row in shown.margins],
-        "settling": f"{shown.settling_time_s:.3g} s" if isfinite(shown.settling_time_s) else "> 10 s",
-        "iae": number(shown.cost),
+        "settling": settling,
+        "iae": f"{number(shown.cost)} {rig.units.angle} s",
     }
 
 
-def plant_words(values: Mapping[str, float]) -> dict[str, str]:
+def plant_words(plant: Wrist) -> dict[str, str]:
     """What the sliders of the loop make of its parameters, by slider.
 
-    >>> from plants import Wrist
-    >>> plant_words(Wrist.flexion().values)["lines"]
+    >>> plant_words(Wrist.flexion())["lines"]
     'a1 0.36, a2 0.36 deg/kPa'
     """
-    law = law_of(values)
+    values, law = plant.values, plant.hysteresis
     kinds, roles = law.kinds(values), law.roles(values)
     sliders: dict[str, Role] = {"width": "width", "lines": "outer", "transit": "inner"}
     return {
-        slider: f"{', '.join(f'{n} {number(values[n])}' for n in roles[role])} {kinds[roles[role][0]].unit}"
+        slider: f"{', '.join(f'{n} {number(values[n])}' for n in roles[role])} "
+        f"{in_units(kinds[roles[role][0]], plant.rig).unit}"
         for slider, role in sliders.items()
     }
 
 
-def _series(s: ShownStep) -> dict[str, Any]:
+def _rounded(values: Array, size: float) -> list[float]:
+    """Values to a thousandth, of what is less than 1 in size to as many more places."""
+    return [float(v) for v in np.round(values, 3 + max(0, -floor(log10(size))))]
+
+
+def _series(s: ShownStep, rig: Rig) -> dict[str, Any]:
     task = s.case.task
     return {
         "memory": "return" if task.angle != 0.0 else task.start,
         "plus": task.reference > task.angle,
-        "way_deg": np.round(s.way, 3).tolist(),
-        "command_V": np.round(s.command, 3).tolist(),
+        "way": _rounded(s.way, rig.task.step),
+        "command": _rounded(s.command, float(np.ptp(rig.command_range))),
     }
 
 
-def _held(row: LimitReading) -> dict[str, Any]:
-    words = LIMITS[row.name]
+def _held(row: LimitReading, rig: Rig) -> dict[str, Any]:
+    words = words_of(row.name, rig)
     lost = row.name in ("Ms", "delay_margin_s") and row.value in (float("inf"), 0.0)
     return {
         "name": row.name,

@@ -1,16 +1,19 @@
 """What the sliders say, and the wrist that it makes of the user's own."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from typing import NamedTuple
 
+from design.synthesis.answer import UNITS
 from design.synthesis.tuning import Region
 from design.synthesis.tuning_rules import PAPER_GAINS
 from plants.effects.regulator.dead_time import DeadTime
 from plants.hysteresis import Role
+from plants.rig import Rig
 from plants.wrist import Wrist
 
 REGION = Region(Kp=(0.5, 20.0), Ki=(0.5, 100.0))
-"""Gains that the sliders reach where none are given: what holds 15 degrees in either motion, and around."""
+"""Gains that the sliders of the built-in rig reach where none are given: what holds 15 degrees in either
+motion, and around."""
 
 DELAY = f"{DeadTime.NAME}.{DeadTime.DELAY}"
 
@@ -19,8 +22,9 @@ DELAY = f"{DeadTime.NAME}.{DeadTime.DELAY}"
 class Setting:
     """Positions of the sliders.
 
-    Kp [kPa/deg], Ki [kPa/(deg s)]; factors of the wrist's own parameters: width of both offsets w1 and
-    w2, lines of the slopes a1 and a2, transit of the slope s; dead_time [s], the whole of it.
+    Kp [kPa/deg], Ki [kPa/(deg s)], in the units of the rig; factors of the wrist's own parameters: width of
+    both offsets w1 and w2, lines of the slopes a1 and a2, transit of the slope s; dead_time [s], the whole
+    of it.
     """
 
     Kp: float = PAPER_GAINS[0]
@@ -54,17 +58,35 @@ class Slider(NamedTuple):
     meaning: str
 
 
-def sliders(region: Region, own_dead_time: float = 0.0) -> tuple[Slider, ...]:
-    """The sliders; that of the dead time reaches 0.2 s, and twice that of the wrist [s] where this is more.
+def region_of(rig: Rig) -> Region:
+    """Gains that the sliders of a rig reach where none are given: as much of its pressure for as much of its
+    step as `REGION` has.
 
-    >>> [s.name for s in sliders(REGION)]
+    >>> from dataclasses import replace
+    >>> from plants.rig import Units, built_in_rig
+    >>> region_of(replace(built_in_rig(), units=Units("V", "bar", "deg"), pressure_range=(0.0, 2.0))).Kp
+    (0.005, 0.2)
+    """
+    Kp, Ki = (
+        tuple(round(rig.scaled(v, unit), 9) for v in getattr(REGION, name)) for name, unit in UNITS.items()
+    )
+    return Region(Kp=(Kp[0], Kp[1]), Ki=(Ki[0], Ki[1]))
+
+
+def sliders(region: Region, rig: Rig, own_dead_time: float = 0.0) -> tuple[Slider, ...]:
+    """The sliders; that of the dead time reaches 0.2 s, and twice that of the wrist [s], and what the rig may
+    have, where this is more.
+
+    >>> from plants.rig import built_in_rig
+    >>> [s.name for s in sliders(REGION, built_in_rig())]
     ['Kp', 'Ki', 'width', 'lines', 'transit', 'dead_time']
     """
     longest = DeadTime.kinds()["delay"].high
-    late = min(max(0.2, 2.0 * own_dead_time), longest)
+    late = min(max(0.2, 2.0 * own_dead_time, 2.0 * rig.uncertainty.dead_time[1]), longest)
+    pressure, angle = rig.units.pressure, rig.units.angle
     return (
-        Slider("Kp", "Kp", "kPa/deg", 1.0, *region.Kp, True, "proportional gain"),
-        Slider("Ki", "Ki", "kPa/(deg s)", 1.0, *region.Ki, True, "integral gain"),
+        Slider("Kp", "Kp", f"{pressure}/{angle}", 1.0, *region.Kp, True, "proportional gain"),
+        Slider("Ki", "Ki", f"{pressure}/({angle} s)", 1.0, *region.Ki, True, "integral gain"),
         Slider("width", "Loop width", "×", 1.0, 0.3, 2.0, False, "factor of the offsets w1 and w2"),
         Slider("lines", "Line slopes", "×", 1.0, 0.5, 1.5, False, "factor of the slopes a1 and a2"),
         Slider("transit", "Transit slope", "×", 1.0, 0.0, 3.0, False, "factor of the slope s"),
@@ -73,12 +95,13 @@ def sliders(region: Region, own_dead_time: float = 0.0) -> tuple[Slider, ...]:
 
 
 def initial(wrist: Wrist) -> Setting:
-    """The setting at which the wrist is the user's own, with the paper's gains.
+    """The setting at which the wrist is the user's own, with the paper's gains, scaled to the rig.
 
     >>> initial(Wrist.flexion() + DeadTime(0.05)).dead_time
     0.05
     """
-    return replace(Setting(), dead_time=float(wrist.values.get(DELAY, 0.0)))
+    Kp, Ki = (wrist.rig.scaled(v, unit) for v, unit in zip(PAPER_GAINS, UNITS.values(), strict=True))
+    return Setting(Kp, Ki, dead_time=float(wrist.values.get(DELAY, 0.0)))
 
 
 def plant(wrist: Wrist, setting: Setting) -> Wrist:

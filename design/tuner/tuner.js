@@ -6,7 +6,7 @@ const MEMORIES = {
   line1: "from line 1",
   line2: "from line 2",
   inside: "from inside the loop",
-  return: "back to 0 deg",
+  return: "back to 0",
 };
 const PATIENCE = 5000; // ms without an answer, as when the kernel is gone, before asking again
 
@@ -56,7 +56,7 @@ function render({ model, el }) {
   const about = model.get("about");
   const unique = `wrist-tuner-${Math.random().toString(36).slice(2, 8)}`;
   const root = node("div", { class: "wrist-tuner" });
-  let seconds = 5;
+  let seconds = about.duration_s / 2;
 
   // The newest wins: while Python computes, later positions replace each other, and the last is asked for.
   let wanted = {}, busy = false, patience = 0, rest = 0;
@@ -122,10 +122,11 @@ function render({ model, el }) {
   });
 
   const steps = node("svg:svg", { class: "steps", role: "img" });
-  const command = node("svg:svg", { class: "commands", role: "img", "aria-label": "Command in volts over time, for the same steps" });
+  const command = node("svg:svg", { class: "commands", role: "img", "aria-label": "Command over time, for the same steps" });
   const map = node("svg:svg", { class: "map", role: "img" });
-  const windows = node("div", { class: "windows", role: "group", "aria-label": "Time shown" }, ...[2, 5, 10].map((s) => {
-    const button = node("button", { type: "button", "aria-pressed": String(s === seconds) }, `${s} s`);
+  const windows = node("div", { class: "windows", role: "group", "aria-label": "Time shown" }, ...[5, 2, 1].map((part) => {
+    const s = about.duration_s / part;
+    const button = node("button", { type: "button", "aria-pressed": String(s === seconds) }, `${shown(s)} s`);
     button.addEventListener("click", () => {
       seconds = s;
       for (const b of windows.children) b.setAttribute("aria-pressed", String(b === button));
@@ -137,7 +138,7 @@ function render({ model, el }) {
   const memories = Object.entries(MEMORIES).map(([m, words]) => {
     const mark = stroke(`response ${m}`);
     mark.dataset.memory = m;
-    return [mark, words];
+    return [mark, m === "return" ? `${words} ${about.units.angle}` : words];
   });
   for (const [event, over] of [["pointerover", true], ["pointerout", false], ["focusin", true], ["focusout", false]]) {
     root.addEventListener(event, ({ target }) => {
@@ -154,7 +155,7 @@ function render({ model, el }) {
       node("h4", {}, "Gains"), ...rows(["Kp", "Ki"]),
       node("h4", {}, "Plant"), ...rows(["width", "lines", "transit", "dead_time"]), back, keep, kept),
     node("section", { class: "responses", "aria-label": "Step responses" },
-      node("h4", {}, `Step of ${about.step_deg} deg from every starting memory`, windows), steps, command,
+      node("h4", {}, `Step of ${about.step} ${about.units.angle} from every starting memory`, windows), steps, command,
       legend([...memories, [stroke("response key"), "plus"], [stroke("response key minus"), "minus direction"]])),
     node("section", { class: "plane", "aria-label": "Map of the gains" },
       node("h4", {}, "Where the gains hold every limit"), map,

@@ -16,7 +16,7 @@ from design.tuner import gains_file, record
 from design.tuner.case import TunedPlant, case
 from design.tuner.picture import Picture, picture
 from design.tuner.regions import Regions, first, sharper
-from design.tuner.setting import REGION, Setting, initial, plant, sliders
+from design.tuner.setting import Setting, initial, plant, region_of, sliders
 from plants.errors import InputError
 from plants.parameters.files import built_in, load
 from plants.parameters.quantities import ParameterSet
@@ -38,9 +38,9 @@ class Tuner(anywidget.AnyWidget):
     """Sliders for gains and plant beside the resulting loop; shown as the last value of a cell.
 
     wrist: a wrist, a parameter set, ``flexion``, ``deviation`` or the path of a parameter set (TOML), with
-    its effects if it has some.  limits: those that turn red when broken.  region: the gains that the
-    sliders and the map reach.  Gains and plant are traits, in the units of
-    `design.tuner.setting.Setting`, so that they can be read and set from Python:
+    its effects if it has some.  limits: those that turn red when broken, the rig's where not given.
+    region: the gains that the sliders and the map reach, scaled to the rig where not given.  Gains and plant
+    are traits, in the units of `design.tuner.setting.Setting`, so that they can be read and set from Python:
 
     >>> tuner = Tuner("deviation")
     >>> tuner.shown.broken
@@ -78,21 +78,23 @@ class Tuner(anywidget.AnyWidget):
         self,
         wrist: Wrist | ParameterSet | str | Path = "flexion",
         limits: Limits | None = None,
-        region: Region = REGION,
+        region: Region | None = None,
         jobs: int | None = None,
     ) -> None:
         super().__init__()
         self.title, self.wrist, self.option = _named(wrist)
-        self.limits, self.region, self.jobs = limits or Limits(), region, jobs
+        rig = self.wrist.rig
+        self.limits, self.region, self.jobs = limits or Limits.of(rig), region or region_of(rig), jobs
         self.files: set[Path] = set()
         self._alone = RLock()  # Jupyter answers the browser beside a cell that runs
         self._case: TunedPlant | None = None
         self._regions: Regions | None = None
         self._shown: Picture | None = None
         start = initial(self.wrist)
-        self.sliders = sliders(region, start.dead_time)
-        self.about = record.about(self.title, self.sliders, start.dead_time, self.limits, region)
-        inside = {n: min(max(getattr(start, n), getattr(region, n)[0]), getattr(region, n)[1]) for n in GAINS}
+        self.sliders = sliders(self.region, rig, start.dead_time)
+        self.about = record.about(self.title, self.sliders, start.dead_time, self.limits, self.region, rig)
+        reach = {n: getattr(self.region, n) for n in GAINS}
+        inside = {n: min(max(getattr(start, n), low), high) for n, (low, high) in reach.items()}
         with self.hold_trait_notifications():
             for name, value in asdict(replace(start, **inside)).items():
                 setattr(self, name, value)
@@ -141,7 +143,7 @@ class Tuner(anywidget.AnyWidget):
             coarse, left = self._case.coarse, np.inf if early else begin + IN_TIME - perf_counter()
             self._regions = None if coarse is None else first(coarse, self.region, left)
         with self.hold_sync():
-            self.picture = record.picture_record(self._shown, self.limits, plant(self.wrist, setting).values)
+            self.picture = record.picture_record(self._shown, self.limits, plant(self.wrist, setting))
             if another:
                 self.regions = self._outlined()
             self.answered = self.asked

@@ -35,7 +35,6 @@ BUILT_IN = {
     "design/robustness/samples/conditions.py": "defaults of conditions",
     "design/studies/paper.py": "the paper's figures",
     "design/synthesis/requirements.py": "defaults of limits",
-    "design/tuner/record.py": "the tuner serves the built-in task",
     "design/tuner/widget.py": "its own motions by name",
     "plants/effects/effect.py": "units in which effects are written",
     "plants/measured/campaign.py": "whose motion an axis is",
