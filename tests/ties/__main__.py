@@ -8,6 +8,7 @@ python -m tests.ties --count 10
 """
 
 import argparse
+import itertools
 import tempfile
 import warnings
 from dataclasses import dataclass
@@ -91,12 +92,13 @@ def tie(number: int, case: Case, rig: Rig, name: str, root: Path) -> Tie | None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=10, help="ties to look at")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seed", type=int, default=0, help="of the first rigs; further seeds follow")
     asked = parser.parse_args()
     warnings.simplefilter("ignore")
     found: list[Tie] = []
     tried = 0
-    for number, (case, rig) in enumerate(drawn(asked.seed, 1000), start=1):
+    rigs = itertools.chain.from_iterable(drawn(seed, 1000) for seed in itertools.count(asked.seed))
+    for number, (case, rig) in enumerate(rigs, start=1):
         if len(found) == asked.count:
             break
         if not case.effects or any(e in OPEN for e in case.effects):
