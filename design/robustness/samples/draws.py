@@ -89,8 +89,8 @@ def draw(task: SamplingTask, chunk: int, count: int = CHUNK) -> Draw:
     arrival = np.where(reference > state.angle, *held)
     out = _beyond(task.controller, wrist, arrival) | _beyond(task.controller, wrist, state.pressure)
     if plant.effects:
-        out |= _kept_from(wrist, arrival, reference)
-        out |= (start > 0) & (start < 3) & _kept_from(wrist, state.pressure, np.zeros(count))
+        out |= kept_from(wrist, arrival, reference)
+        out |= (start > 0) & (start < 3) & kept_from(wrist, state.pressure, np.zeros(count))
     return Draw(wrist, state, reference, start, values, out)
 
 
@@ -160,7 +160,7 @@ def _beyond(controller: Controller, wrist: Wrist, pressure: Array) -> Flags:
     return np.asarray((command < low) | (command > high), np.bool_)
 
 
-def _kept_from(wrist: Wrist, pressure: Array, angle: Array) -> Flags:
+def kept_from(wrist: Wrist, pressure: Array, angle: Array) -> Flags:
     """Where an effect keeps the wrist from an angle [deg] that needs a pressure [kPa], lane by lane."""
     lowest, highest, _ = searched(wrist)
     out = ~((pressure > lowest) & (pressure < highest))

@@ -11,7 +11,7 @@ load where they are searched; and, where a space has several `kinds` of cases, w
     load       at rest at the task's step, either way, when the load comes
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -23,16 +23,14 @@ from design.evaluation.runner import Lanes
 from design.evaluation.scenarios import HEADROOM
 from design.evaluation.tasks import CALM, Task
 from design.robustness.box import Box
-from plants.effects.effect import Effect
+from design.robustness.samples.draws import LINES, kept_from
 from plants.equilibrium import holding_command
 from plants.simulation.disturbance import BEFORE, at_rest
-from plants.wrist import STARTS, Start, Wrist
+from plants.wrist import STARTS, Wrist
 
 Array = NDArray[np.float64]
 HOLD = (0.3, 5.0)
 """How long [s] the first references are held, shortest and longest: the next may come in full motion."""
-
-LINES: tuple[Start, Start] = ("line1", "line2")
 
 Kind = Literal["sequence", "step", "return", "load"]
 SEQUENCES: tuple[Kind, ...] = ("sequence",)
@@ -158,7 +156,7 @@ class Space:
         pressure = np.where(up_to, up, down)
         command = holding_command(wrist, pressure)
         held = (command >= low + HEADROOM) & (command <= high - HEADROOM)
-        held &= _unhindered(wrist, pressure, angles)
+        held &= ~kept_from(wrist, pressure, angles)
         return np.asarray(held.reshape(n, -1).all(axis=0))
 
 
@@ -175,16 +173,3 @@ def reference(share: Array, before: Array, step: float) -> Array:
     way = share * (below + above)
     lower = (way <= below) & (below > 0.0)
     return np.asarray(np.where(lower, way - step, before + smallest + way - below), float)
-
-
-def _unhindered(wrist: Wrist, pressures: Array, angles: Array) -> NDArray[np.bool_]:
-    """Where no effect keeps the wrist from an angle [deg] that needs a pressure [kPa], (lanes,)."""
-    ok = np.ones(angles.shape, bool)
-    for effect in wrist.effects:
-        if type(effect).obstacle is Effect.obstacle:
-            continue
-        values = {f.name: np.broadcast_to(getattr(effect, f.name), ok.shape) for f in fields(effect)}
-        for i, (pressure, angle) in enumerate(zip(pressures, angles, strict=True)):
-            lane = replace(effect, **{n: float(v[i]) for n, v in values.items()})
-            ok[i] &= lane.obstacle(float(pressure), float(angle)) is None
-    return ok
