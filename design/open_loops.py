@@ -69,11 +69,20 @@ def open_loops(
             stable = bool(np.abs(poles).max() < 1.0 - 1e-9) if dead_time == 0.0 else None
 
             def at(omega: Array, loop: Any = loop) -> NDArray[np.complex128]:
-                plain = np.ravel(np.array(control.frequency_response(loop, omega).complex))
-                return np.asarray(plain * np.exp(-1j * omega * dead_time), complex)
+                return np.asarray(_response(loop, omega) * np.exp(-1j * omega * dead_time), complex)
 
             found.append(OpenLoopTransfer(branch, rate, at, stable))
     return found
+
+
+def _response(loop: Any, omega: Array) -> NDArray[np.complex128]:
+    """What ``control.frequency_response`` gives of a sampled system with one input, one output and states;
+    without slycot that solves for one frequency at a time."""
+    z, unit = np.exp(1j * omega * loop.dt), np.eye(loop.nstates)
+    states = np.linalg.solve(
+        z[:, None, None] * unit - loop.A, np.broadcast_to(loop.B, (z.size, *loop.B.shape))
+    )
+    return np.asarray((loop.C @ states + loop.D)[:, 0, 0], complex)
 
 
 def by_python_control(
@@ -102,7 +111,11 @@ def _row(loop: OpenLoopTransfer, omega: Array, integrates: bool) -> dict[str, An
     response = loop.at(omega)
     stable = bool(winds_not(response[None])[0]) and integrates if loop.stable is None else loop.stable
     # From the response, since polynomials in z lose digits at 1 ms.
-    gm, pm, _, _, wc, _ = control.stability_margins(control.frd(response, omega, smooth=True), returnall=True)
+    found = [
+        control.stability_margins(control.frd(response[i], omega[i], smooth=True), returnall=True)
+        for i in _crossings(response)
+    ]
+    gm, pm, wc = (np.concatenate([[], *(m[k] for m in found)]) for k in (0, 1, 4))
     delays = np.mod(np.radians(pm), 2 * np.pi) / wc if len(wc) else np.array([np.inf])
     above = [g for g in gm if g > 1.0]
     Mt = 1.0 / least_over(loop.at, _by_complement, omega, response) if stable else float("inf")
@@ -117,6 +130,18 @@ def _row(loop: OpenLoopTransfer, omega: Array, integrates: bool) -> dict[str, An
         "Mt": Mt,
         "disk_margin": least_over(loop.at, _by_disk, omega, response) if stable else 0.0,
     }  # fmt: skip
+
+
+def _crossings(response: NDArray[np.complex128], beside: int = 24) -> list[NDArray[np.intp]]:
+    """Pieces of the grid around the places where the gain crosses one or the phase -180 degrees.
+
+    python-control evaluates its spline one frequency at a time.  A spline forgets what lies so many points
+    away: each point nearer to a piece's end counts a quarter of the one before.
+    """
+    gain, phase = (np.diff(np.sign(x)) != 0.0 for x in (np.abs(response) - 1.0, np.angle(-response)))
+    at = np.flatnonzero(gain | (phase & (response.real[:-1] <= 0.0)))
+    near = np.unique(np.clip(at[:, None] + np.arange(-beside, beside + 2), 0, response.size - 1))
+    return [piece for piece in np.split(near, 1 + np.flatnonzero(np.diff(near) > 1)) if piece.size]
 
 
 def _by_sensitivity(loop: NDArray[np.complex128]) -> Array:

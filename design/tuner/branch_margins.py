@@ -1,6 +1,6 @@
 """The margins of one pair of gains on each branch at each rate of the regulator, fast enough for a drag.
 
-As `design.open_loops.by_python_control`, whose rows take a sixth of a second each.
+As `design.open_loops.by_python_control`, of which a drag would wait a tenth of a second.
 """
 
 from collections.abc import Sequence

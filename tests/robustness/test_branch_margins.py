@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.open_loops import OpenLoopTransfer, _row, loop_tf
+from design.open_loops import OpenLoopTransfer, _row, loop_tf, open_loops
 from design.robustness.predictions.margins import branch_margins, statements, steepest_rate
 from design.status import Status
 from design.synthesis.requirements import Limits
@@ -51,6 +51,19 @@ def test_a_loop_of_second_order_has_the_peaks_of_the_textbook(zeta):
     row = _row(OpenLoopTransfer("a", "b", lambda w: 1.0 / (1j * w * (1j * w + 2.0 * zeta))), OMEGA, True)
     assert row["Mt"] == pytest.approx(1.0 / (2.0 * zeta * np.sqrt(1.0 - zeta**2)), rel=1e-6)
     assert row["disk_margin"] == pytest.approx(2.0 * zeta / np.sqrt(1.0 + zeta**2), rel=1e-6)
+
+
+@pytest.mark.parametrize("dead_time", [0.0, 0.1])
+def test_margins_read_piece_by_piece_are_those_of_the_whole_response(dead_time):
+    (loop,) = open_loops(WRIST, PI(3.13, 10.4), dead_time, ("fast",))[1:2]
+    whole = control.frequency_response(loop_tf(WRIST, PI(3.13, 10.4), loop.branch, loop.rate), OMEGA).complex
+    whole = np.ravel(whole) * np.exp(-1j * OMEGA * dead_time)
+    np.testing.assert_allclose(loop.at(OMEGA), whole, rtol=1e-12)
+    gm, pm, *_ = control.stability_margins(control.frd(whole, OMEGA, smooth=True), returnall=True)
+    assert len(gm) > 10 * dead_time  # many crossings behind a dead time
+    row = _row(loop, OMEGA, True)
+    assert row["gain_margin"] == pytest.approx(min(gm[gm > 1.0]), rel=1e-9)
+    assert row["phase_margin_deg"] == pytest.approx(min(pm), rel=1e-9)
 
 
 def peak(system, low=0.1, high=100.0):
