@@ -3,7 +3,7 @@
 import ast
 import copy
 import random
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -120,9 +120,9 @@ def _is_another(mutant: Mutant) -> bool:
     return changed != ast.dump(ast.parse(mutant.path.read_text(encoding="utf-8")))
 
 
-def mutants(path: Path) -> list[Mutant]:
-    """All faults of a file."""
-    return [m for m in _changed(path) if _is_another(m)]
+def mutants(path: Path, after: Container[str] | None = None) -> list[Mutant]:
+    """All faults of a file, or those that leave one of some lines."""
+    return [m for m in _changed(path) if (after is None or m.after in after) and _is_another(m)]
 
 
 def drawn(files: list[Path], count: int, seed: int) -> list[Mutant]:
