@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from plants import lag
-from plants.dynamics import Number, State, press
+from plants.dynamics import Number, SampledWrist, State, press
 from plants.effects.effect import Around
 from plants.hysteresis import STARTS, Start
 
@@ -94,15 +94,17 @@ def beside(wrist: "Wrist", pressure: Number) -> Number:
 
 def _memory(wrist: "Wrist", start: Start, h: Number, pressure: Number) -> Any:
     """The memory at rest of a loop that effects drive and bend."""
-    driven, down, up = _bent(wrist, pressure, h)
+    driven, down, up = _bent(wrist, wrist.sampled(), pressure, h)
     return wrist.hysteresis.resting(start, h, driven, down, up)
 
 
-def effects_at_rest(wrist: "Wrist", pressure: Number, h: Number, *ports: str) -> tuple[Any, ...]:
+def effects_at_rest(
+    wrist: "Wrist", pressure: Number, h: Number, *ports: str, sampled: SampledWrist | None = None
+) -> tuple[Any, ...]:
     """States of the effects of a wrist that holds still at a pressure [kPa], its loop at h [deg]; where ports
     are named, None of those that act at none of them: what is commanded, which a leak makes a search, is
-    found only for whom it matters."""
-    c = wrist.sampled()
+    found only for whom it matters.  sampled: the wrist's coefficients, where they are at hand."""
+    c = wrist.sampled() if sampled is None else sampled
     asked = {i for i, _ in c.at("target")}
     wanted = {i for port in ports for i, _ in c.at(port)} if ports else set(range(len(wrist.effects)))
     aimed = commanded(wrist, pressure) if asked & wanted else pressure
@@ -149,7 +151,7 @@ def at_pressure(wrist: "Wrist", start: Start, pressure: float) -> State:
     loop = wrist.hysteresis
     if not wrist.effects:
         return at_rest(wrist, start, (loop.ascending, loop.descending)[line](pressure))
-    h = float(_line_angle(wrist, line, pressure, 0.0))
+    h = float(_line_angle(wrist, wrist.sampled(), line, pressure, 0.0))
     memory = _memory(wrist, start, h, pressure)
     held = float(_held_angle(wrist, h) + beside(wrist, pressure))
     return State(pressure, memory, held, effects_at_rest(wrist, pressure, h))
@@ -172,7 +174,7 @@ def obstacle(wrist: "Wrist", start: Start, angle: float) -> str | None:
 def _held_angle(wrist: "Wrist", h: Number) -> Number:
     """The angle [deg] at which the effects let a wrist rest whose loop is at h [deg]; stops left out."""
     c = wrist.sampled()
-    s = effects_at_rest(wrist, wrist.hysteresis.rest_pressure, h, "static")
+    s = effects_at_rest(wrist, wrist.hysteresis.rest_pressure, h, "static", sampled=c)
     after = h
     for i, effect in c.at("static"):
         _, _, after = effect(s[i], h, after, Around())
@@ -207,22 +209,24 @@ def static_angle(wrist: "Wrist", angle: Number, against: bool = True) -> Number:
     return h1
 
 
-def _line_angle(wrist: "Wrist", line: int, pressure: Number, h: Number) -> Number:
+def _line_angle(wrist: "Wrist", c: SampledWrist, line: int, pressure: Number, h: Number) -> Number:
     """The angle [deg] of line 1 (0) or line 2 (1), as the effects bend it, at a pressure [kPa]."""
     loop = wrist.hysteresis
-    driven, *shifts = _bent(wrist, pressure, h)
+    driven, *shifts = _bent(wrist, c, pressure, h)
     return (loop.ascending, loop.descending)[line](driven) + shifts[line]
 
 
-def _bent(wrist: "Wrist", pressure: Number, h: Number) -> tuple[Number, Number, Number]:
+def _bent(wrist: "Wrist", c: SampledWrist, pressure: Number, h: Number) -> tuple[Number, Number, Number]:
     """The pressure [kPa] that drives a loop at rest at a pressure [kPa], and the shifts of its branches
     [deg]."""
-    c, loop = wrist.sampled(), wrist.hysteresis
-    s = effects_at_rest(wrist, pressure, h, "drive", "bend")
     driven, down, up = pressure, 0.0, 0.0
-    for i, effect in c.at("drive"):
+    drives, bends = c.at("drive"), c.at("bend")
+    if not drives and not bends:
+        return driven, down, up
+    loop, s = wrist.hysteresis, effects_at_rest(wrist, pressure, h, "drive", "bend", sampled=c)
+    for i, effect in drives:
         _, _, driven = effect(s[i], driven, driven, Around())
-    for i, effect in c.at("bend"):
+    for i, effect in bends:
         _, low, high, _ = effect(s[i], driven, driven, loop, Around())
         down, up = down + low, up + high
     return driven, down, up
@@ -235,8 +239,10 @@ def _pressure_on(wrist: "Wrist", line: int, h: Number) -> Number:
     through it, the nearest to the rest pressure is taken.
     """
 
+    c = wrist.sampled()  # once: it is asked for at each step of the bisection
+
     def below(pressure: Number) -> Number:
-        return _line_angle(wrist, line, pressure, h) < h
+        return _line_angle(wrist, c, line, pressure, h) < h
 
     shape = np.shape(below(wrist.hysteresis.rest_pressure))
     lowest, highest, spacing = searched(wrist)
