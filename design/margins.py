@@ -1,6 +1,6 @@
 """Margins of the linear loop on every branch of the hysteresis and at both regulator rates.
 
-The plant's frequency responses come from python-control, or, for a wrist with
+The plant's frequency responses are those of python-control's systems, or, for a wrist with
 effects, from `plants.linearisation.responses`, once per branch and rate; the loop of each
 pair of gains is then a product, so that a whole map of gains costs little more
 than one point.  Dead time of the plant is part of its response.
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.kernel import pytrees
-from plants.linearisation import RATES, branch_slopes, branch_ss, responses
+from plants.linearisation import RATES, branch_slopes, branch_ss, frequency_response, responses
 from plants.wrist import SAMPLE_TIME, Wrist
 
 Array = NDArray[np.float64]
@@ -98,8 +98,7 @@ def branch_responses(wrist: Wrist, points: int = 800) -> list[BranchResponse]:
         for rate in RATES:
             system = branch_ss(wrist, branch, rate)
             both = control.ss(system.A, system.B, np.eye(2), 0.0, dt)  # pressure and angle
-            # python-control's own array type is slow to index
-            pressure, angle = np.array(control.frequency_response(both, omega).complex).reshape(2, -1)
+            pressure, angle = frequency_response(both, omega)
             found.append(BranchResponse(branch, rate, omega, angle, pressure, system.A, system.B[:, 0], dt))
     return found
 

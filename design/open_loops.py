@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from design.controllers.pi import PI
 from design.margins import frequencies, least_of_rows, winds_not
-from plants.linearisation import RATES, branch_slopes, branch_ss, responses
+from plants.linearisation import RATES, branch_slopes, branch_ss, frequency_response, responses
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -69,20 +69,12 @@ def open_loops(
             stable = bool(np.abs(poles).max() < 1.0 - 1e-9) if dead_time == 0.0 else None
 
             def at(omega: Array, loop: Any = loop) -> NDArray[np.complex128]:
-                return np.asarray(_response(loop, omega) * np.exp(-1j * omega * dead_time), complex)
+                return np.asarray(
+                    frequency_response(loop, omega)[0] * np.exp(-1j * omega * dead_time), complex
+                )
 
             found.append(OpenLoopTransfer(branch, rate, at, stable))
     return found
-
-
-def _response(loop: Any, omega: Array) -> NDArray[np.complex128]:
-    """What ``control.frequency_response`` gives of a sampled system with one input, one output and states;
-    without slycot that solves for one frequency at a time."""
-    z, unit = np.exp(1j * omega * loop.dt), np.eye(loop.nstates)
-    states = np.linalg.solve(
-        z[:, None, None] * unit - loop.A, np.broadcast_to(loop.B, (z.size, *loop.B.shape))
-    )
-    return np.asarray((loop.C @ states + loop.D)[:, 0, 0], complex)
 
 
 def by_python_control(
