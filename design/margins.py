@@ -1,6 +1,6 @@
 """Margins of the linear loop on every branch of the hysteresis and at both regulator rates.
 
-The plant's frequency responses are those of python-control's systems, or, for a wrist with
+The plant's frequency responses are those of its state matrices, or, for a wrist with
 effects, from `plants.linearisation.responses`, once per branch and rate; the loop of each
 pair of gains is then a product, so that a whole map of gains costs little more
 than one point.  Dead time of the plant is part of its response.
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.kernel import pytrees
-from plants.linearisation import RATES, branch_slopes, branch_ss, frequency_response, responses
+from plants.linearisation import RATES, branch_matrices, branch_slopes, frequency_response, responses
 from plants.wrist import SAMPLE_TIME, Wrist
 
 Array = NDArray[np.float64]
@@ -84,8 +84,6 @@ def branch_responses(wrist: Wrist, points: int = 800) -> list[BranchResponse]:
 
     Effects that change slopes or rates add to that list, see `plants.linearisation.responses`.
     """
-    import control
-
     dt = wrist.rig.sample_time
     omega = frequencies(points, dt)
     if wrist.effects:
@@ -96,10 +94,9 @@ def branch_responses(wrist: Wrist, points: int = 800) -> list[BranchResponse]:
     found = []
     for branch in branch_slopes(wrist):
         for rate in RATES:
-            system = branch_ss(wrist, branch, rate)
-            both = control.ss(system.A, system.B, np.eye(2), 0.0, dt)  # pressure and angle
-            pressure, angle = frequency_response(both, omega)
-            found.append(BranchResponse(branch, rate, omega, angle, pressure, system.A, system.B[:, 0], dt))
+            a, b = branch_matrices(wrist, branch, rate)
+            pressure, angle = frequency_response(a, b, np.eye(2), np.zeros((2, 1)), omega, dt)
+            found.append(BranchResponse(branch, rate, omega, angle, pressure, a, b[:, 0], dt))
     return found
 
 

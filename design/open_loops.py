@@ -69,9 +69,8 @@ def open_loops(
             stable = bool(np.abs(poles).max() < 1.0 - 1e-9) if dead_time == 0.0 else None
 
             def at(omega: Array, loop: Any = loop) -> NDArray[np.complex128]:
-                return np.asarray(
-                    frequency_response(loop, omega)[0] * np.exp(-1j * omega * dead_time), complex
-                )
+                plain = frequency_response(loop.A, loop.B, loop.C, loop.D, omega, dt)[0]
+                return np.asarray(plain * np.exp(-1j * omega * dead_time), complex)
 
             found.append(OpenLoopTransfer(branch, rate, at, stable))
     return found

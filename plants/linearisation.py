@@ -112,6 +112,16 @@ def branch_ss(wrist: "Wrist", branch: str, rate: str = "fast") -> Any:
     """
     import control
 
+    a, b = branch_matrices(wrist, branch, rate)
+    return control.ss(
+        a, b, [[0.0, 1.0]], [[0.0]], wrist.rig.sample_time, name=f"{branch}_{rate}",
+        inputs=["command_V"], states=["pressure_kPa", "angle_deg"], outputs=["angle_deg"],
+    )  # fmt: skip
+
+
+def branch_matrices(wrist: "Wrist", branch: str, rate: str = "fast") -> tuple[Any, Any]:
+    """State matrices (2, 2) and (2, 1) of `branch_ss`, which raises as this does; python-control is not
+    loaded for them, which takes longer than a tuning."""
     if wrist.effects:
         raise ValueError(
             f"{_named(wrist)}: no control.ss of it is to be had; use plants.linearisation.responses"
@@ -130,10 +140,26 @@ def branch_ss(wrist: "Wrist", branch: str, rate: str = "fast") -> Any:
         return after, lag.step(angle, slope * pressure, slope * after, transient)
 
     a, b = jacobians(linear, (0.0, 0.0), 0.0)
-    return control.ss(
-        a, b, [[0.0, 1.0]], [[0.0]], wrist.rig.sample_time, name=f"{branch}_{rate}",
-        inputs=["command_V"], states=["pressure_kPa", "angle_deg"], outputs=["angle_deg"],
-    )  # fmt: skip
+    return np.asarray(a, float), np.asarray(b, float).reshape(2, 1)
+
+
+def frequency_response(
+    a: Any, b: Any, c: Any, d: Any, omega: NDArray[np.float64], dt: float
+) -> NDArray[np.complex128]:
+    """What ``control.frequency_response`` says of a sampled system with one input, of its state matrices,
+    at omega [rad/s], (outputs, omega); python-control without slycot solves for one frequency at a time.
+
+    >>> import control
+    >>> from plants import Wrist
+    >>> system, omega = branch_ss(Wrist.flexion(), "line1"), np.geomspace(0.1, 3000.0, 50)
+    >>> theirs = control.frequency_response(system, omega).complex
+    >>> ours = frequency_response(*control.ssdata(system), omega, system.dt)[0]
+    >>> bool(np.allclose(ours, theirs, rtol=1e-12, atol=0.0))
+    True
+    """
+    z = np.exp(1j * omega * dt)
+    states = np.linalg.solve(z[:, None, None] * np.eye(len(a)) - a, np.broadcast_to(b, (z.size, *b.shape)))
+    return np.asarray((c @ states + d)[:, :, 0].T, complex)
 
 
 def frequency_response(system: Any, omega: NDArray[np.float64]) -> NDArray[np.complex128]:

@@ -85,8 +85,8 @@ def survivors(room: str, kept: Path) -> list[Mutant]:
         for m in json.loads(kept.read_text(encoding="utf-8"))["mutants"]
         if m["room"] == room and m["ended"] == "survived"
     }
-    of = {path for path, _ in wanted}
-    every = [m for p in sources(room) if str(p.relative_to(ROOT)) in of for m in mutants(p)]
+    of, lines = ({w[i] for w in wanted} for i in (0, 1))
+    every = [m for p in sources(room) if str(p.relative_to(ROOT)) in of for m in mutants(p, lines)]
     return [m for m in every if (str(m.path.relative_to(ROOT)), m.after) in wanted]
 
 
