@@ -162,23 +162,6 @@ def frequency_response(
     return np.asarray((c @ states + d)[:, :, 0].T, complex)
 
 
-def frequency_response(system: Any, omega: NDArray[np.float64]) -> NDArray[np.complex128]:
-    """What ``control.frequency_response`` says of a sampled system with states and one input at omega
-    [rad/s], (outputs, omega); python-control without slycot solves for one frequency at a time.
-
-    >>> import control
-    >>> from plants import Wrist
-    >>> system, omega = branch_ss(Wrist.flexion(), "line1"), np.geomspace(0.1, 3000.0, 50)
-    >>> theirs = control.frequency_response(system, omega).complex
-    >>> bool(np.allclose(frequency_response(system, omega)[0], theirs, rtol=1e-12, atol=0.0))
-    True
-    """
-    z, unit = np.exp(1j * omega * system.dt), np.eye(system.nstates)
-    inputs = np.broadcast_to(system.B, (z.size, *system.B.shape))
-    states = np.linalg.solve(z[:, None, None] * unit - system.A, inputs)
-    return np.asarray((system.C @ states + system.D)[:, :, 0].T, complex)
-
-
 @dataclass(frozen=True)
 class FrequencyResponse:
     """Frequency responses of the angle [deg/V] and of the pressure [kPa/V] on one branch at one regulator
