@@ -144,12 +144,15 @@ def numbers(text: str, option: str, example: str) -> tuple[float, ...]:
     return found
 
 
-def pi_gains(text: str, option: str = "--gains", example: str = "1.2,2.2") -> tuple[float, ...]:
-    """Kp, Ki of an option: two numbers, or the TOML file that holds them, such as the tuner keeps."""
+def pi_gains(
+    text: str, option: str = "--gains", example: str = "1.2,2.2", rig: "Rig | None" = None
+) -> tuple[float, ...]:
+    """Kp, Ki of an option: two numbers, or the TOML file that holds them, such as the tuner keeps, in the
+    units of a rig."""
     if text.endswith(".toml"):
         from design.tuner.gains_file import read
 
-        return read(text)
+        return read(text, rig)
     return numbers(text, option, example)
 
 

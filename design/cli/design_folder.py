@@ -44,7 +44,7 @@ def recommended(folder: Path, plant: "ParameterSet") -> "PI":
     from plants.wrist import Wrist
 
     path = gains_file(folder, plant.axis)
-    (Kp, Ki), (b, Tf) = read(path), read_more(path)
+    (Kp, Ki), (b, Tf) = read(path, plant.rig), read_more(path)
     found: PI = with_gains(Wrist.of(plant), {"Kp": Kp, "Ki": Ki, "b": b, "Tf": Tf})
     return found
 

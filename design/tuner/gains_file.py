@@ -4,12 +4,11 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
+from design.synthesis.answer import UNITS
 from plants.errors import InputError
 from plants.files import write_atomically
+from plants.rig import Rig, built_in_rig
 from plants.toml import check_keys, is_number, read_toml
-
-UNITS = {"Kp": "kPa/deg", "Ki": "kPa/(deg s)"}
-"""The gains of a file, and the unit that it must give each in."""
 
 MORE = {"b": "1", "Tf": "s"}
 """What the gains of a PI with two degrees of freedom have beside."""
@@ -17,19 +16,30 @@ MORE = {"b": "1", "Tf": "s"}
 ADVICE = "give a file that the tuner kept, or Kp,Ki"
 
 
+def units_of(rig: Rig | None = None) -> dict[str, str]:
+    """Units of Kp and Ki on a rig, the built-in one where none is given.
+
+    >>> units_of()
+    {'Kp': 'kPa/deg', 'Ki': 'kPa/(deg s)'}
+    """
+    own = built_in_rig()
+    return {name: (rig or own).units.of(unit, own.units) for name, unit in UNITS.items()}
+
+
 def write(
     path: str | Path,
     gains: Mapping[str, float],
     tuned_on: Mapping[str, Any] | None = None,
     mine: Collection[Path] = (),
+    rig: Rig | None = None,
 ) -> Path:
     """Write gains, complete or not at all, and return where: the path, ending in .toml, made absolute.
 
-    gains: Kp [kPa/deg] and Ki [kPa/(deg s)], and where they are not those of a plain PI the reference
-    weight b [1] and the time constant Tf [s] of the filter of the angle.  tuned_on: what TOML holds, by
-    name, that says of which plant the gains are; for people, no command reads it.  mine: files that may be
-    replaced.  Raises InputError for a path without a name, for another file that is there already, and for a
-    place that cannot be written to.
+    gains: Kp [kPa/deg] and Ki [kPa/(deg s)], in the units of the rig, and where they are not those of a plain
+    PI the reference weight b [1] and the time constant Tf [s] of the filter of the angle.  tuned_on: what
+    TOML holds, by name, that says of which plant the gains are; for people, no command reads it.  mine: files
+    that may be replaced.  rig: the built-in one where not given.  Raises InputError for a path without a
+    name, for another file that is there already, and for a place that cannot be written to.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -44,7 +54,7 @@ def write(
     document = tomlkit.document()
     document.add(tomlkit.comment(f"Gains of a PI, for: wrist robust --gains {path.name}"))
     tables = tomlkit.table(is_super_table=True)
-    for name, unit in UNITS.items():
+    for name, unit in units_of(rig).items():
         tables[name] = {"value": float(gains[name]), "unit": unit}
     if gains.get("b", 1.0) != 1.0 or gains.get("Tf", 0.0) != 0.0:
         tables |= {n: {"value": float(gains[n]), "unit": unit} for n, unit in MORE.items()}
@@ -75,14 +85,15 @@ def read_more(path: str | Path) -> tuple[float, float]:
     return b, Tf
 
 
-def read(path: str | Path) -> tuple[float, float]:
-    """Kp [kPa/deg] and Ki [kPa/(deg s)] of a TOML file.
+def read(path: str | Path, rig: Rig | None = None) -> tuple[float, float]:
+    """Kp [kPa/deg] and Ki [kPa/(deg s)] of a TOML file, in the units of a rig, the built-in one where none is
+    given.
 
     Raises InputError, in one line, for a file that is missing, no TOML or without the two, for a wrong
     unit, and for a value that is not a finite number, or negative.
     """
     entries = _entries(path)
-    Kp, Ki = (_value(f"{path}: gains.{name}", unit, entries[name]) for name, unit in UNITS.items())
+    Kp, Ki = (_value(f"{path}: gains.{name}", unit, entries[name]) for name, unit in units_of(rig).items())
     return Kp, Ki
 
 

@@ -176,7 +176,8 @@ class Tuner(anywidget.AnyWidget):
             "limits_broken": self.shown.broken,
             **{n: v for n, v in asdict(self.setting).items() if n not in GAINS},
         }
-        path = gains_file.write(name, {n: getattr(self, n) for n in GAINS}, tuned_on, self.files)
+        gains: dict[str, float] = {n: getattr(self, n) for n in GAINS}
+        path = gains_file.write(name, gains, tuned_on, self.files, self.wrist.rig)
         self.files.add(path)
         return path
 

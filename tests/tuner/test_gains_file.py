@@ -1,6 +1,7 @@
 """A file of gains is taken wherever gains are given, and a bad one is refused in one line."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -10,6 +11,7 @@ from design.cli.commands.robust import controller
 from design.tuner.gains_file import read, write
 from plants import Wrist
 from plants.errors import InputError
+from plants.rig import Units, built_in_rig
 
 GAINS = {"Kp": 2.345678901234567, "Ki": 6.1}
 
@@ -23,6 +25,15 @@ def kept(tmp_path):
 
 def test_it_comes_back_to_the_last_bit(kept):
     assert read(kept) == tuple(GAINS.values())
+
+
+def test_it_is_in_the_units_of_the_rig(tmp_path):
+    of_mm = replace(built_in_rig(), units=Units("V", "bar", "mm"))
+    path = write(tmp_path / "bend.toml", GAINS, rig=of_mm)
+    assert 'unit = "bar/(mm s)"' in path.read_text()
+    assert read(path, of_mm) == tuple(GAINS.values())
+    with pytest.raises(InputError, match="unit 'bar/mm' is wrong; give it in kPa/deg"):
+        read(path)
 
 
 def wrist(capsys, *arguments):

@@ -199,9 +199,9 @@ def robust(gains: list[str], wrists: Any) -> "dict[str, dict[str, Controller]]":
         motion, given, pair = text.rpartition("=")
         if given and motion not in wrists:
             raise InputError(f"--robust-gains {text}: no motion {motion!r}; one of {', '.join(wrists)}")
-        values = pi_gains(pair, "--robust-gains", "2.1,5.4")
         for name in [motion] if given else list(wrists):
             w = wrists[name]
+            values = pi_gains(pair, "--robust-gains", "2.1,5.4", w.rig)
             found[name] = {"robust PI": PI.of(w, values[0], values[1])}
     return found
 

@@ -135,7 +135,7 @@ def _write_gains(out: Path, motion: "MotionDesign") -> None:
 
     path = (out / f"gains-{motion.motion}.toml").absolute()
     about = {"plant": f"plant-{motion.motion}.toml", "holds": motion.holds}
-    write(path, motion.gains, about, mine=(path,))
+    write(path, motion.gains, about, (path,), motion.plant.rig)
 
 
 def _export(out: Path, motion: "MotionDesign") -> None:

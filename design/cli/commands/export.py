@@ -25,6 +25,7 @@ from design.cli.terminal.screen import console, progress
 if TYPE_CHECKING:
     from design.export.part import Part
     from design.export.plant.part import PlantPart
+    from plants.rig import Rig
     from plants.wrist import Wrist
 
 NAME = "export"
@@ -110,7 +111,7 @@ def command(
         refused = {"--gains": gains, "--rate-limit": rate_limit, "--hand-over": hand_over or None}
         return _plant(chosen.axis, wrist, target, out, refused, precision, json)
     with progress("export") as tell:
-        own = None if gains is None else numbers(gains)
+        own = None if gains is None else numbers(gains, wrist.rig)
         made = part(controller, chosen.axis, wrist, own, hand_over, rate_limit)
         made = made.at(precision.value)
         tell("test vector", 0.0)
@@ -156,9 +157,9 @@ def _told(
         said.print(f"replay the test vector with: make -C {out} check", soft_wrap=True)
 
 
-def numbers(text: str) -> tuple[float, ...]:
-    """Numbers with commas between, of either sign, or those of a TOML file with the gains of a PI; raises
-    InputError for anything else.
+def numbers(text: str, rig: "Rig | None" = None) -> tuple[float, ...]:
+    """Numbers with commas between, of either sign, or those of a TOML file with the gains of a PI, in the
+    units of a rig; raises InputError for anything else.
 
     >>> numbers("600,-640")
     (600.0, -640.0)
@@ -166,7 +167,7 @@ def numbers(text: str) -> tuple[float, ...]:
     from plants.errors import InputError
 
     if text.endswith(".toml"):
-        return pi_gains(text)
+        return pi_gains(text, rig=rig)
     try:
         found = tuple(float(part) for part in text.split(","))
     except ValueError:

@@ -181,7 +181,7 @@ def controller(gains: str, wrist: "Wrist") -> "PI":
     from design.tuner.gains_file import read_more
     from plants.errors import InputError
 
-    Kp, Ki = pi_gains(gains)
+    Kp, Ki = pi_gains(gains, rig=wrist.rig)
     if Kp <= 0.0 or Ki <= 0.0:
         raise InputError(
             f"--gains: {gains!r}: Kp and Ki must both be above 0; without Ki the error never goes"

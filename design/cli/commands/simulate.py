@@ -99,7 +99,7 @@ def command(
     with progress("simulate"):
         if gains is not None:
             asked = wrist.rig.task.step if step is None else step
-            result = _closed(wrist, pi_gains(gains), asked, start, duration)
+            result = _closed(wrist, pi_gains(gains, rig=wrist.rig), asked, start, duration)
         elif recording is not None:
             result = _played(wrist, recording)
         else:
