@@ -86,8 +86,6 @@ class FitProblem:
         with ThreadPoolExecutor(default_jobs()) as pool:
             parts = list(pool.map(lambda i: self._difference(i, x), range(len(self.stage.playbacks))))
         found = np.concatenate(parts)
-        if self.stage.floating:
-            found -= found.mean(axis=0)
         # A wrist that runs away is a bad fit, not the end of the search.
         found = np.clip(np.nan_to_num(found, nan=WILD), -WILD, WILD)
         return found if self.rows is None else found[self.rows]
