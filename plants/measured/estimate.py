@@ -91,9 +91,9 @@ def estimate(problem: LeastSquares, bounds: Array, starts: int, seed: int) -> Es
     draws = np.random.default_rng(seed).uniform(-1.0, 1.0, (max(starts - 1, 0), x0.size))
     reach = np.where(draws < 0.0, x0 - low, high - x0)
     candidates = np.vstack([x0, np.clip(x0 + 0.5 * draws * reach * np.abs(draws), low, high)])
-    ends = [minimise(problem, x, bounds, _corner(problem.residuals(x[None, :])[:, 0])) for x in candidates]
+    ends = [minimise(problem, x, bounds, corner_of(problem.residuals(x[None, :])[:, 0])) for x in candidates]
     left = [problem.residuals(x[None, :])[:, 0] for x, _ in ends]
-    corner = _corner(min(left, key=lambda r: float(np.mean(r**2))))
+    corner = corner_of(min(left, key=lambda r: float(np.mean(r**2))))
     # A minimum far above another will not come down by a better corner.
     nearest = min(cost for _, cost in ends)
     ends = [
@@ -106,7 +106,7 @@ def estimate(problem: LeastSquares, bounds: Array, starts: int, seed: int) -> Es
     return Estimate(ends[0][0], of.std_errors, of.correlation, tuple(cost for _, cost in ends), agreeing)
 
 
-def _corner(residuals: Array) -> float:
+def corner_of(residuals: Array) -> float:
     """Corner of the Huber loss: some spreads of the residuals, never inside the noise."""
     return HUBER * max(1.0, 1.4826 * float(np.median(np.abs(residuals))))
 

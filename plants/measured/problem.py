@@ -82,8 +82,6 @@ class FitProblem:
     def residuals(self, x: Array) -> Array:
         """Simulated minus measured over noise, (rows, lanes), for vectors (lanes, n)."""
         found = np.concatenate(self.stage.of_each_recording(lambda i: self._difference(i, x), len(x)))
-        if self.stage.floating:
-            found -= found.mean(axis=0)
         # A wrist that runs away is a bad fit, not the end of the search.
         found = np.clip(np.nan_to_num(found, nan=WILD), -WILD, WILD)
         return found if self.rows is None else found[self.rows]

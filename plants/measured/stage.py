@@ -47,8 +47,7 @@ class Stage:
     ``whole`` (command to angle).  noise: floor of the channel.  loop: parameters of hysteresis and joint
     that are fitted; rig: whose motion was recorded.  drives: pressure
     [kPa] of every ms, for ``wrist``; free_drives: that simulated from the command, where `drives` holds what
-    was measured too.  floating: whether the zero of the channel is unknown, so that only residuals about
-    their mean count.  begins: where recordings start, None at rest.
+    was measured too.  begins: where recordings start, None at rest.
     """
 
     name: Name
@@ -60,7 +59,6 @@ class Stage:
     drives: tuple[Array, ...] | None = None
     begins: tuple[Begin, ...] | None = None
     free_drives: tuple[Array, ...] | None = None
-    floating: bool = False
 
     @property
     def freely(self) -> "Stage":

@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.effects.wrist.learnt_block import LearntBlock
-from plants.measured.begin import first_begin, measured
+from plants.measured.begin import Begin, first_begin, measured
 from plants.measured.campaign import Campaign
-from plants.measured.estimate import HUBER, EstimateErrors, ParameterCorrelation, uncertainty
+from plants.measured.estimate import EstimateErrors, ParameterCorrelation, corner_of, uncertainty
 from plants.measured.fit import CHANNELS, Fit, fit_campaign
 from plants.measured.free_run import FreeRun, rmse
 from plants.measured.logger import Remark
 from plants.measured.playback import Playback
+from plants.measured.recording import Recording
 from plants.measured.stage import Stage, begun
 from plants.measured.trace.declared import LOWER, driven, refitted
 from plants.measured.trace.errors import intervals
@@ -114,6 +115,8 @@ def stages_of(campaign: Campaign, fit: Fit) -> list[Stage]:
     def made(name: str, channel: str) -> Stage:
         used = [i for i, r in enumerate(campaign.fit) if measured(r, channel) is not None]
         begins = None if fit.begins is None else tuple(fit.begins[i] for i in used)
+        if begins is not None and name == "regulator":
+            begins = tuple(_begun(campaign.fit[i], b) for i, b in zip(used, begins, strict=True))
         floor = fit.noise[channel] or 1.0
         rig = fit.before.rig
         played = tuple(Playback(campaign.fit[i], rig.sample_time) for i in used)
@@ -125,6 +128,14 @@ def stages_of(campaign: Campaign, fit: Fit) -> list[Stage]:
     if campaign.stage == "wrist":
         stages.append(made("wrist" if pressure else "whole", "angle_deg"))
     return stages
+
+
+def _begun(recording: Recording, found: Begin) -> Begin:
+    """Where a recording starts, of the fit of the declared wrist: at the pressure of its first rows, where it
+    was logged.  What the fit made of that makes up for what the declared regulator lacks."""
+    if recording.pressure is None:
+        return found
+    return replace(found, pressure=first_begin(recording, 0.0).pressure)
 
 
 def _fixed(stage: Stage, fit: Fit) -> tuple[str, ...]:
@@ -244,8 +255,7 @@ def _matters(stage: StageTrace, fit: Fit, runs: Sequence[FreeRun]) -> bool:
 def errors_of(model: Model) -> EstimateErrors:
     """Standard errors of the parameters of a model, in the order of its names, None for one that lies at a
     bound or is not determined; and their correlation."""
-    corner = HUBER * max(1.0, 1.4826 * float(np.median(np.abs(model.residual))))
-    found = uncertainty(model.problem, model.vector, model.bounds, corner)
+    found = uncertainty(model.problem, model.vector, model.bounds, corner_of(model.residual))
     x, low, high = model.bounds
     at_edge = np.minimum(x - low, high - x) < 1e-6 * (high - low)
     kept = [None if e else s for s, e in zip(found.std_errors, at_edge, strict=True)]
@@ -260,7 +270,8 @@ def _played(fit: Fit, wrist: Wrist, changed: bool) -> list[FreeRun]:
         begin = None
         if fit.begins is not None:
             rest = fit.before.values["rest_pressure"]
-            begin = next(fitted_begins) if run.role == "fit" else first_begin(run.recording, rest)
+            fitted = run.role == "fit"
+            begin = _begun(run.recording, next(fitted_begins)) if fitted else first_begin(run.recording, rest)
         after = run.pressure, run.angle
         if wrist.effects or changed:
             pressure, angle = Playback(run.recording, wrist.rig.sample_time).play(wrist, begun(wrist, begin))

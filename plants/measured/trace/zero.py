@@ -2,32 +2,62 @@
 
 A rig may log absolute pressures, or a pump may begin at some count of its DAC.  The regulator's law has no
 such offset, so the pressure is counted from where the law's is zero.  How fast the regulator fills and
-exhausts decides where it would come to rest, and so has to be fitted with it.
+exhausts decides where it would come to rest, and a recording starts as far from rest as the zero says: so
+the zero is fitted together with the regulator.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.regulator.fill_exhaust import PressureDependentRates
-from plants.measured.begin import first_begin
+from plants.measured.begin import Begin, first_begin
 from plants.measured.campaign import Campaign
+from plants.measured.estimate import corner_of, minimise, uncertainty
 from plants.measured.guess.rig import guessed_set
 from plants.measured.guess.rough_models import first_order, recorded
 from plants.measured.logger import Remark, shifted
 from plants.measured.playback import Playback
+from plants.measured.problem import FitProblem
 from plants.measured.residual.stillness import noise_of_campaign
 from plants.measured.stage import Stage
 from plants.measured.trace.stages.model import Model
 
+Array = NDArray[np.float64]
 WORTH = 0.01
 """Share of the pressure's range by which the zeros must differ: less is within what a regulator leaves."""
-
 
 BELOW = 0.1
 """Share of the range by which no pressure may lie below what the lowest command asks for: else the line is
 bent, as by a supply that gives no more, and says nothing of its zero."""
+
+CERTAIN = 3.0
+"""Times its standard error that the zero has to be off."""
+
+
+@dataclass(frozen=True)
+class FromZero:
+    """What a fit of the regulator minimises where the sensor's zero is open, for `plants.measured.estimate`:
+    vectors are those of `problem`, then the pressure [kPa] that is measured where the law's is zero."""
+
+    problem: FitProblem
+
+    @property
+    def blocks(self) -> NDArray[np.intp]:
+        """Blocks within which residuals may be correlated in any way, (rows,)."""
+        return self.problem.blocks
+
+    def residuals(self, x: Array) -> Array:
+        """Simulated minus measured over noise, (rows, lanes), for vectors (lanes, n + 1)."""
+        zero, stage = x[:, -1], self.problem.stage
+        if stage.begins is not None:
+            moved: list[Any] = [b.pressure - zero for b in stage.begins]
+            begins = (replace(b, pressure=p) for b, p in zip(stage.begins, moved, strict=True))
+            stage = replace(stage, begins=tuple(begins))
+        return replace(self.problem, stage=stage).residuals(x[:, :-1]) + zero / stage.noise
 
 
 def counted(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
@@ -37,22 +67,27 @@ def counted(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
         return campaign, ()
     start = guessed_set(replace(campaign, fit=logged, stage="regulator"))
     seen = first_order(recorded(logged, "pressure"))
-    moved = shifted(campaign, -seen.offset)
-    played = tuple(Playback(r, start.rig.sample_time) for r in moved.fit if r.pressure is not None)
+    played = tuple(Playback(r, start.rig.sample_time) for r in logged)
     noise = noise_of_campaign(logged, "pressure_kPa") or 1.0
     begins = None
     if campaign.start == "unknown":
-        begins = tuple(first_begin(p.recording, 0.0) for p in played)
-    stage = Stage("regulator", "pressure_kPa", noise, played, (), start.rig, None, begins, floating=True)
-    model = Model(stage, start, start.values)
-    late = model.plus(DeadTime, {"delay": seen.delay})
-    fitted = late.plus(PressureDependentRates, {"ratio": 0.9, "fill": 0.0, "exhaust": 0.0}).fitted()
-    offset = seen.offset + float(np.mean(stage.target - stage.simulate(fitted.values, fitted.forms)[:, 0]))
+        begins = tuple(Begin(first_begin(r, 0.0).pressure, 0.0, True) for r in logged)
+    stage = Stage("regulator", "pressure_kPa", noise, played, (), start.rig, None, begins)
+    late = Model(stage, start, start.values).plus(DeadTime, {"delay": seen.delay})
+    model = late.plus(PressureDependentRates, {"ratio": 0.9, "fill": 0.0, "exhaust": 0.0})
     span = float(np.ptp(stage.target))
+    zeros = [[seen.offset], [seen.offset - span], [seen.offset + span]]
+    bounds = np.hstack([model.bounds, zeros])
+    problem = FromZero(model.problem)
+    x, _ = minimise(problem, bounds[0], bounds)
+    offset = float(x[-1])
     ends = [end for r in logged for end in (float(r.command.min()), float(r.command.max()))]
-    lowest = min(fitted.values["gain"] * end for end in ends) + offset
+    lowest = min(float(x[0]) * end for end in ends) + offset
     below = lowest - min(float(r.pressure.min()) for r in logged if r.pressure is not None)
-    if abs(offset) < WORTH * span or below > BELOW * span:
+    corner = corner_of(problem.residuals(x[None, :])[:, 0])
+    error = uncertainty(problem, x, bounds, corner).std_errors[-1]
+    known = error is not None and abs(offset) > CERTAIN * error
+    if not known or abs(offset) < WORTH * span or below > BELOW * span:
         return campaign, ()
     names = tuple(r.name for r in (*campaign.fit, *campaign.validate))
     return shifted(campaign, -offset), (Remark("counted from", "pressure_kPa", offset, "kPa", names),)

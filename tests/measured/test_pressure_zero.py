@@ -1,0 +1,47 @@
+"""The zero of a pressure sensor is found beside the regulator: a recording starts off rest by it.
+
+The rigs are those of `tests.rig.soft`, which share no code with the library; their bias is the pressure where
+the command is zero.
+"""
+
+import numpy as np
+import pytest
+
+from plants.measured.campaign import load_campaign
+from plants.measured.logger import corrected
+from plants.measured.trace.zero import counted
+from tests.rig.soft import arm_a, bender
+
+
+def zero(folder):
+    """The zero [kPa] that a campaign shows, None where it shows none."""
+    remarks = counted(corrected(load_campaign(folder))[0])[1]
+    return next((r.value for r in remarks if r.habit == "counted from"), None)
+
+
+def test_the_zero_is_the_rigs_within_a_noise(tmp_path):
+    rig = bender()
+    rig.write(tmp_path, ("stairs", "steps", "wave"), ("check",))
+    assert zero(tmp_path) == pytest.approx(rig.bias, abs=rig.logger.pressure_noise)
+
+
+def test_so_is_that_of_a_rig_that_never_rests(tmp_path):
+    rig = arm_a()
+    rig.write(tmp_path, ("large", "medium"), ("check",))
+    assert zero(tmp_path) == pytest.approx(rig.bias, abs=2.0 * rig.logger.pressure_noise)
+
+
+def test_one_step_from_the_first_row_on_tells_no_zero(tmp_path):
+    """Gain and zero are the same there."""
+    time = 0.02 * np.arange(250)
+    for seed, name in enumerate(("one", "two")):
+        noise = np.random.default_rng(seed).normal(0.0, 0.05, 250)
+        table = np.column_stack([time, np.full(250, 0.7), 2.0 + 30.0 * -np.expm1(-time / 0.6) + noise])
+        np.savetxt(
+            tmp_path / f"{name}.csv", table, "%.5g", ",", header="time_s,command_V,pressure_kPa", comments=""
+        )
+    (tmp_path / "campaign.toml").write_text(
+        'axis = "pump"\nstage = "regulator"\nstart = "unknown"\nsample_time_s = 0.02\n'
+        'fit = ["one.csv"]\nvalidate = ["two.csv"]\n'
+    )
+    assert zero(tmp_path) is None
