@@ -103,6 +103,10 @@ class Rig:
         """
         return 0.5 * (self.pressure_range[1] - self.pressure_range[0])
 
+    def unit(self, written: str) -> str:
+        """A unit that is written in those of the built-in rig, such as deg/kPa, in those of this one."""
+        return self.units.of(written, built_in_rig().units) if written else written
+
     def scaled(self, value: float, unit: str) -> float:
         """A value [unit] of the built-in rig in the units of this one, where that has others: what was so
         large a share of command range, pressure range or step of the task is so here.
@@ -123,7 +127,7 @@ class Rig:
             if "/" in part:
                 power = -1.0
             named = part.strip("/ ()^2")
-            if named in sizes and self.units.of(named, own.units) != named:
+            if named in sizes and self.unit(named) != named:
                 factor *= float(sizes[named]) ** (power * (2.0 if part.endswith("^2") else 1.0))
         return value * factor
 

@@ -7,7 +7,7 @@ from typing import Any
 from design.synthesis.answer import UNITS
 from plants.errors import InputError
 from plants.files import write_atomically
-from plants.rig import Rig, built_in_rig
+from plants.rig import Rig
 from plants.toml import check_keys, is_number, read_toml
 
 MORE = {"b": "1", "Tf": "s"}
@@ -22,8 +22,7 @@ def units_of(rig: Rig | None = None) -> dict[str, str]:
     >>> units_of()
     {'Kp': 'kPa/deg', 'Ki': 'kPa/(deg s)'}
     """
-    own = built_in_rig()
-    return {name: (rig or own).units.of(unit, own.units) for name, unit in UNITS.items()}
+    return {name: unit if rig is None else rig.unit(unit) for name, unit in UNITS.items()}
 
 
 def write(

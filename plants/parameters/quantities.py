@@ -110,7 +110,7 @@ def kinds_of(names: Iterable[str], effects: "Sequence[type[Effect]]" = ()) -> di
 def in_units(kind: Kind, rig: Rig) -> Kind:
     """The kind of a parameter in the units of a rig.  Bounds are numbers of the paper's wrist: in other units
     all that is left of them is the sign."""
-    unit = rig.units.of(kind.unit, built_in_rig().units)
+    unit = rig.unit(kind.unit)
     if unit == kind.unit:
         return kind
     return replace(kind, unit=unit, low=0.0 if kind.low >= 0.0 else -inf, high=inf)

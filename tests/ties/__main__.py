@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from plants.errors import InputError
 from plants.measured.trace.plan import plan, rival, rivals_of
 from plants.measured.trace.result import Trace
 from tests.change.pairs import drawn
@@ -76,8 +77,11 @@ def write(rig: Rig, folder: Path, name: str, more: dict[str, np.ndarray]) -> Pat
 
 
 def tie(number: int, case: Case, rig: Rig, name: str, root: Path) -> Tie | None:
-    """The tie that one short recording of a rig leaves; None where it leaves none."""
-    first = trace_folder(write(rig, root / "poor", name, {}))
+    """The tie that one short recording of a rig leaves; None where it leaves none, or is refused."""
+    try:
+        first = trace_folder(write(rig, root / "poor", name, {}))
+    except InputError:
+        return None
     if not any(e.alternatives for e in first.effects):
         return None
     own = [rival(s.model, s.model, s.name, s.name) for s in first.stages]

@@ -5,7 +5,7 @@ in its state, so that a load that comes and a sensor that drifts do so on the ta
 """
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -18,7 +18,6 @@ from plants.errors import InputError
 from plants.kernel import pytrees
 from plants.kernel.graphs import NO_GRAPH, baked, c_source, graph, used
 from plants.meanings import remembers
-from plants.rig import built_in_rig
 from plants.wrist import Wrist
 
 Number = Any
@@ -156,12 +155,6 @@ def _floats(tree: Any) -> Any:
     return pytrees.like(tree, [float(x) for x in pytrees.leaves(tree)])
 
 
-def in_units_of(wrist: Wrist) -> Callable[[str], str]:
-    """What a unit of the built-in rig is in the plant's rig."""
-    own = built_in_rig().units
-    return lambda unit: wrist.rig.units.of(unit, own) if unit else unit
-
-
 def _signals(wrist: Wrist) -> tuple[tuple[Quantity, Quantity], tuple[Quantity, Quantity]]:
     u = wrist.rig.units
     return (
@@ -175,7 +168,7 @@ def _signals(wrist: Wrist) -> tuple[tuple[Quantity, Quantity], tuple[Quantity, Q
 
 def _members(example: PlantMemory, wrist: Wrist) -> tuple[Quantity, ...]:
     """The leaves of the state, named by effect rather than by its number, in the units of the rig."""
-    to = in_units_of(wrist)
+    to = wrist.rig.unit
 
     def named(field: Quantity) -> Quantity:
         name = field.name.removeprefix("plant_")
