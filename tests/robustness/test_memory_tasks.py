@@ -166,7 +166,7 @@ def test_what_is_covered_comes_to_rest_and_what_swings_for_long_is_not_covered()
         Kp, Ki = (float(10.0 ** random.uniform(*of)) for of in ((-0.5, 0.5), (0.6, 1.2)))
         pi, samples = PI.of(wrist, Kp, Ki), int(random.choice([0, 50, 150]))
         model = LoopModel.of(wrist, pi)
-        tasks = [replace(t, duration=40.0) for t in comparison_tasks(wrist.rig)[:4]]
+        tasks = [replace(t, holds=(40.0,)) for t in comparison_tasks(wrist.rig)[:4]]
         runs = run(wrist, pi, tasks, samples, model.dt)
         loop, rate = FixedLawLoop.of(model, samples), 0.1 * model.k_slow * wrist.hysteresis.s * Ki
         forms = for_tasks(loop, wrist.hysteresis, lines_of(loop.plants, wrist.hysteresis), runs, rate)
