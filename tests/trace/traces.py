@@ -2,9 +2,12 @@
 
 import json
 import warnings
-from dataclasses import dataclass
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from multiprocessing import get_context
 from pathlib import Path
 
+from plants.kernel.batches import default_jobs
 from plants.measured.campaign import load_campaign
 from plants.measured.trace.trace import Trace, trace_campaign
 from plants.parameters.files import built_in
@@ -55,7 +58,15 @@ def trace_folder(folder: Path) -> Trace:
         return trace_campaign(campaign, built_in(campaign.axis))
 
 
+def trace_without_models(folder: Path) -> Trace:
+    """The trace of a campaign's folder without the models of its search, which take 100 MB a campaign."""
+    return replace(trace_folder(folder), stages=())
+
+
 def judge_suite(root: Path) -> list[Judged]:
-    """All campaigns of a suite, traced and held against its answers."""
+    """All campaigns of a suite, traced side by side and held against its answers."""
     answers = json.loads((root / "answers.json").read_text())
-    return [Judged(key, a["axis"], a, trace_folder(root / key)) for key, a in answers.items()]
+    folders = [root / key for key in answers]
+    with ProcessPoolExecutor(default_jobs(), get_context("spawn")) as pool:
+        traces = list(pool.map(trace_without_models, folders))
+    return [Judged(k, a["axis"], a, t) for (k, a), t in zip(answers.items(), traces, strict=True)]
