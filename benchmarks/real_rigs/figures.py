@@ -117,7 +117,7 @@ def _stage(trace: Trace | None) -> StageTrace | None:
 
 
 def _of_declared(fit: Fit) -> list[Remainder]:
-    """What the declared wrist leaves of the last channel, where no trace was made."""
+    """The residual of the declared model in the last channel, where no trace was made."""
     wrist = fit.campaign.stage == "wrist"
     noise = fit.noise["angle_deg" if wrist else "pressure_kPa"] or 1.0
     return [
