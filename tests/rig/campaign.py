@@ -80,10 +80,12 @@ def record(
     write_description(target, rig.axis, recordings)
 
 
-def write_description(folder: Path, axis: str, recordings: Sequence[str]) -> None:
+def write_description(
+    folder: Path, axis: str, recordings: Sequence[str], held_out: Sequence[str] = VALIDATE
+) -> None:
     """campaign.toml of such recordings."""
-    fit = ", ".join(f'"{name}.csv"' for name in recordings if name not in VALIDATE)
-    validate = ", ".join(f'"{name}.csv"' for name in recordings if name in VALIDATE)
+    fit = ", ".join(f'"{name}.csv"' for name in recordings if name not in held_out)
+    validate = ", ".join(f'"{name}.csv"' for name in recordings if name in held_out)
     text = f'axis = "{axis}"\nsample_time_s = 0.01\nfit = [{fit}]\nvalidate = [{validate}]\n'
     (folder / "campaign.toml").write_text(text)
 

@@ -66,13 +66,7 @@ def write(rig: Rig, folder: Path, name: str, more: dict[str, np.ndarray]) -> Pat
     runs |= {n: rig.play(command, salt_of(n)) for n, command in more.items()}
     for n, run in runs.items():
         logged_table(rig, n, run, other).to_csv(folder / f"{n}.csv", index=False, lineterminator="\n")
-    write_description(folder, rig.axis, (name, *more, HELD_OUT))
-    text = (folder / "campaign.toml").read_text()
-    if name in ("sine", "task"):  # which are held out elsewhere
-        fit = ", ".join(f'"{n}.csv"' for n in (name, *more))
-        lines = [line for line in text.splitlines() if not line.startswith(("fit", "validate"))]
-        text = "\n".join([*lines, f"fit = [{fit}]", f'validate = ["{HELD_OUT}.csv"]', ""])
-        (folder / "campaign.toml").write_text(text)
+    write_description(folder, rig.axis, (name, *more, HELD_OUT), (HELD_OUT,))
     return folder
 
 
