@@ -2,6 +2,8 @@
 PYTHON ?= python3
 BIN := .venv/bin
 ENV := .venv/.installed
+# Every process would compile all modules and rewrite all tests anew.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: design compare test suite bounds fuzz mutants bench lint notebooks docs env clean
 
@@ -39,6 +41,7 @@ lint: $(ENV)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python -m pytest --collect-only -qq -m '' >/dev/null # each test module can be imported
 
 notebooks: $(ENV)
 	$(BIN)/python notebooks/build.py

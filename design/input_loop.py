@@ -87,7 +87,7 @@ def command_margins(wrist: Wrist, controller: Any) -> tuple[float, float]:
     """Ms and delay margin [s] at the command, the worst over branches and rates.
 
     Of a controller that says which PI closes its loop (`pi`), those of python-control; of another, of its law
-    linearised; not a number for one that has no law to linearise, such as an MPC.
+    linearised; not a number for one that has no law to linearise.  Of MPCs see `design.mpc.margins_at_rest`.
     """
     pi = getattr(controller, "pi", None)
     if pi is not None:

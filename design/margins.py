@@ -13,6 +13,7 @@ from typing import Any, Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from design.controllers.pi import PI
 from plants.kernel import pytrees
 from plants.linearisation import RATES, branch_matrices, branch_slopes, frequency_response, responses
 from plants.wrist import SAMPLE_TIME, Wrist
@@ -57,7 +58,7 @@ class Margins:
 
 
 class FeedbackLaw(Protocol):
-    """A controller whose loop is closed by a linear law on the angle."""
+    """A controller whose loop is closed by a PI of the angle, and by what else it measures."""
 
     @property
     def Kp(self) -> Any:
@@ -69,13 +70,9 @@ class FeedbackLaw(Protocol):
         """Integral gain [kPa/(deg s)], likewise."""
         ...
 
-    @property
-    def gain(self) -> Any:
-        """What it knows of the regulator [kPa/V]."""
-        ...
-
-    def transfer(self, z: Any, dt: float = SAMPLE_TIME) -> Any:
-        """Its transfer function from the error to the command [V/deg] at points z, for a sample time [s]."""
+    def open_loop(self, angle: Any, pressure: Any, z: Any, dt: float = SAMPLE_TIME) -> Any:
+        """The loop, broken at the command, from the responses of angle [deg/V] and pressure [kPa/V] to the
+        command at points z, for a sample time [s]."""
         ...
 
 
@@ -101,27 +98,27 @@ def branch_responses(wrist: Wrist, points: int = 800) -> list[BranchResponse]:
 
 
 def margins(branches: Sequence[BranchResponse], controller: FeedbackLaw) -> Margins:
-    """Margins of a PI, with or without a filter of the angle (`Tf`), whose gains are floats or arrays; the
+    """Margins of a PI, or of another law whose only integrator is that of Ki, settings floats or arrays; the
     worst over the branches given."""
-    filtered = getattr(controller, "Tf", 0.0)
-    Kp, Ki, Tf = (
-        np.ravel(np.asarray(k, float)) for k in np.broadcast_arrays(controller.Kp, controller.Ki, filtered)
-    )
-    shape, plain = np.broadcast(controller.Kp, controller.Ki, filtered).shape, not np.any(Tf)
+    settings = np.broadcast_arrays(*(np.asarray(v, float) for v in pytrees.leaves(controller)))
+    shape = settings[0].shape
+    Kp, Ki = (np.broadcast_to(k, shape).ravel() for k in (controller.Kp, controller.Ki))
+    # The poles of a plain PI's loop are at hand; of others Nyquist's criterion tells.
+    plain = controller if isinstance(controller, PI) and not np.any(getattr(controller, "Tf", 0.0)) else None
     sensitivity, complement, delay = np.empty((3, len(branches), Kp.size))
     stable = np.empty((len(branches), Kp.size), bool)
     for i, branch in enumerate(branches):
         z = np.exp(1j * branch.omega * branch.dt)
         for piece in np.array_split(np.arange(Kp.size), -(-Kp.size // 256)):  # bounds the memory
-            loop = _piece(controller, shape, piece).transfer(z, branch.dt) * branch.response
+            loop = _piece(controller, shape, piece).open_loop(branch.response, branch.pressure, z, branch.dt)
             turned = np.abs(1.0 + loop)
             sensitivity[i, piece] = 1.0 / least_of_rows(turned)
             complement[i, piece] = 1.0 / least_of_rows(turned / np.maximum(np.abs(loop), 1e-300))
-            delay[i, piece] = _delay_margin(branch.omega, loop)
-            if branch.a is None or not plain:
+            delay[i, piece] = delay_margins(branch.omega, loop)
+            if branch.a is None or plain is None:
                 stable[i, piece] = winds_not(loop) & (Ki[piece] > 0.0)
-        if branch.a is not None and plain:
-            stable[i] = _stable(branch, Kp / controller.gain, Ki / controller.gain)
+        if branch.a is not None and plain is not None:
+            stable[i] = _stable(branch, Kp / plain.gain, Ki / plain.gain)
     complement = np.where(Ki > 0.0, np.maximum(complement, 1.0), complement)  # T is 1 at zero frequency
     sensitivity[~stable], complement[~stable], delay[~stable] = np.inf, np.inf, 0.0
     return Margins(
@@ -166,7 +163,7 @@ def gain_crossings(omega: Array, loop: NDArray[np.complex128]) -> tuple[NDArray[
     return rows, at, np.mod(phase + np.pi, 2.0 * np.pi)
 
 
-def _delay_margin(omega: Array, loop: NDArray[np.complex128]) -> Array:
+def delay_margins(omega: Array, loop: NDArray[np.complex128]) -> Array:
     """Least dead time [s] that turns the phase at a gain crossing to -180 degrees; one per row."""
     rows, at, beyond = gain_crossings(omega, loop)
     found = np.full(len(loop), np.inf)

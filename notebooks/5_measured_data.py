@@ -247,10 +247,11 @@ if outcomes:
 
 # %% [markdown]
 # *What to see: fitted to set-points that the pump cannot reach, the declared model has a very small gain
-# and hardly moves on the held-out recording. With the one effect that is selected, a drooping supply, the
-# simulation follows the staircase, but not the sawtooth of the pump; below, the residual follows the duty
-# cycle of the pump.* So the verdict is not "explained": the effect is of the right kind, but its law is
-# not that of this pump.
+# and hardly moves on the held-out recording. With the effect that is selected, a drooping supply, the
+# simulation follows the staircase, but not the sawtooth of the pump: it passes through its middle. It falls
+# faster than the pump lets air out, which the fitted recording hardly shows. Below, the residual is largest
+# at the pressures where the pump cycles.* So the verdict is not "explained": the law describes the mean of
+# this pump, not its cycle.
 
 # %% tags=["measured-data"]
 shown(errors_before_and_after(pump.trace)) if outcomes else None

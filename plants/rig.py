@@ -38,10 +38,11 @@ class Units:
 
         >>> Units("V", "bar", "mm").of("deg/kPa", Units("V", "kPa", "deg"))
         'mm/bar'
+        >>> Units("V", "bar", "mm").of("1/deg^2", Units("V", "kPa", "deg"))
+        '1/mm^2'
         """
         to = dict(zip(vars(written).values(), vars(self).values(), strict=True))
-        parts = [to.get(part, part) for part in unit.replace("/", " / ").replace("(", "( ").split(" ")]
-        return " ".join(parts).replace(" / ", "/").replace("( ", "(")
+        return re.sub(r"[^\s/()^]+", lambda part: to.get(part[0], part[0]), unit)
 
 
 @dataclass(frozen=True)

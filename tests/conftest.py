@@ -1,6 +1,7 @@
-"""What holds for every test: hypothesis draws the same examples in every run, BLAS has one thread, and
-tests that share what is costly run in one process."""
+"""What holds for every test: hypothesis draws the same examples in every run, BLAS has one thread, tests that
+share what is costly run in one process, and nothing looks for garbage among modules."""
 
+import gc
 import os
 from typing import Any
 
@@ -13,8 +14,19 @@ from hypothesis import settings
 settings.register_profile("laws", derandomize=True, deadline=None, database=None, max_examples=60)
 settings.load_profile("laws")
 
-TOGETHER = "tests/reports/"
-"""A folder whose files share one comparison, `tests.reports.report_samples`."""
+TOGETHER = {
+    "tests.reports.report_samples": ("tests/reports/", "tests/evaluation/test_study.py"),
+    "tests.robustness.test_robust_tuning.plain": (
+        "tests/robustness/test_robust_lqi.py", "tests/robustness/test_robust_tuning.py",
+        "tests/robustness/test_structures.py",
+    ),
+}  # fmt: skip
+"""What files share that is made once a process, and which do."""
+
+
+def pytest_collection_finish() -> None:
+    """What is loaded stays: the collector need not look through it, some million objects, again and again."""
+    gc.freeze()
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -24,6 +36,7 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
     class ByFile(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
-            return TOGETHER if nodeid.startswith(TOGETHER) else nodeid.partition("::")[0]
+            shared = (of for of, files in TOGETHER.items() if nodeid.startswith(files))
+            return next(shared, nodeid.partition("::")[0])
 
     return ByFile(config, log)

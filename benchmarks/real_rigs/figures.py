@@ -80,8 +80,7 @@ def _signals(ax: "Axes", fit: Fit, trace: Trace | None, channel: str, label: str
     if trace is not None and trace.effects:
         played = [p for p in trace.runs if p.role == "validate"][i]
         revised: Any = played.pressure if channel == "pressure_kPa" else played.angle
-        names = ", ".join(e.name for e in trace.effects)
-        ax.plot(time, revised, color=BLUE, linestyle="-", linewidth=1.8, alpha=0.85, label=f"with {names}")
+        ax.plot(time, revised, color=BLUE, linestyle="-", linewidth=1.8, alpha=0.85, label="revised")
     ax.set(ylabel=label, xlim=(time[0], time[-1]))
 
 

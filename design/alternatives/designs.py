@@ -19,7 +19,7 @@ from plants.wrist import Wrist
 
 CONVEX = "convex-concave PI"
 LQI_NAME = "robust LQI"
-FORWARD_PI = structure.FORWARD_PI.name
+FORWARD_PI, CASCADE_PI = structure.FORWARD_PI.name, structure.CASCADE_PI.name
 ROBUST_MPC = "robust MPC"
 
 

@@ -50,18 +50,18 @@ def recommended(folder: Path, plant: "ParameterSet") -> "PI":
 
 
 def alternatives(folder: Path, plant: "ParameterSet") -> "dict[str, RequirementDesign]":
-    """The LQI and the feedforward that a design tuned for a plant under the same requirement, by name; those
-    that it has."""
+    """The cascade, the LQI and the feedforward that a design tuned for a plant under the same requirement, by
+    name; those that it has."""
     import json
 
-    from design.alternatives.designs import FORWARD_PI, LQI_NAME, RequirementDesign
+    from design.alternatives.designs import CASCADE_PI, FORWARD_PI, LQI_NAME, RequirementDesign
     from plants.errors import InputError
     from plants.wrist import Wrist
 
     path = folder / "design.json"
     try:
         records = json.loads(path.read_text(encoding="utf-8"))["designs"].get(plant.axis, {})
-        of = {n: records[n] for n in (LQI_NAME, FORWARD_PI) if n in records}
+        of = {n: records[n] for n in (CASCADE_PI, LQI_NAME, FORWARD_PI) if n in records}
         return {n: RequirementDesign.of(Wrist.of(plant), record) for n, record in of.items()}
     except FileNotFoundError:
         return {}

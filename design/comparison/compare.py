@@ -36,9 +36,11 @@ from design.evaluation.tasks import Task, comparison_tasks
 from design.evaluation.tasks import steps as step_tasks
 from design.input_loop import command_margins
 from design.limit import Limit, ratios
+from design.mpc.margins_at_rest import Replaceable, margins_at_rest
 from design.synthesis.requirements import ROUNDING, Limits, default_problem
 from design.synthesis.tuning_rules import baselines, paper_range
 from plants.rig import Rig, built_in_rig
+from plants.simulation.periodic import Periodic
 from plants.wrist import Wrist
 
 __all__ = [
@@ -155,7 +157,8 @@ def _standing(
     limits: Limits,
     design: Mapping[str, Any],
 ) -> Standing:
-    Ms, delay = command_margins(wrist, controller)
+    at_rest = margins_at_rest(controller, [wrist]) if isinstance(controller, Replaceable) else None
+    Ms, delay = (at_rest.Ms, at_rest.delay_margin_s) if at_rest else command_margins(wrist, controller)
     worst = {n: max(r.metrics[n] for r in rows) for n in METRICS}
     held = {
         "overshoot_percent": worst["overshoot_percent"],
@@ -164,8 +167,8 @@ def _standing(
         "steady_error_percent": 100.0 * worst["steady_state_error_deg"] / wrist.rig.task.step,
     }
     breaks = [n for n, v in held.items() if n in limits.named and v > limits.named[n] * ROUNDING]
-    borne = tolerated(wrist, controller) if np.isnan(delay) else None
-    late = delay if borne is None else borne.delay_s
+    borne = tolerated(wrist, controller) if isinstance(controller, Periodic) else None
+    late = delay if borne is None else float(np.fmin(delay, borne.delay_s))
     if "delay_margin_s" in limits.named and late < limits.named["delay_margin_s"] / ROUNDING:
         breaks.append("delay_margin_s")
     pi = getattr(controller, "pi", None)

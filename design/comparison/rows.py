@@ -41,8 +41,9 @@ class Standing:
 
     Kp, Ki: None of a controller that has others; settings: all of its settings by name; design: what was
     designed, of one that neither tuning nor a rule gave; worst ratios to the lower bounds over the tasks;
-    tolerated_delay_s, tolerated_gain: of a controller without a linear law what it tolerates in simulation
-    (`design.comparison.tolerated`), by which its delay margin is judged; else None.
+    tolerated_delay_s, tolerated_gain: of an MPC what it tolerates in simulation
+    (`design.comparison.tolerated`); its delay is judged by the smaller of that and its margin at rest.  Else
+    None.
     """
 
     motion: str

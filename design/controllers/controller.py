@@ -77,6 +77,12 @@ def stacked(controllers: Sequence[Any], repeat: int = 1) -> Any:
     return pytrees.like(controllers[0], [np.repeat(np.array(row, float), repeat) for row in rows])
 
 
+def sensors_of(controller: Any) -> tuple[str, ...]:
+    """What a controller measures, the angle, or angle and pressure: as its class says in `SENSORS`, else all
+    that it is shown."""
+    return tuple(getattr(controller, "SENSORS", ("angle", "pressure")))
+
+
 def settings_of(controller: Any) -> dict[str, float]:
     """The settings of a controller or an observer by name, those of its model included."""
     declared = getattr(controller, "settings", None)

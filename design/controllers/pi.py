@@ -37,6 +37,8 @@ class PI:
     TUNED: ClassVar[tuple[str, ...]] = ()
     """Settings beside the gains that a tuning chooses."""
 
+    SENSORS: ClassVar[tuple[str, ...]] = ("angle",)
+
     Kp: Number
     Ki: Number
     gain: Number = _PAPER["gain"]
@@ -85,6 +87,11 @@ class PI:
         (0.04+0j)
         """
         return (self.Kp + self.Ki * dt / (z - 1.0)) * (1.0 / self.gain)
+
+    def open_loop(self, angle: Any, pressure: Any, z: Any, dt: float = SAMPLE_TIME) -> Any:
+        """The loop, broken at the command: what comes back by way of the angle, whose response to the command
+        [deg/V] at points z is given; a PI does not measure the pressure [kPa/V]."""
+        return self.transfer(z, dt) * angle
 
     def swinging(self, held: Any, swing: Any, z: Any, dt: float = SAMPLE_TIME) -> Any:
         """A state beside which the angle swings about a reference that stands: the imaginary part of swing

@@ -193,6 +193,7 @@ def repeated(lanes: Lanes, n: int) -> Lanes:
         reference=tree(lanes.reference),
         judge=tree(lanes.judge),
         lasts=None if lanes.lasts is None else again(lanes.lasts),
+        noise=None if lanes.noise is None else np.tile(lanes.noise, n),
     )
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from design.controllers.cascade import CascadePI
 from design.controllers.controller import Controller
 from design.controllers.feedforward import Feedforward, FeedforwardPI
 from design.controllers.hand_over import HandOver
@@ -15,9 +16,10 @@ from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
 from design.controllers.plausible import SensorLimits
 from design.controllers.registry import REGISTERED
-from design.export.mpc import of_linear_mpc
+from design.export.mpc.linear import of_linear_mpc
+from design.export.mpc.real_time import of_real_time_mpc
 from design.export.part import Part, of_controller, of_hand_over, of_observer
-from design.mpc.problem import MPCProblem, nominal, robust
+from design.mpc.problem import MPCProblem, nominal, robust, weighted
 from plants.actuator.delay import LONGEST
 from plants.errors import InputError
 from plants.wrist import Wrist
@@ -28,8 +30,8 @@ Numbers = tuple[float, ...]
 @dataclass(frozen=True)
 class Entry:
     """A controller of the command: title; the numbers that ``--gains`` gives, by name, and an example;
-    those that are used where none are given, if that may be; make: the part of C, of its name, the wrist and
-    the numbers; what it does at the ends of the range, in words."""
+    those that are used where none are given, if that may be, () for its own; make: the part of C, of its
+    name, the wrist and the numbers; what it does at the ends of the range, in words."""
 
     title: str
     gains: tuple[str, ...]
@@ -57,6 +59,13 @@ HAND_OVER: Mapping[str, Callable[[Wrist, Numbers], PI]] = {"pi": _pi, "pi-2dof":
 """Controllers that take over from a command by hand, and whose command may have a rate limit."""
 
 
+def _cascade(wrist: Wrist, g: Numbers) -> CascadePI:
+    Kp, Ki, b, Kc = g
+    if Kp == Ki == 0.0:
+        raise ValueError("Kp and Ki are both 0, which controls nothing")
+    return CascadePI.of(wrist, Kp, Ki, b, Kc)
+
+
 def _lqi(wrist: Wrist, g: Numbers) -> Controller:
     return LQI.of(wrist, *g)
 
@@ -65,10 +74,14 @@ def _feedforward(wrist: Wrist, g: Numbers) -> Controller:
     return Feedforward.of(wrist, speed=g[0])  # type: ignore[no-any-return]
 
 
-def _feedforward_pi(wrist: Wrist, g: Numbers) -> Controller:
+def _not_too_late(wrist: Wrist, dead_time: float) -> None:
     longest = (LONGEST - 1) * wrist.rig.sample_time
-    if g[2] > longest:
-        raise ValueError(f"a dead time of {g[2]:g} s is longer than {longest:g} s")
+    if dead_time > longest:
+        raise ValueError(f"a dead time of {dead_time:g} s is longer than {longest:g} s")
+
+
+def _feedforward_pi(wrist: Wrist, g: Numbers) -> Controller:
+    _not_too_late(wrist, g[2])
     return FeedforwardPI.of(wrist, Kp=g[0], Ki=g[1], dead_time=g[2])  # type: ignore[no-any-return]
 
 
@@ -84,9 +97,15 @@ def _observer(name: str, title: str, wrist: Wrist, gains: Numbers) -> Part:
     return of_observer(name, title, observer, SensorLimits.of(wrist), wrist.rig.sample_time)
 
 
-def _mpc(setting: Callable[[Wrist], MPCProblem]) -> Callable[[str, str, Wrist, Numbers], Part]:
+def _mpc(
+    of: Callable[[str, str, MPCProblem], Part], setting: Callable[[Wrist], MPCProblem]
+) -> Callable[[str, str, Wrist, Numbers], Part]:
     def make(name: str, title: str, wrist: Wrist, gains: Numbers) -> Part:
-        return of_linear_mpc(name, title, setting(replace(wrist, effects=())))
+        problem = setting(replace(wrist, effects=()))
+        if gains:
+            _not_too_late(wrist, gains[2] * problem.period)
+            problem = weighted(problem, *gains)
+        return of(name, title, problem)
 
     return make
 
@@ -100,6 +119,9 @@ OUT_OF_REACH = (
     "`course_outside` counts the samples in which that happened."
 )
 
+WEIGHTS = ("swing [1/deg^2]", "move [1/V^2]", "delay [periods]")
+"""What is tuned of an MPC (`design.mpc.problem.weighted`); where it is not given the setting has its own."""
+
 BOUNDED = "Range and rate of the command are bounds of the plan, and of the first move once more."
 
 CATALOGUE: Mapping[str, Entry] = {
@@ -111,6 +133,11 @@ CATALOGUE: Mapping[str, Entry] = {
         "PI controller with a reference weight and a filter of the angle",
         ("Kp [kPa/deg]", "Ki [kPa/(deg s)]", "b [1]", "Tf [s]"), "3.1,10.4,0.7,0.01", None,
         _controlled(_pi_two_dof), STANDS_STILL,
+    ),
+    "cascade": Entry(
+        "PI controller of the angle around a proportional loop on the measured pressure",
+        ("Kp [kPa/deg]", "Ki [kPa/(deg s)]", "b [1]", "Kc [1]"), "2.6,8.8,0.8,1", None, _controlled(_cascade),
+        STANDS_STILL,
     ),
     "lqi": Entry(
         "State feedback with integral action and an observer",
@@ -134,12 +161,20 @@ CATALOGUE: Mapping[str, Entry] = {
         _observer, "The observer commands nothing.",
     ),
     "mpc": Entry(
-        "Linear model predictive control behind the inverse of the hysteresis", (), "", (), _mpc(nominal),
-        BOUNDED,
+        "Linear model predictive control behind the inverse of the hysteresis", WEIGHTS, "3,5,2", (),
+        _mpc(of_linear_mpc, nominal), BOUNDED,
     ),
     "mpc-robust": Entry(
         "Linear model predictive control behind the inverse of the hysteresis, slow enough for dead time",
-        (), "", (), _mpc(robust), BOUNDED,
+        WEIGHTS, "100,100,2", (), _mpc(of_linear_mpc, robust), BOUNDED,
+    ),
+    "mpc-real-time": Entry(
+        "Nonlinear model predictive control by real-time iteration", WEIGHTS, "3,5,2", (),
+        _mpc(of_real_time_mpc, nominal), BOUNDED,
+    ),
+    "mpc-real-time-robust": Entry(
+        "Nonlinear model predictive control by real-time iteration, slow enough for dead time", WEIGHTS,
+        "25,50,2", (), _mpc(of_real_time_mpc, robust), BOUNDED,
     ),
 }  # fmt: skip
 
@@ -182,7 +217,7 @@ def part(
     entry = known[kind]
     if by_hand or rate is not None:
         entry = _handed_over(kind, entry, by_hand, rate)
-    given = entry.default if gains is None else gains
+    given = gains or entry.default
     wanted = (
         f"{kind} takes {', '.join(entry.gains)}, such as --gains {entry.example}"
         if entry.gains
@@ -190,8 +225,8 @@ def part(
     )
     if given is None:
         raise InputError(f"--gains: not given; {wanted}")
-    if len(given) != len(entry.gains):
-        raise InputError(f"--gains: {len(given)} given; {wanted}")
+    if gains and len(gains) != len(entry.gains):
+        raise InputError(f"--gains: {len(gains)} given; {wanted}")
     try:
         made = entry.make(identifier(f"{axis[:40]}_{kind}"), entry.title, wrist, given)
     except InputError:

@@ -90,7 +90,8 @@ class Part:
     for people; tolerance: how far C may be from Python, in the unit of the output; template: of NAME.c, and
     constants: what it needs; lost: what happens where a measurement is not believed, in words; takes_lost:
     whether `step` is given such a measurement, as no number, rather than held; precision: of the C; by_hand:
-    whether it may be commanded by hand, so that it reads `SEEN_BY_HAND`.
+    whether it may be commanded by hand, so that it reads `SEEN_BY_HAND`; under_way: how many of its last
+    outputs it keeps, those that a dead time in its model holds back.
     """
 
     name: str
@@ -115,6 +116,7 @@ class Part:
     takes_lost: bool = False
     precision: Precision = "double"
     by_hand: bool = False
+    under_way: int = 0
 
     def at(self, precision: Precision) -> "Part":
         """The same part in a precision, held to what that can do."""
@@ -156,8 +158,10 @@ class Part:
 
     @property
     def lines(self) -> list["DelayRing"]:
-        """The delay lines."""
-        return rings(self.state, self.delays)
+        """The delay lines; that of its own outputs is filled with the first, which comes after the state."""
+        first = sum(f.size for f in self.state)
+        own = [DelayRing(first - 2, self.under_way, self.output)] if self.under_way else []
+        return [*rings(self.state, self.delays), *own]
 
     @property
     def members(self) -> list[Quantity]:

@@ -11,9 +11,11 @@ Precision = Literal["double", "single"]
 FUNCTIONS = "fabs fmax fmin sqrt exp log pow sin cos tan atan atan2 asin acos floor ceil tanh fmod"
 """Functions of math.h that a law may call; those of CasADi's own names are not among them."""
 
-TOLERANCE = {"law.c.jinja": 5e-3, "mpc.c.jinja": 2e-2}
+TOLERANCE = {"law.c.jinja": 5e-3, "mpc.c.jinja": 2e-2, "real_time.c.jinja": 0.5}
 """How far single precision may be from Python, in the unit of the output, by the template of the source: an
-inverse of a hysteresis divides by small slopes, and the QP of an MPC is ill conditioned."""
+inverse of a hysteresis divides by small slopes, the QP of an MPC is ill conditioned, and the plans of the MPC
+by real-time iteration bend at the lines of the loop: after a reversal it was 0.3 V off in one of six vectors,
+where in double precision a relative change of its belief by 1e-5 does the same."""
 
 _TOKEN = re.compile(
     r"(?P<kept>/\*.*?\*/|//[^\n]*|\"(?:\\.|[^\"\\])*\"|\#include[^\n]*)"

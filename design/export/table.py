@@ -16,10 +16,10 @@ from pathlib import Path
 from typing import Any
 
 from design.export.catalogue import CATALOGUE, part
-from design.export.fmu import FMI, unit
-from design.export.folder import around
+from design.export.formats.fmu import FMI, unit
+from design.export.formats.folder import around
+from design.export.formats.targets import VERSIONS
 from design.export.part import Part
-from design.export.targets import VERSIONS
 from design.export.vectors import STEPS, Vector, vector
 from plants.errors import InputError
 from plants.files import write_atomically
@@ -42,15 +42,25 @@ def of_plays(wrist: Wrist) -> Wrist:
     return replace(wrist, hysteresis=PLAYS)
 
 
+EXEMPLARY = (
+    *CATALOGUE,
+    *(f"{kind} --gains {CATALOGUE[kind].example}" for kind in CATALOGUE if "mpc" in kind),
+)
+"""What the tables show: each controller of the catalogue, the MPCs also with a dead time in their model."""
+
+
 def exemplary(kind: str, wrist: Wrist) -> Part:
-    """The part of a controller of the catalogue with the gains that its help shows."""
+    """The part of one of `EXEMPLARY`; where it names no gains those that are used where none are given, else
+    those that the help shows."""
+    kind, _, text = kind.partition(" --gains ")
     entry = CATALOGUE[kind]
-    gains = entry.default if entry.default is not None else tuple(map(float, entry.example.split(",")))
-    return part(kind, "flexion", wrist, gains)
+    if not text and entry.default is not None:
+        return part(kind, "flexion", wrist)
+    return part(kind, "flexion", wrist, tuple(map(float, (text or entry.example).split(","))))
 
 
 def row(kind: str, wrist: Wrist, steps: int = STEPS) -> list[str]:
-    """A controller's line: name, unit, C in double and in single precision, units of FMI 2.0 and 3.0.
+    """A line, of one of `EXEMPLARY`: it, unit, C in double and in single precision, units of FMI 2.0 and 3.0.
 
     The vector is made once, which takes longer than all that is compiled and run.
     """
@@ -160,5 +170,5 @@ if __name__ == "__main__":
     flexion = Wrist.flexion()
     for heading, wrist in ((HEADING, flexion), (HEADING_OF_PLAYS, of_plays(flexion))):
         into_page(
-            "python -m design.export.table", heading, HEAD, map(partial(row, wrist=wrist), CATALOGUE), __doc__
+            "python -m design.export.table", heading, HEAD, map(partial(row, wrist=wrist), EXEMPLARY), __doc__
         )

@@ -16,6 +16,7 @@ from design.export.part import SEEN_BY_HAND, Part, Seen, SeenByHand
 from design.mpc.observer import begin
 from design.mpc.prediction import coefficients, roll, start_of
 from design.mpc.problem import MPCProblem
+from plants.errors import InputError
 from plants.kernel import pytrees as tree
 from plants.wrist import SAMPLE_TIME, Wrist
 
@@ -28,6 +29,9 @@ OUT_OF_REACH = 0.9
 
 LOST = 12
 """Samples in which one of the inputs is lost."""
+
+NUDGE = 1e-9
+"""Change of a reading that a law is to forget."""
 
 SPIKES = (1e9, -1e9, 1e300, -1.7e308, 1e4, -1e3)
 """Readings that no plant can have made; as many samples again hold one that jumped within the range."""
@@ -64,6 +68,7 @@ class TargetReplay:
         self.part, self.state, self.output = part, None, 0.0
         self.lines: list[list[float]] = []
         self.last: list[LastBelieved] = []
+        self.watched = part.watched
 
     def begin(self, pressure: float, angle: float) -> float:
         """Start from rest at a pressure [kPa] and an angle [deg]; the output that holds it.  Where they
@@ -71,7 +76,7 @@ class TargetReplay:
         pressure, angle, _ = self.part.sensors.start(pressure, angle)
         self.state, output = self.part.begin(pressure, angle)
         self.output = self.part.within(output)
-        self.last = [LastBelieved((0.0, angle, pressure)[w.place]) for w in self.part.watched]
+        self.last = [LastBelieved((0.0, angle, pressure)[w.place]) for w in self.watched]
         leaves = tree.leaves(self.state)
         self.lines = [[leaves[row + 2]] * (samples + 1) for row, samples in self.part.delays]
         return self.output
@@ -85,6 +90,10 @@ class TargetReplay:
         if isinstance(seen, SeenByHand):
             seen = self.by_hand(seen)
         if not self.part.takes_lost and not all(isfinite(x) for x in seen):
+            return self.output
+        if not self.part.delays:
+            self.state, output = self.part.step(self.state, seen)
+            self.output = self.part.within(output)
             return self.output
         leaves = tree.leaves(self.state)
         for (row, samples), line in zip(self.part.delays, self.lines, strict=True):
@@ -104,14 +113,14 @@ class TargetReplay:
         told = seen.manual_command if isfinite(seen.manual_command) else self.output
         if not (isfinite(seen.manual) and seen.manual > 0.5):
             return seen._replace(manual_command=told)
-        angle = next(last.value for w, last in zip(self.part.watched, self.last, strict=True) if w.place == 1)
+        angle = next(last.value for w, last in zip(self.watched, self.last, strict=True) if w.place == 1)
         reference = seen.reference if isfinite(seen.reference) else angle
         return seen._replace(reference=reference, angle=angle, manual_command=told)
 
     def believed(self, seen: Any) -> Any:
         """What is seen, a value that cannot be believed being no number."""
         values = list(seen)
-        for i, w in enumerate(self.part.watched):
+        for i, w in enumerate(self.watched):
             self.last[i], good = believed(self.last[i], values[w.place], w.channel)
             values[w.place] = values[w.place] if good else nan
         if not self.part.sensors.angle.holds(seen.reference):
@@ -120,7 +129,9 @@ class TargetReplay:
 
 
 def vector(part: Part, wrist: Wrist, steps: int = STEPS, seed: int = 0) -> Vector:
-    """A test vector of a law, in a loop around a wrist.
+    """A test vector of a law, in a loop around a wrist, behind the dead time that a law has in its model.
+
+    Raises InputError for a law whose dead time makes it unstable by itself.
 
     An observer, which commands nothing, watches the wrist follow the reference under the command that
     would hold it in the end.
@@ -135,7 +146,7 @@ def vector(part: Part, wrist: Wrist, steps: int = STEPS, seed: int = 0) -> Vecto
     held, c = MPCProblem(wrist, period=part.period), coefficients(wrist)
     state = start_of(begin(at[1], at[0], wrist))
     law = TargetReplay(part)
-    law.begin(*at)
+    under_way = [law.begin(*at)] * part.under_way
     rows = np.empty((steps, 1 + len(part.seen._fields)))
     hands = by_hand(part, steps, np.random.default_rng((seed, 2)))
     for k, (noise, hiss) in enumerate(draw.standard_normal((steps, 2))):
@@ -149,9 +160,30 @@ def vector(part: Part, wrist: Wrist, steps: int = STEPS, seed: int = 0) -> Vecto
         seen += hands[k]
         output = law.step(part.seen(*seen))
         rows[k] = *seen, output
-        command = output if part.output.unit == "V" else _open_loop(wrist, float(asked[k]))
-        state = roll(held, c, state, 0.0, np.array([command]))[0]
-    return Vector(*at, rows)
+        under_way.append(output if part.output.unit == "V" else _open_loop(wrist, float(asked[k])))
+        state = roll(held, c, state, 0.0, np.array([under_way.pop(0)]))[0]
+    found = Vector(*at, rows)
+    if part.under_way and (off := apart(part, found)) > part.tolerance:
+        raise InputError(
+            f"{part.title}: unstable by itself behind the dead time of its model: a reading {NUDGE:g} "
+            f"{part.inputs[1].unit} beside changes later commands by up to {off:.1g} {part.output.unit}, so "
+            "that no target could be compared with Python; give a larger weight of moves"
+        )
+    return found
+
+
+def apart(part: Part, found: Vector) -> float:
+    """How far an output comes to be off, in a replay of a test vector whose first angle is nudged.
+
+    A predictor feeds the commands that it gave back to itself, and may be unstable in a loop that is stable:
+    of samples that are given, rounding grows to anything.
+    """
+    law, worst = TargetReplay(part), 0.0
+    law.begin(found.pressure, found.angle)
+    for k, (*seen, output) in enumerate(found.rows.tolist()):
+        seen[1] += NUDGE if k == 0 else 0.0
+        worst = max(worst, abs(law.step(part.seen(*seen)) - output))
+    return worst
 
 
 def by_hand(part: Part, steps: int, draw: np.random.Generator) -> list[list[float]]:

@@ -24,9 +24,11 @@ from design.controllers.controller import Measured
 from design.controllers.pi import PI, PIState
 from design.controllers.plausible import LastBelieved, believed
 from design.mpc import observer, qp
+from design.mpc.prediction import roll, start_of
 from design.mpc.problem import Believed, MPCProblem
 from plants.errors import InputError
 from plants.kernel import pytrees as tree
+from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 
@@ -34,18 +36,28 @@ SOLVED, SHIFTED, BY_PI, HELD = "solved", "shifted plan", "PI", "held"
 """Rungs of the ladder, from the top."""
 
 
-def _slow_pi() -> PI:
-    return PI(1.2, 2.2)
+def slow_pi(wrist: Wrist | None = None) -> PI:
+    """The PI below the plans, of a wrist, the built-in one where not given.
+
+    >>> slow_pi(Wrist.flexion()) == slow_pi()
+    True
+    """
+    if wrist is None:
+        return PI(1.2, 2.2)
+    rig = wrist.rig
+    Kp, Ki = rig.scaled(1.2, "kPa/deg"), rig.scaled(2.2, "kPa/(deg s)")
+    return PI.of(wrist, Kp, Ki)
 
 
 @dataclass(frozen=True)
 class Fallback:
-    """patience: periods that a shifted plan may go on for; pi: the controller below it; budget [s]: time
-    from the measurement to the command after which an answer is late (None: never); clock: of ns.
+    """patience: periods that a shifted plan may go on for; pi: the controller below it (`slow_pi`);
+    budget [s]: time from the measurement to the command after which an answer is late (None: never);
+    clock: of ns.
     Raises InputError for a patience that is negative or a budget that is not positive."""
 
     patience: int = 5
-    pi: PI = field(default_factory=_slow_pi)
+    pi: PI = field(default_factory=slow_pi)
     budget: float | None = None
     clock: Callable[[], int] = time.perf_counter_ns
 
@@ -77,7 +89,8 @@ class MPCState(NamedTuple):
     """What an MPC remembers: what it believes of the wrist; the command [V] and reference [deg] of the
     period before; the plan from now on, in the controller's own terms; the guess of the active set; what
     was prepared; failures in a row; state of the PI where that is in charge, else None; the last readings
-    of angle and pressure that could be believed."""
+    of angle and pressure that could be believed; commands [V] before it that a known dead time still held
+    back when the last period began, the oldest first."""
 
     believed: Believed
     command: float
@@ -89,6 +102,7 @@ class MPCState(NamedTuple):
     pi: PIState | None
     seen_angle: LastBelieved = LastBelieved(0.0)
     seen_pressure: LastBelieved = LastBelieved(0.0)
+    under_way: tuple[float, ...] = ()
 
 
 class Attempt(NamedTuple):
@@ -148,7 +162,8 @@ def begin(of: Planning, seen: Measured) -> MPCState:
     belief = tree.like(found, [float(x) for x in tree.leaves(found)])
     command = min(max(pressure / of.problem.wrist.regulator.gain, of.problem.low), of.problem.high)
     idle, last = np.zeros(2 * N, dtype=np.int32), (LastBelieved(angle), LastBelieved(pressure))
-    return MPCState(belief, command, float("nan"), None, idle, None, 0, None, *last)
+    under_way = (command,) * of.problem.delay
+    return MPCState(belief, command, float("nan"), None, idle, None, 0, None, *last, under_way=under_way)
 
 
 def _screened(of: Planning, state: MPCState, seen: Measured) -> tuple[Measured, LastBelieved, LastBelieved]:
@@ -170,25 +185,37 @@ def step(of: Planning, state: MPCState, seen: Measured) -> tuple[MPCState, float
     ladder, clock = of.fallback, of.fallback.clock
     started = clock()
     seen, *last = _screened(of, state, seen)
-    belief = observer.update(state.believed, state.command, seen, of.gains, of.coefficients)
+    acted, *pending = (*state.under_way, state.command)
+    belief = observer.update(state.believed, acted, seen, of.gains, of.coefficients)
+    ahead = _ahead(of, belief, pending)
     asked = float(seen.error) + float(seen.angle)
     reference = asked if isfinite(asked) else state.reference
-    tried = _attempt(of, state, belief, reference, seen)
+    tried = _attempt(of, state, ahead, reference, seen)
     late = ladder.budget is not None and clock() - started > ladder.budget * 1e9
     if tried.found and not late:
         command, after = tried.command, (tried.plan, tried.active, 0, None)
         rung, reason = SOLVED, ""
     else:
         reason = tried.reason or "late"
-        command, rung, after = _descend(of, state, belief, seen)
-    command = _bounded(of.problem, command, state.command)
+        command, rung, after = _descend(of, state, ahead, seen)
+    command = bounded(of.problem, command, state.command)
     plan, active, failures, integral = after
     new = MPCState(belief, command, reference, plan, active, None, failures, integral, *last)
+    new = new._replace(under_way=tuple(pending))
     given = clock()
-    new = new._replace(prepared=of.prepare(new)) if rung == SOLVED else new
+    new = new._replace(prepared=of.prepare(new._replace(believed=ahead))) if rung == SOLVED else new
     ended = clock()
     times = ended - given, tried.solve_ns, given - started - tried.solve_ns
     return new, command, Info(rung, reason, tried.iterations, *times)
+
+
+def _ahead(of: Planning, belief: Believed, pending: list[float]) -> Believed:
+    """What is believed of the wrist when the command of now begins to act: the model's run under commands [V]
+    that a known dead time holds back (a predictor of Smith's kind, of the model with its hysteresis)."""
+    if not pending:
+        return belief
+    states = roll(of.problem, of.coefficients, start_of(belief), belief.lack, np.array(pending))
+    return belief._replace(plant=tree.like(belief.plant, states[-1].tolist()))
 
 
 def _attempt(of: Planning, state: MPCState, believed: Believed, reference: float, seen: Measured) -> Attempt:
@@ -217,12 +244,12 @@ def _descend(of: Planning, state: MPCState, believed: Believed, seen: Measured) 
     error, c = float(seen.error), ladder.pi.sampled(of.problem.period)
     if not isfinite(error):
         return state.command, HELD, (None, idle, failures, state.pi)
-    integral = state.pi or PIState(state.command * ladder.pi.gain - c.rest_pressure - c.Kp * error)
+    integral = state.pi or c.following(PIState(0.0), seen, state.command)
     after, command = pi.step(integral, error, c)
     return float(command), BY_PI, (None, idle, failures, PIState(float(after.integral)))
 
 
-def _bounded(problem: MPCProblem, command: float, before: float) -> float:
-    """A command [V] within the rate and the range."""
+def bounded(problem: MPCProblem, command: float, before: float) -> float:
+    """A command [V] within range and rate of that before [V]."""
     moved = min(max(command, before - problem.rate), before + problem.rate)
     return min(max(moved, problem.low), problem.high)

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from design.controllers.controller import Measured
 from design.mpc import observer, qp
-from design.mpc.fallback import Attempt, Fallback, Info, MPCState, begin, step
+from design.mpc.fallback import Attempt, Fallback, Info, MPCState, begin, slow_pi, step
 from design.mpc.prediction import coefficients, example, plain, start_of, unloaded, variables
 from design.mpc.problem import Believed, MPCProblem
 from plants import dynamics
@@ -283,6 +283,10 @@ class LinearMPC:
         """Of the model, flat."""
         return self.planner.coefficients
 
+    def on(self, problem: MPCProblem) -> "LinearMPC":
+        """The same controller of another problem."""
+        return linear_mpc(problem, self.fallback)
+
     def init(self, seen: Measured) -> MPCState:
         """The state in which it holds a wrist that is seen to rest."""
         return begin(self, seen)
@@ -314,4 +318,5 @@ class LinearMPC:
 def linear_mpc(problem: MPCProblem, fallback: Fallback | None = None) -> LinearMPC:
     """The linear MPC of a problem; raises InputError where daqp is not installed."""
     c = coefficients(problem.wrist)
-    return LinearMPC(planner(problem, c), observer.gains(problem), fallback or Fallback())
+    ladder = fallback or Fallback(pi=slow_pi(problem.wrist))
+    return LinearMPC(planner(problem, c), observer.gains(problem), ladder)

@@ -85,7 +85,8 @@ class MPCProblem:
 
     wrist: the declared wrist that is believed in, without effects; period [s], a multiple of the
     sample time; horizon in periods; low, high [V]; rate [V per period]; observer: how fast the
-    disturbances are believed; sensors: what they can show, those of the wrist's rig where not given.
+    disturbances are believed; sensors: what they can show, those of the wrist's rig where not given; delay:
+    periods by which the model takes commands to arrive late.
     Raises InputError with one line for what makes no sense.
 
     >>> problem = MPCProblem(Wrist.flexion())
@@ -105,6 +106,7 @@ class MPCProblem:
     high: float = COMMAND_RANGE[1]
     rate: float = 2.0
     sensors: SensorLimits | None = None
+    delay: int = 0
 
     def __post_init__(self) -> None:
         dt = self.wrist.rig.sample_time
@@ -115,6 +117,8 @@ class MPCProblem:
             raise InputError(f"MPC horizon of {self.horizon}: give a whole number of periods")
         if not 2 <= self.horizon <= LONGEST_HORIZON:
             raise InputError(f"MPC horizon of {self.horizon} periods: give one from 2 to {LONGEST_HORIZON}")
+        if isinstance(self.delay, bool) or int(self.delay) != self.delay or self.delay < 0:
+            raise InputError(f"MPC delay of {self.delay}: give a whole number of periods, 0 or more")
         if not self.rate > 0.0:
             raise InputError(f"rate limit of {self.rate:g} V per period: give a positive number")
         if not self.low < self.high:
@@ -235,3 +239,17 @@ def robust(wrist: Wrist, **changes: Any) -> MPCProblem:
         observer=Observer(bandwidth=20.0, lack=0.1),
     )
     return replace(slow, **changes)
+
+
+def weighted(problem: MPCProblem, swing: float, move: float, delay: float = 0.0) -> MPCProblem:
+    """A problem with other weights of changes of the angle [1/deg^2] and of the command [1/V^2], and a dead
+    time of so many periods in its model: what `design.robustness.tuning.robust_mpc` tunes.
+
+    >>> weighted(robust(Wrist.flexion()), 25.0, 50.0, 2.0).delay
+    2
+
+    Raises InputError as `MPCProblem`.
+    """
+    weights = replace(problem.weights, swing=swing, move=move)
+    late: Any = int(delay) if float(delay).is_integer() else delay  # which the problem refuses
+    return replace(problem, weights=weights, delay=late)

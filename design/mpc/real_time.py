@@ -78,6 +78,10 @@ class RealTimeMPC:
         """Settings of the ladder."""
         return self.first.fallback
 
+    def on(self, problem: MPCProblem) -> "RealTimeMPC":
+        """The same controller of another problem."""
+        return real_time_mpc(problem, self.fallback)
+
     def init(self, seen: Measured) -> MPCState:
         """The state in which it holds a wrist that is seen to rest."""
         return begin(self, seen)
@@ -91,12 +95,13 @@ class RealTimeMPC:
         N, start = self.problem.horizon, start_of(believed)
         about: Linearised | None = state.prepared
         active = state.active
-        jumped = not abs(reference - state.reference) < JUMP
-        if state.plan is None or jumped or (about is not None and self._stuck(about, believed, reference)):
-            about = self._linearised(believed, self.start_plan(state, believed, reference))
-            active = active * 0
+        if state.plan is None or not abs(reference - state.reference) < JUMP:
+            about = None
         elif about is None or (np.abs(start - about.start) > self.far).any():
             about = self._linearised(believed, state.plan)
+        if about is None or self._stuck(about, believed, reference):
+            about = self._linearised(believed, self.start_plan(state, believed, reference))
+            active = active * 0
         commands = about.commands
         off = start - about.start
         missing = (

@@ -35,7 +35,7 @@ from plants.effects.wrist.remainder import ColouredRemainder
 from plants.kernel import pytrees
 from plants.parameters.quantities import ParameterSet
 from plants.simulation.disturbance import burdened
-from plants.simulation.sensor import HOLD, sensor
+from plants.simulation.sensor import HOLD, Sensor, sensor
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -69,6 +69,11 @@ class Requirement:
         """The nominal plant."""
         return self.box.wrist
 
+    @property
+    def sensor(self) -> Sensor:
+        """The sensor of the angle, with its noise and its resolution."""
+        return sensor(self.conditions.noise, self.conditions.quantum)
+
     @cached_property
     def space(self) -> Space:
         """Every case, as places of a cube; a plant that has a dead time or a load of its own keeps it, within
@@ -83,7 +88,7 @@ class Requirement:
     def branches(self) -> tuple[BranchResponse, ...]:
         """Responses on every branch at both rates on every corner of the box, without the dead time and with
         the longest, none twice."""
-        wrists = [burdened(w, t, None) for w in self._corners() for t in (0.0, self.space.dead_time)]
+        wrists = [burdened(w, t, None) for w in self.corners() for t in (0.0, self.space.dead_time)]
         found: dict[Any, BranchResponse] = {}
         for wrist in wrists:
             for b in branch_responses(wrist, POINTS):
@@ -92,8 +97,8 @@ class Requirement:
                 found.setdefault(key, b)
         return tuple(found.values())
 
-    def _corners(self) -> list[Wrist]:
-        """Wrists at the ends of the intervals that move a response at all."""
+    def corners(self) -> list[Wrist]:
+        """The nominal wrist, and those at the ends of the intervals that move a response at all."""
         middle = np.full(len(self.box.intervals), 0.5)
         before = _stacked(self.box.at(middle))
         moved = []
@@ -138,7 +143,7 @@ class Requirement:
             if noise_seed is not None:
                 seed, piece = noise_seed
                 draw = generator(seed, piece, 2 + int(lanes[0])).standard_normal
-                asked = replace(asked, sensor=sensor(self.conditions.noise, self.conditions.quantum))
+                asked = replace(asked, sensor=self.sensor)
                 if self.conditions.noise > 0.0:
                     asked = replace(asked, noise=draw((-(-asked.samples // HOLD) + 1, lanes.size)))
             for name, v in play(asked, c, jobs=jobs).values.items():

@@ -1,8 +1,8 @@
 """The tuning stage of a design: every controller that is offered, each under the same requirement.
 
-A PI, one with two degrees of freedom, a feedforward around the loop of one of these, and an LQI; where the
-plant leaves a residual also the PI of a plant that leaves none; where neither PI holds, the part of the
-requirement that would have to go.
+A PI, one with two degrees of freedom, a feedforward around the loop of one of these, a cascade with the
+measured pressure inside, an LQI, and an MPC where it is asked for; where the plant leaves a residual also the
+PI of a plant that leaves none; where neither PI holds, the part of the requirement that would have to go.
 """
 
 from collections.abc import Callable
@@ -12,9 +12,11 @@ from typing import Any
 import numpy as np
 
 from design.alternatives.designs import LQI_NAME, ROBUST_MPC
+from design.mpc.margins_at_rest import margins_at_rest
 from design.robustness.box import Box
 from design.robustness.checks import worst_found
 from design.robustness.requirement import Requirement
+from design.robustness.samples.worst import excesses as of_samples
 from design.robustness.tuning.recommended import PLAIN, TWO_DOF, tune_candidates
 from design.robustness.tuning.robust_lqi import tune_lqi
 from design.robustness.tuning.robust_mpc import EFFORT as MPC_EFFORT
@@ -23,14 +25,14 @@ from design.robustness.tuning.robust_tuning import RobustTuning, tune_robustly
 from design.synthesis.answer import LimitBroken, OutOfReach
 from design.synthesis.convex import Unsolved
 from design.synthesis.requirements import excesses
-from design.synthesis.structure import FORWARD_PI, forward_pi
+from design.synthesis.structure import CASCADE_PI, FORWARD_PI, forward_pi
 from design.synthesis.tuning import Region, Tuning
 from plants.effects.effect import dead_time_of
 from plants.errors import InputError
 
 Tell = Callable[[str, float], None]
 
-FORWARD = FORWARD_PI.name
+FORWARD, CASCADE = FORWARD_PI.name, CASCADE_PI.name
 BARE = "PI, residual left out"
 """What a PI would be whose plant left nothing: told beside, to show what the residual costs."""
 
@@ -58,17 +60,14 @@ def tuned_designs(
     found = {PLAIN: _tuning_record(plain), TWO_DOF: _tuning_record(both.two_dof or plain)}
     if both.two_dof is not None:
         loops = [both.best.final] + ([both.plain.final] if both.best is both.two_dof else [])
-        found |= _forward(
-            required, loops, seed, effort, jobs, lambda s, h: tell(f"{FORWARD}: {s}", 0.6 + 0.2 * h)
-        )
-        found |= _lqi(
-            required,
-            both.best.final,
-            seed,
-            effort,
-            jobs,
-            lambda s, h: tell(f"{LQI_NAME}: {s}", 0.8 + 0.2 * h),
-        )
+
+        def under(name: str, begin: float) -> Tell:
+            return lambda stage, share: tell(f"{name}: {stage}", begin + 0.13 * share)
+
+        base = both.best.final
+        found |= _forward(required, loops, seed, effort, jobs, under(FORWARD, 0.6))
+        found |= _cascade(required, region, base, seed, effort, jobs, under(CASCADE, 0.73))
+        found |= _lqi(required, base, seed, effort, jobs, under(LQI_NAME, 0.86))
     if required.box.remainder is not None:
         bare = replace(required, box=required.box.leaving(None))
         tell("without what the plant leaves", 0.99)
@@ -105,6 +104,20 @@ def _forward(
     return {FORWARD: found[0]}
 
 
+def _cascade(
+    required: Requirement,
+    region: Region,
+    base: Tuning,
+    seed: int,
+    effort: DesignEffort,
+    jobs: int | None,
+    tell: Tell,
+) -> dict[str, dict[str, Any]]:
+    """A cascade with the measured pressure inside under the same requirement, from the cases of a PI."""
+    tuned = tune_robustly(required, region, 0, seed, effort.rounds, jobs, tell, CASCADE_PI, base)
+    return {CASCADE: _searched(required, tuned, seed, effort, jobs, tell)}
+
+
 def _lqi(
     required: Requirement, base: Tuning, seed: int, effort: DesignEffort, jobs: int | None, tell: Tell
 ) -> dict[str, dict[str, Any]]:
@@ -119,17 +132,25 @@ def _lqi(
 def mpc_design(
     required: Requirement, seed: int, rounds: int, jobs: int | None, tell: Tell
 ) -> dict[str, dict[str, Any]]:
-    """An MPC under the same requirement, but for the margins of a linear loop; none where its solver is not
-    installed, or where the plant has none."""
+    """An MPC under the same requirement, whose margins at rest are judged on every corner of the box; none
+    where its solver is not installed, or where the plant has none."""
     try:
         tuned = tune_mpc(required, seed, rounds, jobs, lambda s, h: tell(f"{ROBUST_MPC}: {s}", h))
     except InputError:
         return {}
     found = _tuning_record(tuned)
-    worst = max((e, n) for n, e in _beyond(required, tuned).items())
+    late = (0.0, required.space.dead_time)
+    tell(f"{ROBUST_MPC}: margins", 0.99)
+    margins = vars(margins_at_rest(tuned.final.controller, required.corners(), late))
+    named = {n: v for n, v in required.limits.named.items() if n in margins}
+    linear = excesses({n: np.array([margins[n]]) for n in named}, named)
+    beyond = _beyond(required, tuned) | {n: float(e[0]) for n, e in linear.items()}
+    worst = max((e, n) for n, e in beyond.items())
+    holds = found["holds"] and all(e[0] <= 0.0 for e in linear.values())
     fresh = 0 if tuned.fresh is None else int(tuned.fresh.excess.size)
     checked = {"samples": fresh, "search_runs": MPC_EFFORT.search if fresh else 0}
-    return {ROBUST_MPC: {**found, **checked, "worst_excess": worst[0], "worst_excess_of": worst[1]}}
+    told = {**found, **checked, "holds": holds, "margins": margins}
+    return {ROBUST_MPC: {**told, "worst_excess": worst[0], "worst_excess_of": worst[1]}}
 
 
 def _beyond(required: Requirement, tuned: RobustTuning[Any]) -> dict[str, float]:
@@ -150,9 +171,11 @@ def _searched(
 ) -> dict[str, Any]:
     """The record of an alternative to a PI, which holds only what one search more does not break, in half as
     many runs as the recommended gains; of one that does not hold, by how much it breaks the limits, no guard
-    counted, in the cases of its tuning."""
+    counted, in the cases of its tuning, or in fresh samples where only the sensor's noise breaks one."""
     found = _tuning_record(tuned)
     beyond = _beyond(required, tuned)
+    if tuned.ended == "noise breaks a limit" and tuned.fresh is not None:
+        beyond = {n: float(e.max()) for n, e in of_samples(tuned.fresh.values, required.limits).items()}
     if not tuned.holds and beyond:
         worst_of = max(beyond, key=beyond.__getitem__)
         found |= {"worst_excess": beyond[worst_of], "worst_excess_of": worst_of}

@@ -204,11 +204,12 @@ def study(question: Question, progress: Tell | None = None) -> Study:
 
 
 def _others(question: Question, motion: str, problem: Problem, tell: Tell) -> dict[str, Design | str]:
-    """The other designs of a motion, in their order: those that are given, the rest made on a problem."""
+    """The other designs of a motion, in their order: those that are given, the rest made on a problem; then
+    those given that are not made here, such as a cascade."""
     given = question.others.get(motion, {})
     left = {n: make for n, make in MAKERS.items() if n not in given}
     made = design_others(problem, _part(tell, f"{motion}, other designs"), left)
-    return {n: given.get(n) or made[n] for n in MAKERS}
+    return {n: given.get(n) or made[n] for n in MAKERS} | {n: d for n, d in given.items() if n not in MAKERS}
 
 
 def _part(tell: Tell, what: str) -> Tell:

@@ -130,8 +130,10 @@ def evaluate(problem: Problem, Kp: Any, Ki: Any) -> Evaluation:
 
 
 def evaluate_with(problem: Problem, many: Controller, Kp: Array, Ki: Array) -> Evaluation:
-    """Cost and limits of controllers, lanes of one, whose loop has the margins of a PI with gains (n,)."""
-    linear = margins(problem.branches, many if isinstance(many, PI) else controller(problem, Kp, Ki))
+    """Cost and limits of controllers, lanes of one, with gains (n,); of one that says which PI closes its
+    loop (`pi`), the margins are those of that PI."""
+    law: Any = many
+    linear = margins(problem.branches, getattr(law, "pi", law))
     values = {"Ms": linear.Ms, "Mt": linear.Mt, "delay_margin_s": linear.delay_margin_s}
     at = {"Ms": linear.Ms_at, "Mt": linear.Mt_at, "delay_margin_s": linear.delay_at}
     own = {n: np.broadcast_to(getattr(many, n), Kp.shape) for n in getattr(many, "TUNED", ())}

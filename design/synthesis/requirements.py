@@ -15,6 +15,7 @@ from design.margins import BranchResponse, branch_responses
 from plants.effects.regulator.dead_time import DeadTime
 from plants.rig import Rig, built_in_rig
 from plants.simulation.disturbance import burdened
+from plants.simulation.sensor import HOLD, PERFECT, Sensor
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -82,9 +83,10 @@ class Problem:
 
     lanes: the scenarios side by side.  adverse: cases whose last step joins the scenarios in all that is
     simulated, scaled to the task's step (`design.evaluation.metrics.scaled`); none by default.
-    Of these only steps of the task (`Case.of_task`) count for the cost.  branches: where margins are
-    judged.  guard: shares of limits that gains must stay below them by.  screened: gains that break a limit
-    of the linear loop are not simulated: their cost is infinite and the rest of their values no number.
+    Of these only steps of the task (`Case.of_task`) count for the cost.  sensor: that of the adverse cases;
+    its noise is the same in each, so that gains are compared under one.  branches: where margins are judged.
+    guard: shares of limits that gains must stay below them by.  screened: gains that break a limit of the
+    linear loop are not simulated: their cost is infinite and the rest of their values no number.
     """
 
     wrist: Wrist
@@ -98,6 +100,7 @@ class Problem:
     adverse: tuple[Case, ...] = ()
     guard: Mapping[str, float] = field(default_factory=dict, hash=False)
     screened: bool = False
+    sensor: Sensor = PERFECT
 
     @property
     def held_to(self) -> dict[str, float]:
@@ -110,7 +113,14 @@ class Problem:
         lasts = np.array([c.task.duration for c in self.adverse])
         order = np.argsort(lasts, kind="stable")
         pieces = [p for p in np.split(order, np.flatnonzero(np.diff(lasts[order]) > 1.0) + 1) if p.size]
-        return [(p, stack([self.adverse[i] for i in p])) for p in pieces]
+        return [(p, self._measured(stack([self.adverse[i] for i in p]))) for p in pieces]
+
+    def _measured(self, lanes: Lanes) -> Lanes:
+        """Lanes with the sensor of the adverse cases."""
+        if not self.sensor.noise:
+            return replace(lanes, sensor=self.sensor)
+        drawn = np.random.default_rng(0).standard_normal(-(-lanes.samples // HOLD) + 1)
+        return replace(lanes, sensor=self.sensor, noise=np.tile(drawn[:, None], lanes.count))
 
     @classmethod
     def of(

@@ -1,4 +1,4 @@
-"""Gains as a TOML file: what the tuner keeps and ``--gains FILE.toml`` takes."""
+"""Gains as a TOML file: what the tuner and a design keep, and ``--gains FILE.toml`` takes."""
 
 from collections.abc import Collection, Mapping
 from pathlib import Path
@@ -13,7 +13,11 @@ from plants.toml import check_keys, is_number, read_toml
 MORE = {"b": "1", "Tf": "s"}
 """What the gains of a PI with two degrees of freedom have beside."""
 
+OF_MPC = {"swing": "1/deg^2", "move": "1/V^2", "delay": "periods"}
+"""What is tuned of an MPC, in the units of the built-in rig (`design.mpc.problem.weighted`)."""
+
 ADVICE = "give a file that the tuner kept, or Kp,Ki"
+ADVICE_OF_MPC = "give a file that `wrist design --mpc` wrote, or swing,move,delay"
 
 
 def units_of(rig: Rig | None = None) -> dict[str, str]:
@@ -45,18 +49,53 @@ def write(
     ...     read(write(Path(folder) / "mine", {"Kp": 2.3, "Ki": 6.4}))
     (2.3, 6.4)
     """
-    import tomlkit
-
     path = _place(str(path).strip())
     if path.exists() and path not in mine:
         raise InputError(f"{path}: exists already; choose another name")
-    document = tomlkit.document()
-    document.add(tomlkit.comment(f"Gains of a PI, for: wrist robust --gains {path.name}"))
-    tables = tomlkit.table(is_super_table=True)
-    for name, unit in units_of(rig).items():
-        tables[name] = {"value": float(gains[name]), "unit": unit}
+    units = units_of(rig)
     if gains.get("b", 1.0) != 1.0 or gains.get("Tf", 0.0) != 0.0:
-        tables |= {n: {"value": float(gains[n]), "unit": unit} for n, unit in MORE.items()}
+        units |= MORE
+    return _written(path, f"Gains of a PI, for: wrist robust --gains {path.name}", gains, units, tuned_on)
+
+
+def write_mpc(
+    path: Path,
+    gains: Mapping[str, float],
+    tuned_on: Mapping[str, Any] | None = None,
+    rig: Rig | None = None,
+) -> Path:
+    """Write what was tuned of an MPC, in place of what is there, and return where: the weights swing
+    [1/deg^2] and move [1/V^2], in the units of the rig, and the delay [periods] of its model; tuned_on as of
+    `write`.
+
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     read_mpc(write_mpc(Path(folder) / "mpc.toml", {"swing": 25.0, "move": 50.0, "delay": 2.0}))
+    (25.0, 50.0, 2.0)
+    """
+    words = f"An MPC, for: wrist export mpc-real-time-robust --gains {path.name}"
+    return _written(path, words, gains, units_of_mpc(rig), tuned_on)
+
+
+def units_of_mpc(rig: Rig | None = None) -> dict[str, str]:
+    """Units of what is tuned of an MPC on a rig, the built-in one where none is given."""
+    return {n: unit if rig is None else rig.unit(unit) for n, unit in OF_MPC.items()}
+
+
+def _written(
+    path: Path,
+    words: str,
+    gains: Mapping[str, float],
+    units: Mapping[str, str],
+    tuned_on: Mapping[str, Any] | None,
+) -> Path:
+    import tomlkit
+
+    document = tomlkit.document()
+    document.add(tomlkit.comment(words))
+    tables = tomlkit.table(is_super_table=True)
+    for name, unit in units.items():
+        tables[name] = {"value": float(gains[name]), "unit": unit}
     document["gains"] = tables
     if tuned_on:
         document["tuned_on"] = dict(tuned_on)
@@ -77,7 +116,7 @@ def read_more(path: str | Path) -> tuple[float, float]:
 
     Raises InputError as `read`.
     """
-    entries = _entries(path)
+    entries = _entries(path, {**UNITS, **MORE}, UNITS, ADVICE)
     if not entries.keys() >= MORE.keys():
         return 1.0, 0.0
     b, Tf = (_value(f"{path}: gains.{name}", unit, entries[name]) for name, unit in MORE.items())
@@ -91,19 +130,32 @@ def read(path: str | Path, rig: Rig | None = None) -> tuple[float, float]:
     Raises InputError, in one line, for a file that is missing, no TOML or without the two, for a wrong
     unit, and for a value that is not a finite number, or negative.
     """
-    entries = _entries(path)
+    entries = _entries(path, {**UNITS, **MORE}, UNITS, ADVICE)
     Kp, Ki = (_value(f"{path}: gains.{name}", unit, entries[name]) for name, unit in units_of(rig).items())
     return Kp, Ki
 
 
-def _entries(path: str | Path) -> Mapping[str, Any]:
+def read_mpc(path: str | Path, rig: Rig | None = None) -> tuple[float, ...]:
+    """Weights swing [1/deg^2] and move [1/V^2], in the units of a rig, and delay [periods] of a TOML file.
+
+    Raises InputError as `read`.
+    """
+    entries = _entries(path, OF_MPC, OF_MPC, ADVICE_OF_MPC)
+    units = units_of_mpc(rig)
+    return tuple(_value(f"{path}: gains.{name}", unit, entries[name]) for name, unit in units.items())
+
+
+def _entries(
+    path: str | Path, known: Collection[str], needed: Collection[str], advice: str
+) -> Mapping[str, Any]:
     path = Path(path)
-    table = read_toml(path, "file of gains", f"`wrist robust --help`, or {ADVICE}")
+    table = read_toml(path, "file of gains", f"`wrist robust --help`, or {advice}")
     entries = table.get("gains")
-    if not isinstance(entries, dict) or not entries.keys() >= UNITS.keys():
-        raise InputError(f"{path}: holds no [gains.Kp] and [gains.Ki]; {ADVICE}")
+    if not isinstance(entries, dict) or not entries.keys() >= set(needed):
+        first, *_, last = needed
+        raise InputError(f"{path}: holds no [gains.{first}] and [gains.{last}]; {advice}")
     check_keys(table, ("gains", "tuned_on"), str(path))
-    check_keys(entries, (*UNITS, *MORE), f"{path}: gains")
+    check_keys(entries, tuple(known), f"{path}: gains")
     return entries
 
 

@@ -79,12 +79,15 @@ class FourSegment(HysteresisLaw):
 
     @classmethod
     def kinds(cls, names: Iterable[str] = ()) -> dict[str, Kind]:
-        """The six parameters."""
+        """The six parameters.
+
+        One of the offsets may be negative, where angle 0 lies outside the loop; see `problem`.
+        """
         return {
             "a1": Kind("deg/kPa", "slope of line 1 (plus direction)", 0.01, 5.0),
-            "w1": Kind("deg", "offset of line 1 below the origin", 0.0, 60.0),
+            "w1": Kind("deg", "offset of line 1 below the origin", -60.0, 60.0),
             "a2": Kind("deg/kPa", "slope of line 2 (minus direction)", 0.01, 5.0),
-            "w2": Kind("deg", "offset of line 2 above the origin", 0.0, 60.0),
+            "w2": Kind("deg", "offset of line 2 above the origin", -60.0, 60.0),
             "s": Kind("deg/kPa", "slope of the transit between the lines", 0.0, 5.0),
             "rest_pressure": REST_PRESSURE,
         }

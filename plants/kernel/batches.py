@@ -23,6 +23,8 @@ WORTH_A_THREAD = 30_000
 """Steps of `LANES` lanes that take longer than waking threads: some milliseconds."""
 
 _LOADING = Lock()
+_KERNELS: dict[Any, Callable[..., None]] = {}
+"""Those of this process, by step function, structures of the trees and names of the signals."""
 
 
 def kernel(
@@ -32,25 +34,18 @@ def kernel(
     coefficients: Any,
     held: tuple[str, ...] = (),
 ) -> Callable[..., None]:
-    """The compiled ``run`` of a step function; `state` and `coefficients` are trees of names.
+    """The compiled ``run`` of a step function; `state` and `coefficients` are examples of the trees.
 
     Threads may ask for the same one at once: it is made by one of them.
     """
+    key = (step, pytrees.structure(state), inputs, pytrees.structure(coefficients), held)
+    if (known := _KERNELS.get(key)) is not None:
+        return known
     with _LOADING:
-        # Trees that differ in their types alone are equal; their representations are not.
-        return _kernel(step, state, inputs, coefficients, held, repr((state, coefficients)))
-
-
-@cache
-def _kernel(
-    step: Callable[..., Any],
-    state: Any,
-    inputs: tuple[str, ...],
-    coefficients: Any,
-    held: tuple[str, ...],
-    types: str,
-) -> Callable[..., None]:
-    return load(emit(f"{step.__module__}.{step.__name__}", step, state, inputs, coefficients, held))
+        if key not in _KERNELS:
+            s, c = (pytrees.like(tree, pytrees.names(tree)) for tree in (state, coefficients))
+            _KERNELS[key] = load(emit(f"{step.__module__}.{step.__name__}", step, s, inputs, c, held))
+        return _KERNELS[key]
 
 
 def default_jobs() -> int:
@@ -103,13 +98,14 @@ def run_lanes(
     short, and for steps of each lane where something is recorded.
     """
     own = held or {}
-    sizes = {np.size(x) for x in pytrees.leaves(state) + pytrees.leaves(coefficients) if np.ndim(x)}
+    flat_s, flat_c = pytrees.leaves(state), pytrees.leaves(coefficients)
+    sizes = {np.size(x) for x in (*flat_s, *flat_c) if np.ndim(x)}
     sizes |= {np.shape(x)[1] for x in own.values()}
     lanes = max(sizes, default=1)
     if sizes - {1, lanes}:
         raise ValueError(f"lanes differ in number: {sorted(sizes)}")
     padded = -(-lanes // LANES) * LANES
-    s, c = _stack(state, lanes, padded), _stack(coefficients, lanes, padded)
+    s, c = _stack(flat_s, lanes, padded), _stack(flat_c, lanes, padded)
     each, steps = steps if isinstance(steps, np.ndarray) else None, int(np.max(steps))
     if each is not None and (every or own):
         raise ValueError("lanes of lengths of their own are not recorded, and have no signals of their own")
@@ -117,19 +113,17 @@ def run_lanes(
     if any(len(signal) < steps for signal in shared) or any(len(x) * hold < steps for x in own.values()):
         raise ValueError(f"a signal is shorter than the {steps} steps asked for")
     given = np.array([signal[:steps] for signal in shared]) if shared else np.zeros((1, 1))
-    names = pytrees.names(state)
+    names = pytrees.names(state) if record else []
     recorded = np.array([names.index(r) for r in record], dtype=np.int64)
 
-    trees = pytrees.like(state, names), inputs, pytrees.like(coefficients, pytrees.names(coefficients))
-    run = kernel(law, *trees, tuple(own))
+    run = kernel(law, state, inputs, coefficients, tuple(own))
     if each is not None:
         ends = np.pad(np.broadcast_to(each, (lanes,)), (0, padded - lanes), "edge")
         _run_blocks(run, c, s, given, ends.reshape(-1, LANES).max(axis=1), jobs or default_jobs())
         return pytrees.like(state, s[:, :lanes]), np.empty((0, 0, lanes))
     by_lane = _by_lane(own, lanes, padded)
     blocks, threads = padded // LANES, min(jobs or default_jobs(), padded // LANES)
-    edges = np.linspace(0, blocks, threads + 1).astype(int) * LANES
-    pieces = [slice(int(a), int(b)) for a, b in pairwise(edges)]
+    pieces = [slice(a, b) for a, b in pairwise(blocks * i // threads * LANES for i in range(threads + 1))]
 
     def work(piece: slice) -> tuple[Array, Array]:
         part = np.ascontiguousarray(s[:, piece])
@@ -169,9 +163,8 @@ def _run_blocks(
         list(_pool(threads).map(work, [order[i::threads] for i in range(threads)]))
 
 
-def _stack(values: Any, lanes: int, padded: int) -> Array:
+def _stack(flat: Sequence[Any], lanes: int, padded: int) -> Array:
     """Leaves as rows of one array, the last lane repeated to fill the last block."""
-    flat = pytrees.leaves(values)
     out = np.empty((len(flat), padded))
     for row, value in zip(out, flat, strict=True):
         row[:lanes] = value
@@ -180,8 +173,14 @@ def _stack(values: Any, lanes: int, padded: int) -> Array:
 
 
 def _by_lane(held: dict[str, Array], lanes: int, padded: int) -> Array:
-    """Signals of each lane's own, shape (names, rows, padded); one that fits is not copied."""
+    """Signals of each lane's own, shape (names, rows, padded), the last lane repeated; one that fits is not
+    copied."""
+    if not held:
+        return np.empty((0, 0, padded))
     if [x.shape[1] for x in held.values()] == [padded]:
         return np.ascontiguousarray(next(iter(held.values())), float)[None]
-    whole = (np.broadcast_to(x, (len(x), lanes)) for x in held.values())
-    return np.array([np.pad(x, ((0, 0), (0, padded - lanes)), "edge") for x in whole], float)
+    found = np.empty((len(held), len(next(iter(held.values()))), padded))
+    for rows, x in zip(found, held.values(), strict=True):
+        rows[:, :lanes] = x
+        rows[:, lanes:] = rows[:, lanes - 1 : lanes]
+    return found

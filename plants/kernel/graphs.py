@@ -42,7 +42,9 @@ def c_source(name: str, *functions: Any) -> str:
 
     `name` begins the names of what they share.  The code allocates nothing and has no state; laws of
     scalars use neither `iw` nor `w`.  What CasADi adds for loaders of libraries is left out, so that
-    nothing is unused under ``-Wall -Wextra``.
+    nothing is unused under ``-Wall -Wextra``.  So is the question, at each number, whether an argument or
+    the result is NULL: callers pass all of them.  The larger of two numbers is compared for: the C library's
+    fmax, which asks for NaN, is a call of dozens of instructions where no processor has it.
     """
     import casadi
 
@@ -52,6 +54,8 @@ def c_source(name: str, *functions: Any) -> str:
     blocks = str(generator.dump()).split("\n\n")
     kept = [b for b in blocks if not _FOR_LOADERS.search(b)]
     text = _FUNCTION.sub(_all_used, "\n\n".join(kept))
+    text = _LARGER.sub(r"\1  return (\2) \3\n}", text)
+    text = _STORED.sub(r"\1", _GIVEN.sub(r"\1", text))
     return "\n".join(line for line in text.split("\n") if not _SPARSITY.match(line)).rstrip("\n") + "\n"
 
 
@@ -60,6 +64,12 @@ _FOR_LOADERS = re.compile(
     r"|sparsity_out|work|work_bytes)\("
 )
 _FUNCTION = re.compile(r"^((?:static )?int \w+\(const casadi_real\*\* arg, .*int mem\) ?\{)$", re.MULTILINE)
+_LARGER = re.compile(
+    r"(casadi_real casadi_f(?:max|min)\(.*\) \{\n)/\* Pre-c99 .*\n#if .*\n\s*return (x[<>]y) (\? x : y;)\n"
+    r"#else\n.*\n#endif\n\}"
+)
+_GIVEN = re.compile(r"arg\[\d+\]\? (arg\[\d+\]\[\d+\]) : 0")
+_STORED = re.compile(r"if \(res\[\d+\]!=0\) (res\[\d+\]\[\d+\]=)")
 _SPARSITY = re.compile(r"(static const casadi_int casadi_s\d+\[)|(#define casadi_s\d+ )")
 
 

@@ -171,6 +171,8 @@ def fit_campaign(
     origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
     fitted = replace(start, axis=campaign.axis).fitted({n: values[n] for n in errors}, errors, origin)
     runs = tuple(_runs(campaign, start, fitted, begins))
+    if campaign.stage == "wrist" and _no_better_than_a_constant(runs):
+        _check_sign(campaign)
     return Fit(
         campaign, start, fitted, noise,
         _errors(runs, "fit"), _errors(runs, "validate"), _errors(runs, "validate", before=True), runs, stages,
@@ -210,6 +212,13 @@ def _check_sign(campaign: Campaign) -> None:
             f"{campaign.name}: the angle falls as the pressure rises; map angle_deg with scale = -1, or the "
             "command and pressure of the muscle that raises it"
         )
+
+
+def _no_better_than_a_constant(runs: Sequence[FreeRun]) -> bool:
+    """Whether a fit misses the angle by more than its own spread over the recordings fitted."""
+    error = rmse(runs, "angle_deg", role="fit")
+    angles = [a for r in runs if r.role == "fit" and (a := measured(r.recording, "angle_deg")) is not None]
+    return error is not None and error > float(np.std(np.concatenate(angles)))
 
 
 def _begins(recordings: Sequence[Recording], campaign: Campaign, start: ParameterSet) -> list[Begin] | None:

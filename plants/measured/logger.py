@@ -31,6 +31,10 @@ JUMPS = 2.5
 """Steps of the sensor by which half of the new values differ from the held ones: a coarse sensor that moves
 slowly differs by one."""
 
+SHORTEST_GAPS, TICKS, IN_TIME = 0.05, 12, 0.95
+"""Quantile of the gaps between changes that a clock's period is first taken from, gaps that are needed, and
+share of them that has to be whole numbers of periods."""
+
 LOWEST = 3
 """Rows of rest before the command first moves that are needed to see an offset."""
 
@@ -168,12 +172,36 @@ def renewals(values: Array) -> NDArray[np.bool_] | None:
     period = int(np.median(np.diff(at)))
     jumps = np.abs(np.diff(values[at]))
     if period < 2 or np.median(jumps) < JUMPS * resolution(values):
+        period = clock(at)
+    if period == 0:
         return None
     # A sensor at rest is renewed too, with the value it had.
     fresh = changed.copy()
     for first, gap in zip(at, np.diff(np.append(at, len(values))), strict=True):
         fresh[first : first + gap : period] = True
     return fresh
+
+
+def clock(rows: NDArray[np.intp]) -> int:
+    """Rows between renewals of a channel whose value changes at some rows: 0 unless these keep to a clock.
+
+    A coarse channel that is held changes by one step, as one does that moves slowly; but its changes are
+    whole numbers of periods apart.
+
+    >>> rng = np.random.default_rng(0)
+    >>> clock(40 * np.unique(rng.integers(0, 300, 60))), clock(np.unique(rng.integers(0, 12_000, 60)))
+    (40, 0)
+    """
+    gaps = np.diff(rows).astype(float)
+    period = float(np.quantile(gaps, SHORTEST_GAPS))
+    if len(gaps) < TICKS or period < 3.0:
+        return 0
+    for reach in (2.0, 4.0, 8.0):  # the more periods a gap holds, the better it tells how long one is
+        count = np.maximum(np.rint(gaps / period), 1.0)
+        near = count <= reach
+        period = float(gaps[near].sum() / count[near].sum()) if near.any() else period
+    off = np.abs(gaps - np.maximum(np.rint(gaps / period), 1.0) * period)
+    return round(period) if np.mean(off < 0.15 * period + 0.5) >= IN_TIME else 0
 
 
 def _every(r: Recording, period: float) -> NDArray[np.bool_]:

@@ -77,6 +77,13 @@ class Playback:
         """Greatest number of samples of which all rows are multiples."""
         return int(np.gcd.reduce(np.diff(self.rows)))
 
+    @cached_property
+    def kept(self) -> slice | NDArray[np.int64]:
+        """Which of every `every` samples, from the first on, are rows: all of them (a slice, which copies
+        nothing) where rows are evenly spaced."""
+        at = self.rows // self.every
+        return slice(0, len(at)) if at[-1] == len(at) - 1 else at
+
     def play(self, wrist: Wrist, state: State | None = None) -> tuple[Array, Array]:
         """Pressure [kPa] and angle [deg] of a wrist at the recording's rows.
 
@@ -85,5 +92,4 @@ class Playback:
         other = self.other_pressure if wrist.effects else None
         first = float(self.recording.time[0])
         response: Any = open_loop(wrist, self.commands, state, self.every, 1, other, first)
-        at = self.rows // self.every
-        return response.pressure[at], response.angle[at]
+        return response.pressure[self.kept], response.angle[self.kept]

@@ -11,6 +11,7 @@ from plants.measured.begin import Begin, measured
 from plants.measured.playback import Playback
 from plants.measured.stage import Form, Stage
 from plants.parameters.quantities import ParameterSet
+from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 BLOCK = 2.0
@@ -80,24 +81,39 @@ class FitProblem:
         return tuple(found)
 
     def residuals(self, x: Array) -> Array:
-        """Simulated minus measured over noise, (rows, lanes), for vectors (lanes, n)."""
-        found = np.concatenate(self.stage.of_each_recording(lambda i: self._difference(i, x), len(x)))
-        # A wrist that runs away is a bad fit, not the end of the search.
-        found = np.clip(np.nan_to_num(found, nan=WILD), -WILD, WILD)
+        """Simulated minus measured over noise, (rows, lanes), for vectors (lanes, n); lane after lane in
+        memory, as linear algebra takes them."""
+        begun, wrists = self._begun(x)
+        found = np.empty((self.stage.edges[-1], len(x)), order="F")
+
+        def played(i: int) -> Array:
+            first, last = self.stage.edges[i : i + 2]
+            into: Array = found[first:last]
+            return np.subtract(begun.play(i, wrists), self.stage.target[first:last, None], out=into)
+
+        begun.of_each_recording(played, len(x))
+        found = self._over_noise(found)
         return found if self.rows is None else found[self.rows]
 
     def residuals_of(self, i: int, x: Array) -> Array:
         """The same for the i-th recording alone."""
-        return np.clip(np.nan_to_num(self._difference(i, x), nan=WILD), -WILD, WILD)
+        begun, wrists = self._begun(x)
+        first, last = self.stage.edges[i : i + 2]
+        return self._over_noise(begun.play(i, wrists) - self.stage.target[first:last, None])
 
-    def _difference(self, i: int, x: Array) -> Array:
+    def _begun(self, x: Array) -> tuple[Stage, Wrist]:
+        """The stage, its recordings starting where vectors say, and the wrists that they stand for."""
         stage = replace(self.stage, begins=self.begins_at(x.T)) if self.free else self.stage
         values: dict[str, Any] = {**self.values, **{n: x[:, k] for k, n in enumerate(self.names)}}
-        first, last = self.stage.edges[i : i + 2]
-        simulated = stage.play(i, stage.wrists(values, self.forms))
-        simulated -= self.stage.target[first:last, None]
-        simulated /= self.stage.noise
-        return simulated
+        return stage, stage.wrists(values, self.forms)
+
+    def _over_noise(self, difference: Array) -> Array:
+        """A difference in units of the noise, in place."""
+        difference /= self.stage.noise
+        # A wrist that runs away is a bad fit, not the end of the search.
+        np.clip(difference, -WILD, WILD, out=difference)
+        difference[np.isnan(difference)] = WILD
+        return difference
 
     def on(self, rows: NDArray[np.bool_] | None) -> "FitProblem":
         """The same problem on some rows."""

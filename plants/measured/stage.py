@@ -31,8 +31,10 @@ from plants.wrist import State, Wrist
 Array = NDArray[np.float64]
 Name = Literal["regulator", "wrist", "whole"]
 Form = type[Effect]
-BLOCK = 10.0
-"""Length [s] of the blocks that are left out in turn, long against every memory but the slowest."""
+BLOCK, LEAST_BLOCKS = 10.0, 12
+"""Length [s] of the blocks that are left out in turn, long against every memory but the slowest; but short
+recordings make at least so many: were a fold one block or two, a fit to the others would be judged on nothing
+but a range that it never met."""
 
 STRIDES = (1, 2, 5)
 """Steps of ms that a driven wrist may take between rows.  Its loop does not depend on the rate and
@@ -99,12 +101,25 @@ class Stage:
         """Time of all recordings in all [s]."""
         return sum(float(p.recording.time[-1] - p.recording.time[0]) for p in self.playbacks)
 
-    def blocks(self, length: float) -> NDArray[np.intp]:
-        """Number of the block of a length [s] that each row falls in; none spans two recordings."""
-        numbers = [
-            1e6 * i + np.floor((p.recording.time - p.recording.time[0]) / length)
-            for i, p in enumerate(self.playbacks)
-        ]
+    @cached_property
+    def left_out_blocks(self) -> NDArray[np.intp]:
+        """Number of the block, of those that are left out in turn, that each row falls in.
+
+        Each counts as much as any, so that what is left at the end of a recording, below half a block, is
+        part of the last one.
+        """
+        return self.blocks(min(BLOCK, self.duration / LEAST_BLOCKS), least=0.5)
+
+    def blocks(self, length: float, least: float = 0.0) -> NDArray[np.intp]:
+        """Number of the block of a length [s] that each row falls in; none spans two recordings.
+
+        least: share of a block that what is left at the end of a recording needs to be one of its own.
+        """
+        numbers = []
+        for i, p in enumerate(self.playbacks):
+            since = p.recording.time - p.recording.time[0]
+            last = max(np.floor(float(since[-1]) / length + 1.0 - least), 1.0) - 1.0
+            numbers.append(1e6 * i + np.minimum(np.floor(since / length), last))
         return np.unique(np.concatenate(numbers), return_inverse=True)[1]
 
     def simulate(self, values: Mapping[str, Any], forms: Sequence[Form] = ()) -> Array:
@@ -147,7 +162,7 @@ class Stage:
             None if other is None else other[::stride], float(playback.recording.time[0]),
             stride * playback.dt,
         )  # fmt: skip
-        return rows[playback.rows // playback.every]
+        return rows[playback.kept]
 
     def _state(self, i: int, wrist: Wrist) -> State | None:
         return begun(wrist, None if self.begins is None else self.begins[i])

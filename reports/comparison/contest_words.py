@@ -22,13 +22,20 @@ def sentences(found: Contest) -> list[str]:
 
 def against(scores: list[Score], reference: str, metric: str = "iae_deg_s") -> str:
     """How the controllers of a table compare with the reference controller, by the intervals of the
-    differences, the least first; the number of plants at the end."""
+    differences, the least first, a large group by its size; the number of plants at the end."""
     groups: dict[int, list[str]] = {-1: [], 0: [], 1: []}
     for s in sorted(scores, key=lambda s: s.mean[metric]):
         if s.controller != reference:
             groups[s.against[metric].sign].append(name_of(s.controller))
     words = {-1: "less IAE than the recommended PI", 0: "no significant difference", 1: "more IAE"}
-    parts = [f"{words[sign]}: {', '.join(names)}" for sign, names in groups.items() if names]
+    most = max(groups.values(), key=len)
+    if len(most) > 3:  # the few by name, the others by their number
+        groups = dict(sorted(groups.items(), key=lambda g: g[1] is most))
+    parts = [
+        f"{words[sign]}: {f'the other {len(most)}' if names is most and len(most) > 3 else ', '.join(names)}"
+        for sign, names in groups.items()
+        if names
+    ]
     return f"{'; '.join(parts)} ({scores[0].plants} plants)"
 
 

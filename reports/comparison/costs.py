@@ -1,7 +1,7 @@
 """Costs of other controllers, on a comparison page: the model error that a feedforward tolerates, and the
 execution time of each controller."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -29,7 +29,7 @@ TIMES = (
 LEDGER = (
     "Time of a step: median, 99 % of all steps, and the longest; the parts of an MPC as medians, 99 % "
     "beneath. Missed: steps that took longer than the period. Fallback: steps in which the solver of "
-    "an MPC gave no new solution."
+    "an MPC gave no new solution. One plain PI stands for all."
 )
 
 
@@ -110,10 +110,10 @@ def _scaled(kind: str, error: float) -> str:
     return f"{'+' if error > 0.0 and kind != 'starting memory' else ''}{number(100.0 * error, 2)} %"
 
 
-def ledger_table(ledgers: Mapping[str, Mapping[str, Ledger]]) -> Table:
-    """Times of the steps of every controller, by motion."""
+def ledger_table(ledgers: Mapping[str, Mapping[str, Ledger]], aside: Sequence[str] = ()) -> Table:
+    """Times of the steps of every controller, by motion, but of those that are named."""
     groups = [
-        Group(title_of(motion), tuple(_ledger(name, found) for name, found in of.items()))
+        Group(title_of(motion), tuple(_ledger(n, found) for n, found in of.items() if n not in aside))
         for motion, of in ledgers.items()
     ]
     columns = (

@@ -2,12 +2,14 @@
 
 import re
 from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from design.comparison.break_even import BreakEven
 from design.comparison.compare import FORWARD, Comparison
 from design.contest import Contest
+from design.controllers.pi import PI
 from design.mpc.timing import Ledger
 from design.studies.shown.cell_steps import CellSteps
 from design.studies.study import Study
@@ -130,7 +132,7 @@ def _page(study: Study, made: Made, drawn: Mapping[str, "Figure"]) -> str:
         paper_note=tables.paper_note(),
         contest=_contest(study, study.contest, shown) if study.contest else None,
         wrong=[_wrong(m, b, shown) for m, b in (study.break_even or {}).items()],
-        times=_times(study.execution_times) if study.execution_times else None,
+        times=_times(study.execution_times, comparison) if study.execution_times else None,
         responses=responses, loops=shown("loops", captions.loops_caption(comparison)),
         assumed=assumed, assumed_count=sum(len(g.rows) for g in assumed.groups),
         further=words.further(motions), motion_count=len(motions),
@@ -183,9 +185,12 @@ def _wrong(motion: str, found: BreakEven, shown: Any) -> dict[str, Any]:
     }
 
 
-def _times(ledger: Mapping[str, Mapping[str, Ledger]]) -> dict[str, Any]:
+def _times(ledger: Mapping[str, Mapping[str, Ledger]], comparison: Comparison) -> dict[str, Any]:
+    # Gains of a PI change no step of it: the first of them stands for all.
+    pis = [s.controller for s in comparison.standings if set(s.settings) == {f.name for f in fields(PI)}]
     return {
-        "words": costs.ledger_words(ledger), "table": costs.ledger_table(ledger),
+        "words": costs.ledger_words(ledger),
+        "table": costs.ledger_table(ledger, tuple(dict.fromkeys(pis))[1:]),
         "caption": costs.LEDGER, "note": costs.TIMES,
     }  # fmt: skip
 

@@ -88,11 +88,12 @@ def standings_table(comparison: Comparison) -> Table:
 
 
 def _delay(s: Standing) -> Cell:
-    """The delay margin; beneath, where that is none of linear theory but what a simulation tolerates."""
+    """The delay margin; beneath, of an MPC, what a simulation tolerates."""
     broken = "delay_margin_s" in s.breaks
     if s.tolerated_delay_s is None:
         return Cell(_known(1000.0 * s.delay_margin_s, 0), "", broken)
-    return Cell(fixed(1000.0 * s.tolerated_delay_s, 0), "simulated", broken)
+    simulated = f"simulated: {fixed(1000.0 * s.tolerated_delay_s, 0)}"
+    return Cell(_known(1000.0 * s.delay_margin_s, 0), simulated, broken)
 
 
 def _known(value: float, decimals: int) -> str:

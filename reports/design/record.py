@@ -10,6 +10,7 @@ def design_record(study: DesignStudy) -> dict[str, Any]:
     prices = [
         {
             "guarantee": r["guarantee"], "motion": m.motion, "controller": r["controller"],
+            "sensors": r["sensors"],
             "gains": r["gains"], "worst_iae_deg_s": r["worst_iae_deg_s"],
             "worst_settling_s": r["worst_settling_s"], "ratio_to_bound": r["ratio_to_bound"],
             "worst_overshoot_percent": r["worst_overshoot_percent"], "holds_its_own": r["feasible"],

@@ -20,7 +20,8 @@ def card_rows(study: DesignStudy) -> list[CardRow]:
 def price_table(study: DesignStudy) -> Table:
     """What each guarantee costs."""
     columns = (
-        Column("Guarantee", number=False), Column("Controller", number=False), Column("Kp", "kPa/deg"),
+        Column("Guarantee", number=False), Column("Controller", number=False),
+        Column("Measures", number=False), Column("Kp", "kPa/deg"),
         Column("Ki", "kPa/(deg s)"), Column("b", "1"), Column("Worst IAE", "deg s"),
         Column("Worst settling", "s"), Column("Worst overshoot", "%"), Column("IAE / bound", "1"),
     )  # fmt: skip
@@ -35,7 +36,7 @@ def price_table(study: DesignStudy) -> Table:
             rows.append(
                 row(
                     GUARANTEES.get(r["guarantee"], r["guarantee"]) + held, r["controller"],
-                    *(number(gains.get(n)) for n in ("Kp", "Ki", "b")),
+                    " and ".join(r["sensors"]), *(number(gains.get(n)) for n in ("Kp", "Ki", "b")),
                     _of_run(r["worst_iae_deg_s"]), _of_run(r["worst_settling_s"]),
                     Cell(_of_run(over), broken=over is not None and over > limit),
                     _of_run(r["ratio_to_bound"]) if r["gains"] else "open",

@@ -7,7 +7,7 @@ from design.alternatives.designs import LQI_NAME, ROBUST_MPC
 from design.robustness.certificates.memory.ladder import IN_BOX
 from design.robustness.tuning.recommended import PLAIN
 from design.studies.design_study import DesignStudy, MotionDesign
-from design.studies.designs import BARE, FORWARD
+from design.studies.designs import BARE, CASCADE, FORWARD
 from plants.effects.wrist.remainder import STEEPNESS
 from reports.shared.card import broken_words, gains_words
 from reports.shared.names import limit_in_text
@@ -128,7 +128,9 @@ def remarks(study: DesignStudy) -> list[str]:
 
 def alternatives(study: DesignStudy) -> list[str]:
     """What other controllers would change under the same requirement, a motion after the other."""
-    said = [words(m) for m in study.motions for words in (feedforward_words, lqi_words, mpc_words)]
+    said = [
+        words(m) for m in study.motions for words in (feedforward_words, cascade_words, lqi_words, mpc_words)
+    ]
     return [s[0].upper() + s[1:] for s in said if s]
 
 
@@ -181,13 +183,11 @@ def _dearer(study: DesignStudy) -> str:
 
 def price_caption(study: DesignStudy) -> str:
     """Beneath the prices."""
-    unjudged = any(r["controller"] == ROBUST_MPC for m in study.motions for r in m.prices)
-    few = " Robust MPC: margins not judged." if unjudged else ""
     return (
         f"{_dearer(study)}Worst IAE over the same steps for every bar: all plants of the box, initial "
         "states, loads and dead times. Blue: tuned for the whole requirement, no broken limit found; ▲: "
         "limit broken. Gains tuned for weaker guarantees may be faster here, but break limits in other "
-        f"cases.{few}"
+        "cases."
     )
 
 
@@ -218,13 +218,22 @@ def feedforward_words(m: MotionDesign) -> str:
 def lqi_words(m: MotionDesign) -> str:
     """What an LQI would change under the same requirement, and which limit it breaks; nothing where there is
     none."""
-    found = m.designs.get(LQI_NAME)
+    return _pressure_words(m, LQI_NAME, "a robust LQI")
+
+
+def cascade_words(m: MotionDesign) -> str:
+    """As `lqi_words`, of a cascade with the measured pressure inside."""
+    return _pressure_words(m, CASCADE, "a cascade, a PI around a proportional loop on the pressure")
+
+
+def _pressure_words(m: MotionDesign, name: str, what: str) -> str:
+    found = m.designs.get(name)
     if found is None:
         return ""
     values = ", ".join(f"{n} = {number(v)}" for n, v in found["gains"].items())
     share = 100 * (1 - found["cost"] / m.designs[m.recommended]["cost"])
     lower = f"{number(abs(share), 2)} % {'lower' if share > 0.0 else 'higher'}"
-    words = f"{m.motion}: a robust LQI ({values}) needs the measured pressure, and no certificate covers it."
+    words = f"{m.motion}: {what} ({values}) needs the measured pressure, and no certificate covers it."
     if found["holds"]:
         return f"{words} Its worst IAE is {lower}; no broken limit was found."
     limit = f"the limit on {limit_in_text(found['worst_excess_of'])}"
@@ -241,11 +250,16 @@ def mpc_words(m: MotionDesign) -> str:
     if found is None:
         return ""
     share = 100 * (1 - found["cost"] / m.designs[m.recommended]["cost"])
-    weight = number(found["gains"]["swing"])
+    swing, move, delay = (number(found["gains"][n]) for n in ("swing", "move", "delay"))
+    at_rest = found["margins"]
     words = (
-        f"{m.motion}: a {ROBUST_MPC} (weight {weight} on the change of the error) needs a model and the "
-        "measured pressure, and solves a quadratic program every period. No certificate covers it; Ms, Mt "
-        f"and the delay margin are not judged. The worst IAE of its tuning is {number(share, 2)} % lower."
+        f"{m.motion}: a {ROBUST_MPC} (weights {swing} on the change of the error, {move} on that of the "
+        f"command, {delay} periods of dead time in its model) needs a model and the measured pressure, and "
+        "solves a quadratic program every period. No "
+        "certificate covers it. Its linear loop at rest has Ms = "
+        f"{number(at_rest['Ms'])} at most, and a delay margin of at least "
+        f"{number(1000 * at_rest['delay_margin_s'], 2)} ms. The worst IAE of its tuning is "
+        f"{number(share, 2)} % lower."
     )
     if found["holds"]:
         return (

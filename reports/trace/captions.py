@@ -61,8 +61,9 @@ def choice_words() -> list[str]:
         "square of the residual in units of the noise: 1 is noise alone. The first few are then fitted "
         "together with all other parameters.",
         "Where the tests above find structure in the residual, an effect is selected if chi-square on "
-        f"held-out blocks of {BLOCK:g} s falls by more than {WORTH:g}, by more than {100 * SHARE:g} % "
-        f"of its excess over 1, and by more than {100 * TRIFLE:g} % of the reduction by earlier effects. "
+        f"held-out blocks of at most {BLOCK:g} s falls by more than {WORTH:g}, by more than "
+        f"{100 * SHARE:g} % of its excess over 1, and by more than {100 * TRIFLE:g} % of the reduction by "
+        "earlier effects. "
         "Where the residual looks like noise, chi-square on all rows must fall by as much, and the "
         "log-likelihood of the residual, as noise of any colour, must rise by more than a fit to "
         "slow noise would gain. The best such effect is selected; if there is none, the search ends.",

@@ -170,9 +170,9 @@ def seen_words(variable: str) -> str:
 
 
 def decision_table(rounds: tuple[SearchRound, ...]) -> Table:
-    """Each round's models that were refitted fully: chi-square on all data, and what the decision rested
-    on, chi-square on blocks that did not fit them or, where what was left looked like noise, the
-    log-likelihood that they gain."""
+    """Each round's models that were refitted fully: chi-square on all data, and of the first, the best and
+    the one taken what the decision rested on, chi-square on blocks that did not fit them or, where what was
+    left looked like noise, the log-likelihood that they gain; others were not judged by that."""
     groups = []
     for count, r in enumerate(rounds, start=1):
         if not r.candidates:
@@ -201,9 +201,11 @@ def _same(one: Candidate, other: Candidate) -> bool:
 def _decided(c: Candidate, r: SearchRound, noisy: bool) -> tuple[Cell, ...]:
     """A model of a round, with the figure that the decision rested on."""
     name = " + ".join(f"{f.NAME} ({f.FORM})" for f in c.model.forms) or "the declared wrist alone"
-    gained = fixed(c.log_likelihood - r.before.log_likelihood, 1) if noisy and c is not r.before else "–"
-    said = "before" if c is r.before else "selected" if r.taken is not None and _same(c, r.taken) else ""
-    return row(name, fixed(c.model.chi2, 2), "–" if noisy else fixed(c.held_out, 2), gained, said)
+    first, taken = c is r.before, r.taken is not None and _same(c, r.taken)
+    judged = first or taken or c is r.candidates[0]
+    held_out = fixed(c.held_out, 2) if judged and not noisy else "–"
+    gained = fixed(c.log_likelihood - r.before.log_likelihood, 1) if judged and noisy and not first else "–"
+    return row(name, fixed(c.model.chi2, 2), held_out, gained, "before" if first else "selected" * taken)
 
 
 def judge_table(reasons: Mapping[str, str]) -> Table:

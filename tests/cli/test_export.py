@@ -3,8 +3,13 @@
 import json
 import shutil
 import subprocess
+from types import SimpleNamespace
 
 import pytest
+
+from design.alternatives.designs import ROBUST_MPC
+from design.cli.commands.design import _exporting, _write_gains
+from plants.parameters.files import built_in, dump
 
 CC = shutil.which("cc") and shutil.which("make")
 
@@ -12,7 +17,7 @@ CC = shutil.which("cc") and shutil.which("make")
 @pytest.fixture
 def quick(monkeypatch):
     """Vectors of few steps: their length is tested elsewhere."""
-    from design.export import folder
+    from design.export.formats import folder
 
     whole = folder.contents
     monkeypatch.setattr(folder, "contents", lambda part, wrist: whole(part, wrist, 60))
@@ -38,7 +43,9 @@ def test_the_folder_and_what_is_said_of_it(wrist, tmp_path, quick):
 
 @pytest.mark.skipif(not CC, reason="no C compiler or make on this machine")
 @pytest.mark.parametrize(
-    "words", [["pi", "--gains", "3.1,10.4"], ["lqi", "--gains", "600,-640,-70,8,45"], ["observer"], ["mpc"]]
+    "words",
+    [["pi", "--gains", "3.1,10.4"], ["lqi", "--gains", "600,-640,-70,8,45"], ["observer"], ["mpc"]]
+    + [["mpc-real-time-robust", "--gains", "25,50,2"]],
 )
 def test_the_folder_replays_its_vector(wrist, tmp_path, words):
     told = wrist("export", *words, "--out", tmp_path, "--json", tmp_path / "it.json")
@@ -54,6 +61,9 @@ def test_the_folder_replays_its_vector(wrist, tmp_path, words):
     [
         (["pid", "--gains", "1,2"], "no controller 'pid'"),
         (["pi"], "--gains: not given"),
+        (["mpc", "--gains", "3,0.05,1.5"], "MPC delay of 1.5: give a whole number of periods"),
+        (["mpc", "--gains", "3,0.05"], "--gains: 2 given; mpc takes swing"),
+        (["mpc-robust", "--gains", "nowhere.toml"], "nowhere.toml"),
         (["pi", "--gains", "1,x"], "--gains: '1,x'"),
         (["pi", "--gains", "1,nan"], "--gains: '1,nan'"),
         (["pi", "--gains=-1,2"], "not negative"),
@@ -126,10 +136,31 @@ def test_a_pi_that_takes_over_has_inputs_for_it(wrist, tmp_path, quick):
     assert told.json["settings"]["rate limit"] == 20.0
 
 
+def test_an_mpc_takes_the_file_that_a_design_keeps_of_it(wrist, tmp_path, quick):
+    """With the plant of the design, as the design's last line has it."""
+    motion = SimpleNamespace(
+        motion="flexion", gains={"Kp": 3.0, "Ki": 9.0}, plant=built_in("flexion"), holds=True,
+        designs={ROBUST_MPC: {"gains": {"swing": 25.0, "move": 50.0, "delay": 2.0}, "holds": False}},
+    )  # fmt: skip
+    _write_gains(tmp_path, motion)
+    dump(motion.plant, tmp_path / "plant-flexion.toml")
+    name, *words = map(str, _exporting(tmp_path, "flexion"))
+    assert name == "wrist"
+    by_file = wrist(*words, "--json", "-")
+    assert by_file.code == 0, by_file.err
+    assert by_file.json["settings"]["delay"] == 2.0
+    assert by_file.json["settings"]["weight swing"] == 25.0
+    assert [f["count"] for f in by_file.json["state"] if f["name"] == "command_line_V"] == [2]
+    by_number = wrist(
+        "export", "mpc-real-time-robust", "--gains", "25,50,2", "--out", tmp_path / "c", "--json", "-"
+    )
+    assert by_number.json == by_file.json
+    assert "holds = false" in (tmp_path / "mpc-flexion.toml").read_text()
+
+
 @pytest.mark.skipif(not CC, reason="no C compiler or make on this machine")
 def test_a_revised_plant_is_written_with_its_effects(wrist, tmp_path):
     from plants.effects import Creep
-    from plants.parameters.files import built_in, dump
 
     own = {"creep.gain": 0.1, "creep.time_constant": 4.0}
     plant, base = tmp_path / "revised.toml", built_in("flexion")

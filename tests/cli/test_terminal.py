@@ -39,9 +39,15 @@ def test_colours_unless_they_are_not_wanted(more, coloured):
     assert ("\x1b[33m" in screen or "\x1b[1;33m" in screen) is coloured
 
 
-@pytest.mark.parametrize("columns", [60, 80, 120])
-@pytest.mark.parametrize("arguments", [("show",), FIT], ids=["show", "fit"])
-def test_nothing_is_wider_than_the_terminal_or_cut(columns, arguments):
+@pytest.mark.parametrize(
+    ("arguments", "columns"),
+    [
+        *((("show",), columns) for columns in (60, 80, 120)),
+        (FIT, 60),
+        *(pytest.param(FIT, columns, marks=pytest.mark.suite) for columns in (80, 120)),
+    ],
+)
+def test_nothing_is_wider_than_the_terminal_or_cut(arguments, columns):
     seen = on_terminal(*arguments, columns=columns, NO_COLOR="1", TERM="dumb")
     assert seen.code == 0
     to_copy = "next: "  # a command, which the terminal itself wraps

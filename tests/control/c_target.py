@@ -10,7 +10,7 @@ from tempfile import mkdtemp
 import pytest
 
 from design.export.catalogue import part
-from design.export.folder import contents
+from design.export.formats.folder import contents
 from design.export.part import Part
 from plants import Wrist
 
@@ -22,14 +22,19 @@ WRIST = Wrist.flexion()
 GAINS = {
     "pi": (3.1, 10.4),
     "pi-2dof": (3.1, 10.4, 0.7, 0.01),
+    "cascade": (2.6, 8.8, 0.8, 1.0),
     "lqi": (600.0, -640.0, -70.0, 8.0, 45.0),
     "feedforward": (25.0,),
     "feedforward-pi": (1.2, 2.2, 0.0305),  # a delay between samples
     "observer": (15.0,),
     "mpc": (),
     "mpc-robust": (),
+    "mpc-real-time": (),
+    "mpc-robust --gains 100,100,1": (100.0, 100.0, 1.0),  # a dead time in its model, of a single command
+    "mpc-real-time-robust --gains 25,50,2": (25.0, 50.0, 2.0),
 }
-STEPS = {"feedforward": 2000}  # the inverse runs its 10,000 steps with the PI
+SHORT = ("feedforward", "mpc-real-time", "mpc-real-time-robust --gains 25,50,2")
+STEPS = dict.fromkeys(SHORT, 2000)  # the inverse runs its 10,000 steps with the PI
 
 needs_compiler = pytest.mark.skipif(CC is None, reason="no C compiler (cc, gcc, clang) on this machine")
 
@@ -37,7 +42,7 @@ needs_compiler = pytest.mark.skipif(CC is None, reason="no C compiler (cc, gcc, 
 @cache
 def exported(kind: str) -> tuple[Part, Path]:
     """A controller's part, and the folder that it was written to."""
-    made = part(kind, "flexion", WRIST, GAINS[kind])
+    made = part(kind.split()[0], "flexion", WRIST, GAINS[kind] or None)
     folder = Path(mkdtemp(prefix=f"{made.name}-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     for name, text in contents(made, WRIST, STEPS.get(kind, 10_000)).items():

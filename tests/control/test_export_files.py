@@ -10,7 +10,7 @@ from design.controllers.lqi import LQI
 from design.controllers.memory_estimator import MemoryObserver
 from design.export.catalogue import CATALOGUE, part
 from design.export.fields import described
-from design.export.folder import contents
+from design.export.formats.folder import contents
 from plants import InputError, Wrist
 from plants.effects import Creep
 from tests.control.c_target import GAINS, WRIST, exported
@@ -30,7 +30,7 @@ def texts(kind):
     }
 
 
-@pytest.mark.parametrize("kind", ["pi", "mpc"])
+@pytest.mark.parametrize("kind", ["pi", "mpc", "mpc-real-time"])
 def test_the_same_law_gives_the_same_bytes(kind):
     first, again = (
         contents(part(kind, "flexion", Wrist.flexion(), GAINS[kind]), Wrist.flexion(), 50) for _ in range(2)
@@ -91,7 +91,11 @@ def test_the_catalogue_builds_what_the_classes_build():
         ("feedforward", (0.0,), "must be positive"),
         ("feedforward-pi", (1.0, 1.0, 0.6), "longer than 0.51 s"),
         ("observer", (-1.0,), "not be negative"),
-        ("mpc", (1.0,), "takes no gains"),
+        ("mpc", (1.0,), "1 given; mpc takes swing [1/deg^2], move [1/V^2], delay [periods]"),
+        ("mpc-real-time", (3.0, 0.05, 1.5), "delay of 1.5: give a whole number of periods"),
+        ("mpc-robust", (3.0, 0.05, -1.0), "give a whole number of periods, 0 or more"),
+        ("mpc-robust", (3.0, 0.05, 26.0), "longer than 0.51 s"),
+        ("mpc-robust", (3.0, 0.0, 2.0), "weight move of the MPC is 0"),
     ],
 )
 def test_bad_requests_are_refused_in_a_line(kind, gains, words):
@@ -99,6 +103,16 @@ def test_bad_requests_are_refused_in_a_line(kind, gains, words):
         part(kind, "flexion", WRIST, gains)
     assert "\n" not in str(refused.value)
     assert kind in CATALOGUE or "mpc" in str(refused.value)
+
+
+def test_an_mpc_has_the_weights_that_it_is_given_else_those_of_its_setting():
+    own, given = (part("mpc-real-time-robust", "flexion", WRIST, g) for g in (None, (25.0, 50.0, 2.0)))
+    changed = {n for n, v in own.settings.items() if given.settings[n] != v}
+    assert changed == {"weight swing", "weight move", "delay"}
+    assert [given.settings[n] for n in sorted(changed)] == [2.0, 50.0, 25.0]
+    assert own.settings["delay"] == 0.0
+    late = [f for f in given.members if f not in own.members]
+    assert [f.declaration for f in late] == ["double command_line_V[2];", "int command_oldest;"]
 
 
 def test_a_plant_that_has_no_inverse_is_refused():

@@ -14,11 +14,11 @@ from design.controllers.hand_over import HandOver, step
 from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
 from design.export.catalogue import part
-from design.export.fmu import unit
-from design.export.folder import contents
-from design.export.structured_text import function_block
+from design.export.formats.fmu import unit
+from design.export.formats.folder import contents
+from design.export.formats.structured_text import function_block
+from design.export.formats.targets import VERSIONS
 from design.export.table import difference_in_c, difference_in_unit
-from design.export.targets import VERSIONS
 from design.export.vectors import TargetReplay, vector
 from plants import InputError
 from tests.control.c_target import WRIST, needs_compiler

@@ -1,16 +1,20 @@
 """The QP that the exported MPC solves has the answer of another solver, and one without an answer is told."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from design.export.mpc import of_linear_mpc
+from design.export.formats.folder import contents
+from design.export.mpc.linear import of_linear_mpc
+from design.export.part import Seen
 from design.export.rendering import render
+from design.export.vectors import TargetReplay
 from design.mpc.linear import planner
 from design.mpc.prediction import coefficients
 from design.mpc.problem import MPCProblem, MPCWeights, robust
-from tests.control.c_target import CC, WRIST, exported, needs_compiler, objects, program, run
+from tests.control.c_target import CC, GAINS, WRIST, exported, needs_compiler, objects, program, run
 
 pytestmark = needs_compiler
 
@@ -27,10 +31,12 @@ MAIN = """
 #include <stdio.h>
 int main(void)
 {
-    double theta[4], least, most, u = 0.0;
+    double theta[4], least, most, u[MOVES];
     while (scanf("%lf %lf %lf %lf %lf %lf", theta, theta + 1, theta + 2, theta + 3, &least, &most) == 6) {
-        int code = solve(theta, least, most, theta[3], &u);
-        printf("%d %.17g\\n", code, u);
+        int code;
+        without_bounds(theta, u);
+        code = solve(u, least, most, theta[3], RATE);
+        printf("%d %.17g\\n", code, u[0]);
     }
     return 0;
 }
@@ -44,7 +50,7 @@ def solved(problem, questions, folder):
         "m.h": render("law.h.jinja", part),
         "m.c": render(part.template, part, **part.constants),
         "m_law.c": part.code,
-        "q.c": MAIN,
+        "q.c": MAIN.replace("RATE", repr(part.constants["rate"])),
     }.items():
         (folder / name).write_text(text)
     said = run(CC, "-std=c99", "-O2", "-Wall", "-Werror", "q.c", "m_law.c", "-lm", "-o", "q", folder=folder)
@@ -96,37 +102,93 @@ def test_bounds_that_contradict_each_other_are_told(tmp_path):
     assert codes.tolist() == [1, 1, 0]
 
 
-def test_a_lost_sample_holds_the_command_while_the_observer_goes_on():
-    n = exported("mpc")[0].name
+MPCS = [k for k in GAINS if k.startswith("mpc")]
+
+
+@pytest.mark.parametrize("kind", MPCS)
+@pytest.mark.parametrize("lost", ["reference_deg", "angle_deg", "pressure_kPa"])
+def test_a_sensor_that_stays_lost_is_bridged_by_the_plan_then_by_a_pi_or_the_last_command(kind, lost):
+    """All of it as `design.mpc.fallback` does; what the ladder remembers tells the rung."""
+    made, _ = exported(kind)
+    n, N = made.name, made.name.upper()
+    rows = [(10.0, 2.0 + 0.01 * k, 120.0 + 0.1 * k) for k in range(40)]
+    gone = range(8, 28)
     source = f"""
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 #include "{n}.h"
 int main(void)
 {{
-    {n}_measured m = {{10.0, 2.0, 120.0}}, lost;
-    {n}_state s, before;
-    double x = 0.0, last;
-    int k, codes = 0, same = 0, moved = 0;
+    {n}_measured m;
+    {n}_state s;
+    double x = 0.0;
+    int k;
     {n}_init(&s, 100.0, 0.0);
-    for (k = 0; k < 5; k++) codes += {n}_step(&s, &m, &x);
-    last = x;
-    for (k = 0; k < 3; k++) {{
-        lost = m;
-        if (k == 0) lost.reference_deg = NAN;
-        if (k == 1) lost.angle_deg = INFINITY;
-        if (k == 2) lost.pressure_kPa = NAN;
-        before = s;
-        codes += {n}_step(&s, &lost, &x);
-        same += x == last;
-        moved += memcmp(&s, &before, sizeof s) != 0 && isfinite(s.believed_plant_pressure_kPa);
+    for (k = 0; k < {len(rows)}; k++) {{
+        int code;
+        m.reference_deg = 10.0;
+        m.angle_deg = 2.0 + 0.01 * k;
+        m.pressure_kPa = 120.0 + 0.1 * k;
+        if (k >= {gone[0]} && k <= {gone[-1]}) m.{lost} = NAN;
+        code = {n}_step(&s, &m, &x);
+        code = code == {N}_OK ? 0 : code == {N}_BAD_INPUT ? 1 : 2;
+        printf("%d %d %d %.17g\\n", code, s.planned > 0.5, s.by_pi > 0.5, x);
     }}
-    printf("%d %d %d\\n", codes, same, moved);
     return 0;
 }}
-""".replace("believed_plant_pressure", exported("mpc")[0].state[0].name)  # fmt: skip
-    assert run(program("mpc", "lost", source)).stdout == "3 3 3\n"
+"""
+    said = run(program(kind, f"lost_{lost}", source)).stdout.split()
+    codes, planned, by_pi, outputs = np.array(said, float).reshape(-1, 4).T
+    member = [f.member for f in made.inputs].index(lost)
+    replay = TargetReplay(made)
+    replay.begin(100.0, 0.0)
+    for k, (row, output) in enumerate(zip(rows, outputs, strict=True)):
+        seen = [math.nan if i == member and k in gone else x for i, x in enumerate(row)]
+        assert output == pytest.approx(replay.step(Seen(*seen)), abs=1e-6), k
+    assert codes.tolist() == [float(k in gone) for k in range(len(rows))]
+    bridged = [k in gone and lost != "reference_deg" for k in range(len(rows))]
+    below = [b and k >= gone[0] + 5 for k, b in enumerate(bridged)]
+    assert planned.astype(bool).tolist() == [not b for b in below]
+    assert by_pi.astype(bool).tolist() == [b and lost == "pressure_kPa" for b in below]
+    if lost == "angle_deg":
+        assert np.unique(outputs[gone[0] + 5 : gone[-1] + 1]).size == 1
+
+
+@pytest.mark.parametrize("kind", ["mpc", "mpc-robust --gains 100,100,1"])
+def test_single_precision_believes_of_a_pressure_near_rest_what_double_does(kind, tmp_path):
+    """Where next to nothing of the pressure's error is left its share is no quotient of two roundings."""
+    made = exported(kind)[0].at("single")
+    n, lack = made.name, next(f.member for f in made.state if f.name == "lack")
+    seen = [(0.0, 0.0, 100.0 - 0.05 * ((7 * k) % 5)) for k in range(60)]
+    source = f"""
+#include <stdio.h>
+#include "{n}.h"
+int main(void)
+{{
+    {n}_state s;
+    int k;
+    {n}_init(&s, 100.0f, 0.0f);
+    for (k = 0; k < {len(seen)}; k++) {{
+        {n}_measured m = {{0.0f, 0.0f, 100.0f - 0.05f * (float)((7 * k) % 5)}};
+        float x;
+        {n}_step(&s, &m, &x);
+        printf("%.9g\\n", (double)s.{lack});
+    }}
+    return 0;
+}}
+"""
+    for name, text in (contents(made, WRIST, 60) | {"near.c": source}).items():
+        (tmp_path / name).write_text(text)
+    said = run(CC, "-std=c99", "-O2", "near.c", f"{n}.c", f"{n}_law.c", "-lm", "-o", "near", folder=tmp_path)
+    assert said.returncode == 0, said.stderr
+    told = np.array(run(tmp_path / "near").stdout.split(), float)
+    replay, believed = TargetReplay(made), []
+    replay.begin(100.0, 0.0)
+    for row in seen:
+        replay.step(Seen(*row))
+        believed.append(replay.state.believed.lack)
+    assert np.ptp(believed) > 0.01  # something is believed
+    np.testing.assert_allclose(told, believed, atol=2e-3)
 
 
 def test_what_is_exported_is_the_problem_that_was_given():

@@ -10,8 +10,8 @@ import pytest
 from design.controllers.controller import Measured
 from design.controllers.pi import PI
 from design.export.catalogue import part
-from design.export.fmu import unit
-from design.export.folder import contents
+from design.export.formats.fmu import unit
+from design.export.formats.folder import contents
 from design.export.plant.files import plant_files, plant_part, plant_unit, write_plant
 from design.export.plant.vectors import BEGIN, plant_vector
 from plants import InputError, Wrist, dynamics

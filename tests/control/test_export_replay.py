@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from design.export.folder import contents
+from design.export.formats.folder import contents
 from tests.control.c_target import (
     CC,
     GAINS,
@@ -104,10 +104,12 @@ def test_the_vector_of_the_observer_leads_the_memory_through_the_whole_loop():
     [
         ("pi", 1e-5),
         ("pi-2dof", 1e-5),
+        ("cascade", 1e-5),
         ("lqi", 1e-4),
         ("feedforward-pi", 5e-3),
         ("observer", 5e-4),
         ("mpc", 2e-2),
+        ("mpc-real-time", 5e-2),
     ],
 )
 def test_single_precision_compiles_without_a_double_and_stays_by_what_it_is_told(kind, most, tmp_path):

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 from design.export.catalogue import part
-from design.export.structured_text import function_block
+from design.export.formats.structured_text import function_block
 from design.export.table import of_plays
 from design.export.vectors import vector
 from plants.errors import InputError
 from tests.control.c_target import GAINS, WRIST
 
 STEPS = 1500
-KINDS = ["pi", "pi-2dof", "lqi", "feedforward-pi", "observer"]
+KINDS = ["pi", "pi-2dof", "cascade", "lqi", "feedforward-pi", "observer"]
 
 
 def translated(text):

@@ -116,7 +116,7 @@ def test_a_lost_sample_holds_the_output_and_leaves_the_state(kind, lost):
     assert run(program(kind, "lost", source)).stdout == f"{k} {k} {k} 2 1\n"
 
 
-@pytest.mark.parametrize("kind", ["pi", "lqi", "feedforward", "feedforward-pi", "mpc"])
+@pytest.mark.parametrize("kind", ["pi", "lqi", "feedforward", "feedforward-pi", "mpc", "mpc-real-time"])
 def test_a_start_from_rest_holds_still(kind):
     n = exported(kind)[0].name
     source = around(

@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import pytest
 
-from design.export.catalogue import CATALOGUE
 from design.export.plant import __main__ as plant_page
 from design.export.plant.__main__ import HEAD as PLANT_HEAD
 from design.export.plant.__main__ import HEADING as PLANT_HEADING
 from design.export.plant.__main__ import plant_row, showing
 from design.export.plant.files import plant_part
 from design.export.table import (
+    EXEMPLARY,
     HEAD,
     HEADING,
     HEADING_OF_PLAYS,
@@ -44,7 +44,7 @@ def table(heading):
 def test_the_page_has_a_row_for_each_controller_of_the_catalogue(heading):
     head, *rows = table(heading)
     assert head == list(HEAD)
-    assert [cells[:2] for cells in rows] == [[kind, exemplary(kind, WRIST).output.unit] for kind in CATALOGUE]
+    assert [cells[:2] for cells in rows] == [[kind, exemplary(kind, WRIST).output.unit] for kind in EXEMPLARY]
     for kind, _, *found in rows:
         double, single, *units = map(float, found)
         assert max(double, *units) < exemplary(kind, WRIST).tolerance

@@ -3,11 +3,11 @@
 import pytest
 
 from design.export.catalogue import part
-from design.export.fmu import variables
+from design.export.formats.fmu import variables
 from design.export.vectors import TargetReplay
 from tests.control.c_target import GAINS, WRIST
 
-KINDS = ["pi", "pi-2dof", "lqi", "feedforward-pi", "observer", "mpc"]
+KINDS = ["pi", "pi-2dof", "cascade", "lqi", "feedforward-pi", "observer", "mpc", "mpc-real-time"]
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -5,7 +5,20 @@ import numpy as np
 import pytest
 
 from design.export.catalogue import part
-from design.export.vectors import LOST, SPIKES, _open_loop, csv, references, spoiled, vector
+from design.export.vectors import (
+    LOST,
+    NOISE_DEG,
+    SPIKES,
+    _open_loop,
+    apart,
+    csv,
+    references,
+    spoiled,
+    vector,
+)
+from design.mpc.observer import begin
+from design.mpc.prediction import coefficients, roll, start_of
+from design.mpc.problem import nominal
 from plants.errors import InputError
 from tests.control.c_target import WRIST
 
@@ -95,10 +108,32 @@ def test_the_table_has_what_the_law_reads_and_what_it_answered(made):
     ("pi-2dof", (0.0, 0.0, 0.7, 0.01), "controls nothing"),
     ("pi", None, r"not given; pi takes Kp"),
     ("pi", (1.0,), r"1 given; pi takes"),
-    ("mpc", (1.0,), "mpc takes no gains"),
+    ("mpc", (1.0,), r"1 given; mpc takes swing"),
     ("feedforward-pi", (1.2, 2.2, 1e3), "longer than"),
 ])  # fmt: skip
 def test_what_cannot_be_is_refused(kind, gains, words):
     with pytest.raises(InputError, match=words):
         part(kind, "flexion", WRIST, gains)
     assert part("pi", "flexion", WRIST, (0.0, 1.0)).name == "flexion_pi"
+
+
+def test_a_dead_time_stands_between_the_law_that_knows_of_it_and_the_wrist():
+    """A wrist that is given the expected commands two periods late shows what was measured."""
+    late = part("mpc-robust", "flexion", WRIST, (100.0, 100.0, 2.0))
+    found = vector(late, WRIST, 100)
+    commands = [found.pressure / WRIST.regulator.gain] * 2 + found.rows[:, 3].tolist()
+    problem = nominal(WRIST)
+    start = start_of(begin(found.angle, found.pressure, WRIST))
+    states = roll(problem, coefficients(WRIST), start, 0.0, np.array(commands[:99]))
+    off = np.abs(states[:, -1] - found.rows[1:, 1])
+    assert np.nanmedian(off) < 2.0 * NOISE_DEG
+    wrong = roll(problem, coefficients(WRIST), start, 0.0, np.array(commands[2:]))[:99]
+    assert np.nanmedian(np.abs(wrong[:, -1] - found.rows[1:, 1])) > np.nanmedian(off)
+
+
+def test_a_law_that_its_dead_time_makes_unstable_by_itself_is_refused():
+    bold, mild = (part("mpc", "flexion", WRIST, (3.0, move, 2.0)) for move in (0.05, 5.0))
+    with pytest.raises(InputError, match="unstable by itself behind the dead time of its model") as refused:
+        vector(bold, WRIST, 1000)
+    assert "\n" not in str(refused.value)
+    assert 0.0 < apart(mild, vector(mild, WRIST, 1000)) < 1e-9

@@ -4,9 +4,9 @@ import shutil
 
 import pytest
 
-from design.export import folder as exporting
 from design.export.catalogue import part
-from design.export.folder import MANIFEST, write
+from design.export.formats import folder as exporting
+from design.export.formats.folder import MANIFEST, write
 from tests.control.c_target import WRIST, needs_compiler, run
 
 OLD, NEW = (3.1, 10.4), (1.2, 2.2)

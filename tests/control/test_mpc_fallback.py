@@ -14,7 +14,7 @@ from design.mpc.fallback import BY_PI, HELD, SHIFTED, SOLVED, Fallback, Info
 from design.mpc.linear import linear_mpc
 from design.mpc.loop import run
 from design.mpc.prediction import start_of
-from design.mpc.problem import MPCProblem
+from design.mpc.problem import MPCProblem, nominal
 from design.mpc.real_time import JUMP, RealTimeMPC, real_time_mpc
 from design.mpc.timing import ledger
 from plants import Wrist
@@ -256,3 +256,20 @@ def test_a_plan_is_begun_afresh_where_the_reference_jumps_and_only_there(monkeyp
         assert info.rung == SOLVED
         counts.append(len(begun))
     assert np.diff(counts, prepend=0).tolist() == [1, 0, 0, 0, 1, 1, 0, 1]
+
+
+@pytest.mark.parametrize("make", [linear_mpc, real_time_mpc])
+def test_the_pi_of_another_rig_begins_without_a_jump_there_too(make):
+    """A regulator of 20 kPa/V with commands to 10 V: the built-in PI would end at 4 V."""
+    bare = Wrist.flexion()
+    wrist = replace(
+        bare, regulator=replace(bare.regulator, gain=20.0), rig=replace(bare.rig, command_range=(0.0, 10.0))
+    )
+    controller = make(nominal(wrist))
+    state = controller.init(Measured(0.0, 3.0, 150.0))
+    for _ in range(8):
+        before = state.command
+        state, command, info = controller.step(state, Measured(0.0, 3.0, np.nan))
+    assert info.rung == BY_PI
+    assert before == pytest.approx(7.5, abs=0.3)
+    assert command == pytest.approx(before, abs=0.1)

@@ -20,12 +20,14 @@ from design.comparison.compare import (
     step_cases,
     together,
 )
+from design.comparison.tolerated import tolerated
 from design.controllers.controller import settings_of
 from design.controllers.pi import PI
 from design.evaluation.metrics import Metrics
 from design.evaluation.steps import run
 from design.mpc import loop
 from design.mpc.linear import linear_mpc
+from design.mpc.margins_at_rest import margins_at_rest
 from design.mpc.problem import MPCProblem as Problem_of_MPC
 from design.open_loops import by_python_control
 from design.synthesis.requirements import Limits, Problem
@@ -197,14 +199,16 @@ def test_a_feedforward_adds_nothing_to_the_loop_that_margins_are_of(comparison):
             assert s.Ms == max(r["Ms"] for r in rows)
 
 
-def test_an_MPC_stands_in_the_table_without_margins_that_it_has_not():
+def test_an_MPC_stands_in_the_table_with_margins_at_rest_and_what_it_tolerates():
     w = WRISTS["deviation"]
     mpc = linear_mpc(Problem_of_MPC(w))
     found = compare(
         {"deviation": w}, {"deviation": GAINS["deviation"]}, designs={}, periodic={"deviation": {"MPC": mpc}}
     )
     (s,) = (s for s in found.standings if s.controller == "MPC")
-    assert np.isnan([s.Ms, s.delay_margin_s]).all()
+    at_rest = margins_at_rest(mpc, [w])
+    assert (s.Ms, s.delay_margin_s) == (at_rest.Ms, at_rest.delay_margin_s)
+    assert s.delay_margin_s == pytest.approx(s.tolerated_delay_s, abs=0.01)  # of two ways to ask
     late = [
         loop.run(w + DeadTime(s.tolerated_delay_s + more), mpc, 15.0, duration=5.0) for more in (0.0, 5e-3)
     ]
@@ -262,3 +266,22 @@ def test_a_record_is_flat_and_has_no_infinity(comparison):
     assert len(record) == 4 + 3 * len(METRICS) + 2
     assert record["task_id"] == "step+virgin"
     assert all(v is None or isinstance(v, str) or np.isfinite(v) for v in record.values())
+
+
+def test_a_controller_once_a_period_without_another_problem_stands_by_what_it_tolerates():
+    class Own:
+        """An MPC of somebody's own: `init` and `step`, and nothing else."""
+
+        def __init__(self, inner):
+            self.problem, self.init, self.step = inner.problem, inner.init, inner.step
+            self.low, self.high, self.gain = 0.0, 4.0, 49.4
+
+    w = WRISTS["deviation"]
+    found = compare(
+        {"deviation": w}, {"deviation": GAINS["deviation"]}, designs={},
+        periodic={"deviation": {"own": Own(linear_mpc(Problem_of_MPC(w)))}},
+    )  # fmt: skip
+    (s,) = (s for s in found.standings if s.controller == "own")
+    assert np.isnan([s.Ms, s.delay_margin_s]).all()
+    assert s.tolerated_delay_s == tolerated(w, linear_mpc(Problem_of_MPC(w))).delay_s > 0.0
+    assert "delay_margin_s" in s.breaks

@@ -1,5 +1,6 @@
 """A parameter set that is wrong is refused in one line: the file, the parameter, and what to do."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -152,3 +153,15 @@ def test_a_missing_file(tmp_path: Path):
 
 def test_a_folder(tmp_path: Path):
     assert refusal(tmp_path) == f"{tmp_path}: is a folder; give the .toml file of a parameter set"
+
+
+def test_an_offset_may_be_negative_while_the_lines_stay_apart(tmp_path: Path):
+    """Angle 0 lies outside the loop of many rigs that were guessed from a log."""
+    flexion = built_in("flexion")
+    moved = {n: replace(flexion.parameters[n], value=v, low=-20.0) for n, v in (("w1", 14.0), ("w2", -2.0))}
+    dump(replace(flexion, parameters={**flexion.parameters, **moved}), tmp_path / "plant.toml")
+    assert load(tmp_path / "plant.toml").values["w2"] == -2.0
+    moved["w1"] = replace(moved["w1"], value=1.0)
+    dump(replace(flexion, parameters={**flexion.parameters, **moved}), tmp_path / "plant.toml")
+    with pytest.raises(InputError, match="line 1 lies above line 2"):
+        load(tmp_path / "plant.toml")

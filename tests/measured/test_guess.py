@@ -5,11 +5,12 @@ import pytest
 
 from plants.measured.campaign import load_campaign
 from plants.measured.guess.rig import guessed_rig, guessed_set
-from plants.measured.guess.rough_models import first_order, loop_guess, plays
+from plants.measured.guess.rough_models import first_order, largest_error, loop_guess, plays
 from plants.measured.recording import Recording
+from plants.measured.trace.law import fit_rig
 from plants.parameters.files import dump, load
 from plants.parameters.quantities import Guessed
-from tests.rig.soft import CAMPAIGNS
+from tests.rig.soft import CAMPAIGNS, climber
 
 
 @pytest.fixture(scope="module", params=CAMPAIGNS)
@@ -84,3 +85,20 @@ def test_a_guess_is_a_set_that_says_that_it_is_guessed(soft, law, tmp_path):
     dump(found, tmp_path / "guess.toml")
     assert load(tmp_path / "guess.toml").values == found.values
     assert "guessed" in (tmp_path / "guess.toml").read_text()
+
+
+def test_the_largest_error_is_that_of_the_largest_step():
+    x = np.repeat([0.0, 1.0, 0.2, 0.8, 0.5], 300)
+    run = x, 40.0 * x, 0.01
+    assert largest_error([run], first_order([run])) == pytest.approx(40.0, rel=0.02)
+
+
+def test_a_rate_that_no_recording_shows_is_not_extrapolated(tmp_path):
+    """Steps of 32 kPa are fitted, steps of up to 160 kPa held out: bound by nothing, the rate far from the
+    commanded pressure ended where the fit's small errors liked it, and the held-out pressure 15 kPa off."""
+    climber().write(tmp_path / "climber", ("stairs", "wave"), ("check",))
+    campaign = load_campaign(tmp_path / "climber")
+    half_way = guessed_set(campaign).parameters["e0"]
+    assert half_way.high <= 0.55 * 32.0
+    found = fit_rig(campaign).declared
+    assert found.validate_rmse["pressure_kPa"] <= 0.03 * 160.0

@@ -3,7 +3,6 @@
 import copy
 import os
 
-import nbformat
 import pytest
 
 from tests.notebooks import outputs
@@ -13,6 +12,7 @@ from tests.notebooks.stored import TEXTS
 @pytest.mark.suite
 @pytest.mark.parametrize("text", TEXTS, ids=lambda p: p.stem)
 def test_notebook_runs_and_shows_what_is_stored(text):
+    import nbformat
 
     from notebooks.build import NEEDS_DATA, executed, notebook_of
 
@@ -27,6 +27,7 @@ def test_notebook_runs_and_shows_what_is_stored(text):
 
 
 def test_a_number_that_changed_is_seen_and_rounding_is_not():
+    import nbformat
 
     said = nbformat.v4.new_output("stream", name="stdout", text="Kp 3.13 kPa/deg, off by 3e-14, never: ∞\n")
     cell = nbformat.v4.new_code_cell("x", outputs=[said])

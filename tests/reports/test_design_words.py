@@ -8,12 +8,13 @@ import pytest
 from design.alternatives.designs import LQI_NAME, ROBUST_MPC
 from design.robustness.certificates.memory.ladder import IN_BOX
 from design.studies.design_study import DesignStudy, MotionDesign
-from design.studies.designs import FORWARD, DesignEffort
+from design.studies.designs import CASCADE, FORWARD, DesignEffort
 from plants.effects.wrist.cross_coupling import Coupling
 from plants.effects.wrist.remainder import STEEPNESS
 from plants.parameters.files import built_in
 from reports.design import tables
 from reports.design.words import (
+    cascade_words,
     controller_words,
     feedforward_words,
     last_line,
@@ -32,7 +33,8 @@ def motion(name, broken, proved):
     guard = {"overshoot_percent": 0.1}
     design = {"gains": GAINS, "holds": not broken, "cost": 10.0, "guard": guard}
     row = {
-        "guarantee": "proved", "controller": "PI", "gains": None, "worst_iae_deg_s": None,
+        "guarantee": "proved", "controller": "PI", "sensors": ["angle"], "gains": None,
+        "worst_iae_deg_s": None,
         "worst_settling_s": None, "worst_overshoot_percent": None, "ratio_to_bound": None,
     }  # fmt: skip
     evidence = {
@@ -94,9 +96,6 @@ def test_the_price_of_the_whole_requirement_is_told_in_per_cent():
     assert priced(10.0).startswith("The recommended gains err 25 % more on flexion than gains tuned for")
     assert "err 50 % less on flexion" in priced(4.0)
     assert priced(None).startswith("Worst IAE over the same steps")
-    assert "Robust MPC" not in priced(10.0)
-    mpc = {**m.prices[0], "controller": ROBUST_MPC, "guarantee": "worst case found"}
-    assert priced(10.0, mpc).endswith("Robust MPC: margins not judged.")
 
 
 def test_a_residual_is_told_with_what_is_proved_of_the_slopes_that_it_changes():
@@ -119,8 +118,12 @@ def test_a_residual_is_told_with_what_is_proved_of_the_slopes_that_it_changes():
 
 def test_an_mpc_is_told_with_what_was_searched():
     (m,) = study(0, "open", 1).motions
-    of = {"gains": {"swing": 80.0}, "cost": 5.0, "holds": True, "samples": 256, "search_runs": 2000}
+    of = {"gains": {"swing": 80.0, "move": 500.0, "delay": 2.0}, "cost": 5.0, "holds": True, "samples": 256}
+    of["search_runs"] = 2000
+    of["margins"] = {"Ms": 1.9, "Mt": 1.3, "delay_margin_s": 0.08}
     said = mpc_words(replace(m, designs={**m.designs, ROBUST_MPC: of}))
+    assert "Ms = 1.9 at most" in said
+    assert "at least 80 ms" in said
     assert "worst IAE of its tuning is 50 % lower" in said
     assert said.endswith("found in about 2000 runs of a search and in 256 fresh samples.")
 
@@ -148,6 +151,16 @@ def test_a_feedforward_whose_worst_case_breaks_a_limit_is_told_with_the_case():
     assert "0, +15, +10, +5 deg" in words
     untold = {n: v for n, v in broken.items() if not n.startswith("worst")}  # broke a case of its tuning
     assert feedforward_words(replace(with_one, designs={**with_one.designs, FORWARD: untold})) == ""
+
+
+def test_a_cascade_is_told_with_what_it_measures_and_gains():
+    with_one = motion("flexion", 0, "proved")
+    gains = {"Kp": 2.61, "Ki": 8.83, "b": 0.8, "Kc": 1.0}
+    one = {"gains": gains, "holds": True, "cost": 9.0}
+    words = cascade_words(replace(with_one, designs={**with_one.designs, CASCADE: one}))
+    for told in ("Kc = 1", "measured pressure", "10 % lower", "no broken limit was found"):
+        assert told in words
+    assert cascade_words(with_one) == ""
 
 
 def test_an_lqi_is_told_with_the_limit_that_it_breaks_or_that_none_was_found():

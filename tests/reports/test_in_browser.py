@@ -7,16 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from reports.comparison.page import write_comparison
-from reports.robustness.page import write_robust
 from reports.shared.figures.direct_labels import SIZE
 from reports.shared.html import Made, Shown, render
-from reports.trace.page import write_trace
-from tests.reports.report_samples import (
-    small_robustness,
-    small_trace,
-    whole_study,
-)
 
 sync_api = pytest.importorskip("playwright.sync_api")
 
@@ -45,17 +37,10 @@ def browser():
 
 
 @pytest.fixture(scope="module")
-def made_here(tmp_path_factory) -> dict[str, Path]:
+def made_here(written_comparison, written_trace, written_robust) -> dict[str, Path]:
     """Small pages of each kind, by name."""
-    folder = tmp_path_factory.mktemp("pages")
-    c, trace = whole_study(), small_trace()
-    data = {f.campaign.name: f.campaign.checksum for f in c.fits.values()}
-    made = Made.now("wrist " + "word " * 60 + "x" * 300, 7, c.plants, data, "A remark.")
-    return {
-        "comparison": write_comparison(folder, c, made),
-        "trace": write_trace(folder, trace, made),
-        "robust": write_robust(folder, small_robustness(), made),
-    }
+    written = (written_comparison, written_trace, written_robust)
+    return {name: w.path for name, w in zip(PAGES, written, strict=True)}
 
 
 @pytest.fixture(

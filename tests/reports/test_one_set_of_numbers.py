@@ -203,7 +203,7 @@ def _of(motion: str) -> tuple[Number, ...]:
                 ),
             ),
         )
-        for name in ("PI + feedforward", "robust LQI", "robust MPC")
+        for name in ("PI + feedforward", "cascade PI", "robust LQI", "robust MPC")
     )
 
 

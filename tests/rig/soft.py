@@ -215,6 +215,21 @@ def bender() -> SoftRig:
     )  # fmt: skip
 
 
+def climber() -> SoftRig:
+    """Fitted on small steps and a slow sine, held out on large steps: what the rate far from the commanded
+    pressure is, no recording to fit on says.  The pressure is renewed in every fortieth row."""
+    return SoftRig(
+        "climber", 0.0, 5.0, 40.0, 2.0, 0.05, 6.0, 5.0, 0.5, (0.0, 4.0, 12.0, 30.0), (0.06, 0.05, 0.05, 0.06),
+        15.0, 0.10, 36.0, 0.0, (0.06, 5.0), 0.08,
+        Logger(0.005, renewal=0.2, angle_noise=0.03, pressure_noise=0.1, pressure_step=0.25),
+        {
+            "stairs": lambda: stairs([0.2, 1, 1.8, 2.6, 3.4, 4.2, 4.2, 3.4, 2.6, 1.8, 1, 0.2], 5.0),
+            "wave": lambda: sine(0.2, 4.0, 0.1, 60.0),
+            "check": lambda: wandering(0.2, 4.2, 3.0, 60.0, 7),
+        },
+    )  # fmt: skip
+
+
 CAMPAIGNS = {
     "arm-a": (arm_a, ("large", "medium"), ("check",)),
     "arm-b": (arm_b, ("stairs", "wave"), ("check",)),

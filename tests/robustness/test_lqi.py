@@ -297,6 +297,6 @@ def test_the_design_is_the_least_of_its_neighbours_that_hold_the_limits():
 
 
 def test_where_no_member_of_the_family_holds_the_limits_the_broken_one_is_named():
-    found = design_lqi(small(Limits(total_variation_V=0.2)))
+    found = design_lqi(small(Limits(total_variation_V=0.2)), generations=3)
     assert "total_variation_V" in found.breaks
     assert float(found.at.excess["total_variation_V"][0]) > 0.0

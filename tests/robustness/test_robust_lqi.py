@@ -11,18 +11,18 @@ from design.evaluation.cases import stack
 from design.evaluation.runner import play
 from design.robustness.checks import check
 from design.robustness.tuning.robust_lqi import tune_lqi
-from design.robustness.tuning.robust_tuning import GUARD, tune_robustly
+from design.robustness.tuning.robust_tuning import GUARD
 from design.synthesis.requirements import Limits
 from plants import Wrist
 from tests.robustness.test_lqi import continuous
-from tests.robustness.test_robust_tuning import COARSE, small
+from tests.robustness.test_robust_tuning import plain, small
 
 WRIST = Wrist.flexion()
 
 
 @pytest.fixture(scope="module")
 def base():
-    return tune_robustly(small(), COARSE, 0).final
+    return plain().final
 
 
 @pytest.fixture(scope="module")
@@ -75,7 +75,7 @@ def test_gains_that_hold_are_broken_by_no_fresh_sample(tuned):
 def test_where_none_hold_the_limit_that_the_nearest_break_is_named(base):
     asked = small()
     strict = replace(asked, limits=replace(asked.limits, total_variation_V=0.3))
-    found = tune_lqi(strict, base, rounds=2)
+    found = tune_lqi(strict, base, rounds=2, generations=3)
     assert found.ended == "no gains hold the grown set"
     assert not found.holds
     assert found.final.breaks

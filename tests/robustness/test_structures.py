@@ -11,7 +11,7 @@ from design.robustness.tuning.robust_tuning import tune_robustly
 from design.synthesis.structure import TWO_DOF_PI, forward_pi, with_gains
 from plants.effects.wrist.creep import Creep
 from plants.wrist import Wrist
-from tests.robustness.test_robust_tuning import COARSE, small
+from tests.robustness.test_robust_tuning import COARSE, plain, small
 
 WRIST = Wrist.flexion()
 
@@ -33,8 +33,7 @@ def test_the_model_of_a_feedforward_is_the_wrist_without_effects():
 
 @pytest.mark.suite
 def test_a_feedforward_around_the_same_loop_costs_less_and_holds_what_the_loop_holds():
-    plain = tune_robustly(small(), COARSE, 0)
-    two = tune_robustly(small(), COARSE, 0, structure=TWO_DOF_PI, base=plain.final)
+    two = tune_robustly(small(), COARSE, 0, structure=TWO_DOF_PI, base=plain().final)
     found = tune_robustly(small(), COARSE, 0, structure=forward_pi(0.025), base=two.final)
     assert found.holds
     assert (found.final.Kp, found.final.Ki) == (two.final.Kp, two.final.Ki)

@@ -1,6 +1,7 @@
 """Campaigns that would mislead a trace: a clear error, or a verdict that claims no more than it can."""
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -8,9 +9,12 @@ import pytest
 
 from plants.errors import InputError, InputWarning
 from plants.measured.campaign import load_campaign
+from plants.measured.logger import corrected
+from plants.measured.trace.suspect import check
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.files import built_in
 from tests.rig.campaign import make_campaign
+from tests.rig.soft import climber
 from tests.trace.traces import trace_folder
 
 
@@ -40,6 +44,18 @@ def test_a_clipped_sensor_is_refused(spoiled):
     folder = spoiled("steps.csv", lambda t: t.assign(angle_deg=t.angle_deg.clip(-6.0, 6.0)))
     with pytest.raises(InputError, match=r"steps.csv: column 'angle_deg': stays at exactly -?6.*is clipped"):
         trace_folder(folder)
+
+
+def test_a_coarse_channel_that_is_held_is_not_clipped(tmp_path):
+    """Three equal renewals at the top of a sine are 120 rows."""
+    rig = climber()
+    logger = replace(rig.logger, pressure_step=0.5)
+    replace(rig, logger=logger).write(tmp_path / "held", ("wave",), ("check",))
+    campaign, remarks = corrected(load_campaign(tmp_path / "held"))
+    pressure = pd.read_csv(tmp_path / "held" / "wave.csv").pressure_kPa
+    assert (pressure == pressure.max()).sum() >= 80
+    assert {(r.habit, r.channel, len(r.recordings)) for r in remarks} >= {("held", "pressure_kPa", 2)}
+    check(campaign)
 
 
 def test_a_gap_inside_a_recording_is_refused(spoiled):

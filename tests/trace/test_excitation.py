@@ -45,6 +45,11 @@ def test_a_load_step_at_the_first_rows_is_an_offset():
     assert LoadStep(1.0, 20.0).borrowed(asked(STEPS)) is None
 
 
+def test_a_load_step_within_the_first_period_of_the_only_sine_is_the_commands():
+    assert "offset" in LoadStep(1.0, 8.0).borrowed(asked(SINE))
+    assert LoadStep(1.0, 12.0).borrowed(asked(SINE)) is None
+
+
 def test_a_drift_along_the_only_ramp_is_the_commands():
     assert "ramp" in Drift(0.01).borrowed(asked(RAMP))
     assert Drift(0.01).borrowed(asked(STEPS)) is None

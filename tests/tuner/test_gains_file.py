@@ -8,7 +8,7 @@ import pytest
 from design.cli import main
 from design.cli.commands.compare import robust
 from design.cli.commands.robust import controller
-from design.tuner.gains_file import read, write
+from design.tuner.gains_file import read, read_mpc, write, write_mpc
 from plants import Wrist
 from plants.errors import InputError
 from plants.rig import Units, built_in_rig
@@ -34,6 +34,28 @@ def test_it_is_in_the_units_of_the_rig(tmp_path):
     assert read(path, of_mm) == tuple(GAINS.values())
     with pytest.raises(InputError, match="unit 'bar/mm' is wrong; give it in kPa/deg"):
         read(path)
+
+
+OF_MPC = {"swing": 25.1, "move": 50.0, "delay": 2.0}
+
+
+def test_that_of_an_mpc_too_comes_back_in_the_units_of_the_rig_and_replaces_the_one_before(tmp_path):
+    path = write_mpc(tmp_path / "mpc-bend.toml", {**OF_MPC, "swing": 1.0})
+    of_mm = replace(built_in_rig(), units=Units("A", "bar", "mm"))
+    assert write_mpc(path, OF_MPC, {"holds": True}, of_mm) == path
+    assert 'unit = "1/mm^2"' in path.read_text()
+    assert read_mpc(path, of_mm) == tuple(OF_MPC.values())
+    with pytest.raises(InputError, match=r"unit '1/mm\^2' is wrong; give it in 1/deg\^2"):
+        read_mpc(path)
+
+
+def test_the_gains_of_a_pi_are_none_of_an_mpc_and_the_other_way_round(kept, tmp_path):
+    with pytest.raises(
+        InputError, match=r"holds no \[gains.swing\] and \[gains.delay\]; give a file that `wr"
+    ):
+        read_mpc(kept)
+    with pytest.raises(InputError, match=r"holds no \[gains.Kp\] and \[gains.Ki\]"):
+        read(write_mpc(tmp_path / "mpc.toml", OF_MPC))
 
 
 def wrist(capsys, *arguments):

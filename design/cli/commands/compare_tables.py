@@ -20,7 +20,7 @@ STANDING = (
 )  # fmt: skip
 LEGEND = (
     "▲ limit broken; – not judged; /bound: largest ratio over the tasks to a lower bound",
-    "~ dead time tolerated in simulation, for a controller without a linear law",
+    "~ dead time that an MPC tolerates in simulation",
 )
 SCORE = (
     "controller", "IAE\ndeg s", "difference\n95 %", "rank", "settle\ns", "95 % in\ns", "over\n%",

@@ -73,6 +73,7 @@ def command(
     json: JsonOption = None,
     jobs: JobsOption = None,
 ) -> None:
+    from design.alternatives.designs import ROBUST_MPC
     from design.studies.design_study import Taken, design_study
     from design.studies.designs import DesignEffort
     from reports.design.page import write_design
@@ -104,6 +105,8 @@ def command(
     said.print(last_line(study), soft_wrap=True)
     for motion in study.motions:
         following(said, "make", "-C", out / f"c-{motion.motion}", "check")
+        if ROBUST_MPC in motion.designs:
+            following(said, *_exporting(out, motion.motion))
     if not study.holds:
         raise typer.Exit(1)
 
@@ -130,12 +133,25 @@ def _campaigns(folders: list[Path], files_: list[Path]) -> "dict[str, tuple[Camp
 
 
 def _write_gains(out: Path, motion: "MotionDesign") -> None:
-    """The recommended gains as gains-MOTION.toml, in place of those of a run before."""
-    from design.tuner.gains_file import write
+    """The recommended gains as gains-MOTION.toml, and of an MPC that was tuned mpc-MOTION.toml, in place of
+    those of a run before."""
+    from design.alternatives.designs import ROBUST_MPC
+    from design.tuner.gains_file import write, write_mpc
 
     path = (out / f"gains-{motion.motion}.toml").absolute()
     about = {"plant": f"plant-{motion.motion}.toml", "holds": motion.holds}
     write(path, motion.gains, about, (path,), motion.plant.rig)
+    mpc = motion.designs.get(ROBUST_MPC)
+    if mpc is not None:
+        about = {**about, "holds": mpc["holds"]}
+        write_mpc(path.with_name(f"mpc-{motion.motion}.toml"), mpc["gains"], about, motion.plant.rig)
+
+
+def _exporting(out: Path, motion: str) -> tuple[str | Path, ...]:
+    """The command that exports the MPC that was tuned."""
+    gains, plant = out / f"mpc-{motion}.toml", out / f"plant-{motion}.toml"
+    words = ("wrist", "export", "mpc-real-time-robust", "--gains", gains, "--plant", plant)
+    return (*words, "--out", out / f"c-mpc-{motion}")
 
 
 def _export(out: Path, motion: "MotionDesign") -> None:
@@ -145,7 +161,7 @@ def _export(out: Path, motion: "MotionDesign") -> None:
     from design.controllers.pi_two_dof import TwoDofPI
     from design.controllers.plausible import SensorLimits
     from design.export.catalogue import STANDS_STILL, identifier
-    from design.export.folder import write
+    from design.export.formats.folder import write
     from design.export.part import of_controller
     from plants.wrist import Wrist
 

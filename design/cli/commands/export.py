@@ -56,8 +56,9 @@ def command(
     controller: Annotated[
         str,
         typer.Argument(
-            help="pi, pi-2dof, lqi, feedforward, feedforward-pi, observer, mpc or mpc-robust; or plant, "
-            "the plant itself with all its effects, as C or FMU.",
+            help="pi, pi-2dof, cascade, lqi, feedforward, feedforward-pi, observer, mpc, mpc-robust, "
+            "mpc-real-time or mpc-real-time-robust; or plant, the plant itself with all its effects, as C or "
+            "FMU.",
             autocompletion=controllers,
         ),
     ],
@@ -70,9 +71,11 @@ def command(
     gains: Annotated[
         str | None,
         typer.Option(
-            help="pi: Kp,Ki. pi-2dof: Kp,Ki,b,Tf. lqi: Ke,Kd,Kq,jump,bandwidth. feedforward: speed. "
-            "feedforward-pi: Kp,Ki,dead time. observer: bandwidth. Needed by pi, pi-2dof, lqi and "
-            "feedforward-pi. For pi a TOML file with gains works too."
+            help="pi: Kp,Ki. pi-2dof: Kp,Ki,b,Tf. cascade: Kp,Ki,b,Kc. lqi: Ke,Kd,Kq,jump,bandwidth. "
+            "feedforward: speed. feedforward-pi: Kp,Ki,dead time. observer: bandwidth. Needed by pi, "
+            "pi-2dof, cascade, lqi and feedforward-pi. Any mpc: swing,move,delay, the weights of changes of "
+            "angle and command and the periods of dead time in its model. For pi and any mpc a TOML file "
+            "with them works too, such as mpc-MOTION.toml of wrist design --mpc."
         ),
     ] = None,
     target: Annotated[
@@ -100,8 +103,8 @@ def command(
     json: JsonOption = None,
 ) -> None:
     from design.export.catalogue import part, record
+    from design.export.formats.targets import TARGETS
     from design.export.plant.files import PLANT
-    from design.export.targets import TARGETS
     from plants.wrist import Wrist
 
     check_places({"--json": json}, out)
@@ -111,7 +114,7 @@ def command(
         refused = {"--gains": gains, "--rate-limit": rate_limit, "--hand-over": hand_over or None}
         return _plant(chosen.axis, wrist, target, out, refused, precision, json)
     with progress("export") as tell:
-        own = None if gains is None else numbers(gains, wrist.rig)
+        own = None if gains is None else numbers(gains, wrist.rig, controller)
         made = part(controller, chosen.axis, wrist, own, hand_over, rate_limit)
         made = made.at(precision.value)
         tell("test vector", 0.0)
@@ -157,15 +160,19 @@ def _told(
         said.print(f"replay the test vector with: make -C {out} check", soft_wrap=True)
 
 
-def numbers(text: str, rig: "Rig | None" = None) -> tuple[float, ...]:
-    """Numbers with commas between, of either sign, or those of a TOML file with the gains of a PI, in the
-    units of a rig; raises InputError for anything else.
+def numbers(text: str, rig: "Rig | None" = None, controller: str = "pi") -> tuple[float, ...]:
+    """Numbers with commas between, of either sign, or those of a TOML file with the gains of a PI, of an MPC
+    with what was tuned of it, in the units of a rig; raises InputError for anything else.
 
     >>> numbers("600,-640")
     (600.0, -640.0)
     """
     from plants.errors import InputError
 
+    if text.endswith(".toml") and controller.startswith("mpc"):
+        from design.tuner.gains_file import read_mpc
+
+        return read_mpc(text, rig)
     if text.endswith(".toml"):
         return pi_gains(text, rig=rig)
     try:

@@ -4,14 +4,13 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from design.export.catalogue import CATALOGUE
 from design.export.cortex.emulator import counted
 from design.export.cortex.stack import deepest
 from design.export.cortex.toolchain import missing, objects, sizes
-from design.export.folder import around
+from design.export.formats.folder import around
 from design.export.part import Part
 from design.export.precision import Precision
-from design.export.table import exemplary, into_page, written
+from design.export.table import EXEMPLARY, exemplary, into_page, written
 from design.export.vectors import Vector, vector
 from plants.wrist import Wrist
 
@@ -48,7 +47,7 @@ def row(kind: str, part: Part, found: Vector) -> list[str]:
 def rows() -> Iterator[list[str]]:
     """All controllers of the catalogue in both precisions."""
     wrist = Wrist.flexion()
-    for kind in CATALOGUE:
+    for kind in EXEMPLARY:
         part = exemplary(kind, wrist)
         found = vector(part, wrist, STEPS)
         for precision in PRECISIONS:

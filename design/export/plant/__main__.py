@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design.export.fmu import FMI
+from design.export.formats.fmu import FMI
+from design.export.formats.targets import VERSIONS
 from design.export.plant.files import plant_files, plant_part, plant_unit
 from design.export.plant.part import PlantPart
 from design.export.plant.vectors import STEPS, PlantVector, plant_vector
 from design.export.table import into_page, of_plays, written
-from design.export.targets import VERSIONS
 from plants.effects import EFFECTS
 from plants.effects.effect import Effect
 from plants.errors import InputError

@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import Any
 
 from design.export.catalogue import identifier
-from design.export.fmu import FMI, UnitVariable, packed, texts
-from design.export.folder import with_manifest, write_together
+from design.export.formats.fmu import FMI, UnitVariable, packed, texts
+from design.export.formats.folder import with_manifest, write_together
+from design.export.formats.targets import VERSIONS, write_each
 from design.export.plant.part import PlantPart, of_plant
 from design.export.plant.vectors import PlantVector, plant_csv, plant_vector
 from design.export.rendering import render_named
-from design.export.targets import VERSIONS, write_each
 from plants.errors import InputError
 from plants.wrist import Wrist
 

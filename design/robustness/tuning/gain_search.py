@@ -5,6 +5,7 @@ Gains are what is printed: numbers of three digits, so that what is judged is wh
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from design.controllers.controller import Controller
 from design.synthesis.evaluate import Evaluation, adverse_values, evaluate, evaluate_with
 from design.synthesis.requirements import COSTS, Problem, excesses
-from design.synthesis.structure import FORWARD_PI, PLAIN_PI, TWO_DOF_PI, Structure
+from design.synthesis.structure import CASCADE_PI, FORWARD_PI, PLAIN_PI, TWO_DOF_PI, Structure
 from design.synthesis.tuning import LocalSearch, Region, Tuning, _begins, _best, join, merit
 
 Array = NDArray[np.float64]
@@ -91,7 +92,7 @@ def _near(
     problem: Problem, region: Region, known: Evaluation, ratio: float, structure: Structure
 ) -> Evaluation:
     """The gains of least cost near to known ones, with any settings that the structure tries."""
-    if structure.ladder is None:
+    if not structure.ladders:
         return zoomed(problem, region, law_with(structure, structure.settings), known, ratio)
     again = known.settings.keys() == structure.settings.keys()
     begin = {n: float(v[0]) for n, v in known.settings.items()} if again else dict(structure.settings)
@@ -109,8 +110,9 @@ def _near(
         return tried[key]
 
     best = at(begin, known)
-    name, values = structure.ladder
-    for stride in (1,) if again else structure.strides:  # downhill along the ladder, then a filter
+    strides = (1,) if again else structure.strides
+    # Downhill along each ladder, then a filter.
+    for (name, values), stride in product(structure.ladders.items(), strides):
         while True:
             place = values.index(begin[name])
             near = [
@@ -194,7 +196,7 @@ def _telling(problem: Problem, law: Law, best: Evaluation) -> Problem:
 
 def law_of(at: Evaluation) -> Law:
     """The law whose gains an evaluation is of.  Raises ValueError for settings that no structure has."""
-    for structure in (PLAIN_PI, TWO_DOF_PI, FORWARD_PI):
+    for structure in (PLAIN_PI, TWO_DOF_PI, FORWARD_PI, CASCADE_PI):
         if structure.settings.keys() == at.settings.keys():
             return law_with(structure, {n: float(v[0]) for n, v in at.settings.items()})
     raise ValueError(f"no structure has the settings {', '.join(at.settings)}")

@@ -5,17 +5,17 @@ by simulation, Ms, Mt and the delay margin at the command on every branch of eve
 in.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
-import numpy as np
-
-from design.alternatives.lqi_design import RobustLQI, design_lqi
+from design.alternatives.lqi_design import GENERATIONS, RobustLQI, design_lqi
 from design.input_loop import InputLoop
-from design.margins import BranchResponse
-from design.robustness.requirement import LINEAR, Requirement
+from design.margins import BranchResponse, Margins
+from design.robustness.requirement import Requirement
 from design.robustness.tuning.robust_tuning import GUARD, RobustTuning, grow
-from design.synthesis.requirements import Problem, excesses
+from design.robustness.tuning.worse_branches import on_all_branches
+from design.synthesis.requirements import Problem
 from design.synthesis.tuning import Tuning
 
 Tell = Callable[[str, float], None]
@@ -28,34 +28,24 @@ def tune_lqi(
     rounds: int = 15,
     jobs: int | None = None,
     progress: Tell | None = None,
+    generations: int = GENERATIONS,
 ) -> RobustTuning[RobustLQI]:
     """Gains of an LQI of least worst cost that hold a requirement, as far as pool, search and fresh samples
-    can tell; base: the tuning of a PI, with whose cases it begins; otherwise as `tune_robustly`.
+    can tell; base: the tuning of a PI, with whose cases it begins; generations: of each search of the family,
+    see `design_lqi`; otherwise as `tune_robustly`.
 
     Raises design.synthesis.convex.Unsolved where the plant has no such feedback.
     """
 
+    def on_few(problem: Problem, known: RobustLQI | None) -> RobustLQI:
+        return design_lqi(problem, seed, known, generations)
+
     def design(problem: Problem, known: RobustLQI | None) -> RobustLQI:
-        while True:
-            found = design_lqi(problem, seed, known)
-            more = _worse_branches(requirement, found)
-            if not more:
-                return found
-            problem, known = replace(problem, branches=(*problem.branches, *more)), found
+        return on_all_branches(requirement, on_few, _margins_at_command, problem, known)
 
     problem = replace(requirement.problem(dict(GUARD), jobs), adverse=base.problem.adverse)
     return grow(requirement, problem, design, seed, rounds, jobs, progress)
 
 
-def _worse_branches(requirement: Requirement, found: RobustLQI) -> tuple[BranchResponse, ...]:
-    """Branches of the requirement on which margins break a limit that they hold on those of the problem; none
-    of what breaks one there already."""
-    held = {n: v for n, v in found.problem.held_to.items() if n in LINEAR}
-    if not held or any(found.at.excess[n][0] > 0.0 for n in held):
-        return ()
-    branches = requirement.branches
-    at = InputLoop.at_command(found.controller, branches).margins(branches)
-    values = {n: np.array([float(getattr(at, n))]) for n in held}
-    broken = [n for n, e in excesses(values, held).items() if e[0] > 0.0]
-    places = {"Ms": at.Ms_at, "Mt": at.Mt_at, "delay_margin_s": at.delay_at}
-    return tuple(branches[int(i)] for i in {int(places[n]) for n in broken})
+def _margins_at_command(controller: Any, branches: Sequence[BranchResponse]) -> Margins:
+    return InputLoop.at_command(controller, branches).margins(branches)

@@ -1,37 +1,48 @@
 """An MPC tuned under the whole requirement, by the loop that tunes a PI.
 
-Of the weights of the robust setting (`design.mpc.problem.robust`) the one that trades overshoot for speed is
-searched: what a change of the angle from one period to the next costs.  A run takes a hundred times as long
-as a PI's, so pool, samples and the search for the worst case are smaller.  Ms, Mt and the delay margin belong
-to a linear loop, which an MPC does not have: of these nothing is judged.
+Two weights of the robust setting (`design.mpc.problem.robust`) are searched.  What a change of the command
+from one period to the next costs is the least that keeps the limits of the linear loop at rest on the nominal
+plant, behind the longest dead time too (`design.mpc.margins_at_rest`); what a change of the angle costs
+trades overshoot for speed.  The model has the longest dead time that is asked for, in whole periods: with
+less the loop behind it has less margin, and without any it still has enough.
+
+A run takes a hundred times as long as a PI's, so pool, samples and the search for the worst case are smaller;
+the corners of the box are judged once, of the weights that are found (`design.studies.designs`).
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from design.evaluation.runner import play
+from design.mpc.margins_at_rest import Replaceable, margins_at_rest
+from design.mpc.problem import robust
 from design.robustness.requirement import LINEAR, Requirement
 from design.robustness.tuning.robust_tuning import GUARD, RobustTuning, RoundEffort, grow
 from design.synthesis.judged import JudgedDesign
 from design.synthesis.requirements import COSTS, Problem, excesses
 from design.synthesis.structure import weighted_mpc
 from design.synthesis.tuning import active_limit
+from plants.effects.effect import dead_time_of
 from plants.simulation.periodic import Periodic
 
 Array = NDArray[np.float64]
 Tell = Callable[[str, float], None]
 
-SWINGS = (25.0, 32.0, 40.0, 50.0, 63.0, 80.0, 100.0, 125.0, 160.0, 200.0, 250.0)
+SWINGS = (16.0, 20.0, 25.0, 32.0, 40.0, 50.0, 63.0, 80.0, 100.0, 125.0, 160.0, 200.0, 250.0)
 """Weights of the swing [1/deg^2] that are tried, mild to strict."""
 
-BEGIN = 100.0
+BEGIN = 63.0
 """Where the search begins."""
 
-MOVE = 100.0
-"""Weight of a move [1/V^2]."""
+MOVES = (50.0, 70.0, 100.0, 150.0, 200.0, 300.0, 400.0, 500.0, 700.0, 1000.0, 1400.0, 2000.0)
+"""Weights of a move [1/V^2] that are tried, bold to mild; less lets the sensor's noise through."""
+
+RESERVE = 0.02
+"""Share of the limits of the linear loop that the nominal plant leaves to the corners of the box."""
 
 EFFORT = RoundEffort(pool=256, search=2000, fresh=256)
 """What a round spends."""
@@ -39,23 +50,25 @@ EFFORT = RoundEffort(pool=256, search=2000, fresh=256)
 
 @dataclass(frozen=True)
 class RobustMPC:
-    """The design: weight of the swing [1/deg^2], what the MPC does with it on a problem (arrays of length 1),
-    and how many weights were tried."""
+    """The design: weights of the swing [1/deg^2] and of a move [1/V^2], periods of dead time in the model,
+    what the MPC does with them on a problem (arrays of length 1), and how many of the former were tried."""
 
     problem: Problem
     swing: float
+    move: float
+    delay: int
     at: JudgedDesign
     tried: int
 
     @property
     def gains(self) -> dict[str, float]:
         """Its weights by name."""
-        return {"swing": self.swing, "move": MOVE}
+        return {"swing": self.swing, "move": self.move, "delay": float(self.delay)}
 
     @property
-    def controller(self) -> Periodic:
+    def controller(self) -> Replaceable:
         """The controller."""
-        made: Periodic = weighted_mpc(self.problem.wrist, **self.gains)
+        made: Replaceable = weighted_mpc(self.problem.wrist, **self.gains)
         return made
 
     @property
@@ -83,12 +96,44 @@ def tune_mpc(
     Raises InputError where its solver is not installed, or a plant has no MPC.
     """
     problem = requirement.problem(dict(GUARD), jobs)
-    return grow(requirement, problem, design_mpc, seed, rounds, jobs, progress, effort)
+    delay = longest_delay(requirement)
+
+    @cache
+    def move_of(swing: float) -> float:
+        return least_move(requirement, swing, delay)
+
+    def design(problem: Problem, known: RobustMPC | None) -> RobustMPC:
+        return design_mpc(problem, move_of, delay, known)
+
+    return grow(requirement, problem, design, seed, rounds, jobs, progress, effort)
 
 
-def design_mpc(problem: Problem, known: RobustMPC | None = None) -> RobustMPC:
+def longest_delay(requirement: Requirement) -> int:
+    """The longest dead time of a requirement, that of its plant included, in whole periods of the MPC."""
+    wrist = requirement.wrist
+    longest = requirement.space.dead_time + dead_time_of(wrist.effects)
+    return int(longest / robust(replace(wrist, effects=())).period + 1e-9)
+
+
+def least_move(requirement: Requirement, swing: float, delay: int) -> float:
+    """The least weight of a move [1/V^2] with which the loop at rest keeps its limits, less a reserve, on the
+    nominal plant; the largest where none does."""
+    held = {n: v for n, v in requirement.limits.named.items() if n in LINEAR}
+    for move in MOVES if held else MOVES[:1]:
+        controller = weighted_mpc(requirement.wrist, swing, move, delay)
+        found = margins_at_rest(controller, [requirement.wrist], (0.0, requirement.space.dead_time))
+        values = {n: np.array([getattr(found, n)]) for n in held}
+        if all(e[0] <= -RESERVE for e in excesses(values, held).values()):
+            return move
+    return MOVES[-1]
+
+
+def design_mpc(
+    problem: Problem, move_of: Callable[[float], float], delay: int, known: RobustMPC | None = None
+) -> RobustMPC:
     """The least weight of the swing that meets every limit of a run, else the one that comes nearest: down
-    from the one that is known as long as limits hold, else up until they do.
+    from the one that is known as long as limits hold, else up until they do; move_of: weight of a move of
+    one of the swing.
 
     The cost rises with the weight, and the overshoot falls.
     """
@@ -97,7 +142,7 @@ def design_mpc(problem: Problem, known: RobustMPC | None = None) -> RobustMPC:
 
     def at(i: int) -> JudgedDesign:
         if i not in judged:
-            judged[i] = judge(problem, weighted_mpc(problem.wrist, SWINGS[i], MOVE))
+            judged[i] = judge(problem, weighted_mpc(problem.wrist, SWINGS[i], move_of(SWINGS[i]), delay))
         return judged[i]
 
     def held(i: int) -> bool:
@@ -110,7 +155,7 @@ def design_mpc(problem: Problem, known: RobustMPC | None = None) -> RobustMPC:
     else:
         above = range(place + 1, len(SWINGS))
         place = next((i for i in above if held(i)), min(judged, key=lambda i: float(at(i).merit[0])))
-    return RobustMPC(problem, SWINGS[place], at(place), len(judged))
+    return RobustMPC(problem, SWINGS[place], move_of(SWINGS[place]), delay, at(place), len(judged))
 
 
 def judge(problem: Problem, controller: Periodic) -> JudgedDesign:

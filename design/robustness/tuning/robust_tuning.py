@@ -10,26 +10,33 @@ The overshoot jumps where a branch is reached or just not: gains that lie on the
 integrator, another seed, or noise.  So gains are tuned below the limits by a `GUARD`, or by a `THIN` one
 where that leaves none, and judged by the limits.  Gains are rounded before anything judges them
 (`gain_search`).
+
+The sensor's noise, which samples have, joins the cases of the tuning only where it breaks a limit that gains
+hold without it: runs without it are faster, and tell more of a difference between gains.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Generic, Literal, Protocol, TypeVar
+from typing import Generic, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from design.evaluation.cases import Case
+from design.margins import margins
 from design.robustness.checks import Check, check, worst_of
 from design.robustness.requirement import Requirement
 from design.robustness.samples.hunt import Hunted
 from design.robustness.tuning.case_pool import POOL, harshest, pool_of
 from design.robustness.tuning.gain_search import solved, with_evidence
+from design.robustness.tuning.tuned_controller import TunedController
+from design.robustness.tuning.worse_branches import on_all_branches
 from design.synthesis.answer import out_of_reach
 from design.synthesis.evaluate import evaluate
 from design.synthesis.requirements import COSTS, Problem
 from design.synthesis.structure import PLAIN_PI, Structure
-from design.synthesis.tuning import Judged, Region, Tuning
+from design.synthesis.tuning import Region, Tuning
+from plants.simulation.sensor import PERFECT
 
 Array = NDArray[np.float64]
 Tell = Callable[[str, float], None]
@@ -76,35 +83,6 @@ Ended = Literal[
     "no worse case found", "rounds used up", "no gains hold the grown set", "out of reach",
     "noise breaks a limit",
 ]  # fmt: skip
-
-
-class TunedController(Protocol):
-    """Gains of least cost on a set of cases, of any kind of controller."""
-
-    @property
-    def problem(self) -> Problem:
-        """The set, its limits and branches."""
-        ...
-
-    @property
-    def controller(self) -> Any:
-        """The controller with the gains."""
-        ...
-
-    @property
-    def gains(self) -> dict[str, float]:
-        """Gains and settings by name."""
-        ...
-
-    @property
-    def at(self) -> Judged:
-        """What they do on the set."""
-        ...
-
-    @property
-    def feasible(self) -> bool:
-        """Whether they meet every limit there."""
-        ...
 
 
 T = TypeVar("T", bound=TunedController)
@@ -163,9 +141,9 @@ def tune_robustly(
 
     structure: of the controller; base: a tuning, such as of the PI, whose gains and cases to begin with;
     starts: local searches of the last set, which show whether other valleys are as low, beside a map of the
-    region; neither where 0; seed: of searches and samples.  Ends where no worse case is found, where the
-    sensor's noise breaks a limit that the gains hold without it, after `rounds`, or where no gains in the
-    region hold the grown set: then the last tuning is the nearest.
+    region; neither where 0; seed: of searches and samples.  Ends where no worse case is found, after
+    `rounds`, where samples break a limit of the same gains over and over, or where no gains in the region
+    hold the grown set: then the last tuning is the nearest.
     """
     tell, region = progress or (lambda stage, share: None), region or Region()
     problem = requirement.problem(dict(GUARD), jobs)
@@ -176,9 +154,14 @@ def tune_robustly(
         return RobustTuning(requirement, (Round(nothing, 0.0, "pool", 0, ()),), "out of reach", None)
     first = None if base is None else base.at
 
-    def design(problem: Problem, known: Tuning | None) -> Tuning:
+    def on_few(problem: Problem, known: Tuning | None) -> Tuning:
         at = solved(problem, region, first if known is None else known.at, structure)
         return Tuning(problem, region, at, at, ())
+
+    def design(problem: Problem, known: Tuning | None) -> Tuning:
+        return on_all_branches(
+            requirement, on_few, lambda c, of: margins(of, getattr(c, "pi", c)), problem, known
+        )
 
     grown = grow(requirement, problem, design, seed, rounds, jobs, tell)
     tell("map", 0.9)
@@ -237,10 +220,12 @@ def grow(
         if not worse.added:
             ended = "no worse case found"
             break
-        if _noise_alone(done):
-            ended = "noise breaks a limit"
-            break
         problem = replace(found.problem, adverse=(*found.problem.adverse, *worse.added))
+        if _noise_alone(done):
+            if problem.sensor != PERFECT:
+                ended = "noise breaks a limit"
+                break
+            problem = replace(problem, sensor=requirement.sensor)
     return RobustTuning(requirement, tuple(done), ended, fresh)
 
 
@@ -292,7 +277,7 @@ def _worse(
             return Round(found, worst, "search", hunted.heights.size, added), None
     tell("fresh samples")
     fresh = check(requirement, controller, effort.fresh, seed, jobs)
-    beyond = Hunted(fresh.places, fresh.excess)
+    beyond, worst = Hunted(fresh.places, fresh.excess), max(worst, float(fresh.excess.max(initial=-1.0)))
     return Round(found, worst, "samples", effort.fresh, _cases(requirement, beyond, 0.0)), fresh
 
 

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from design.controllers.controller import sensors_of
 from design.evaluation.cases import Case, stack
 from design.evaluation.runner import play
 from design.evaluation.tasks import steps as step_tasks
@@ -123,8 +124,9 @@ def price_rows(
 
     def row(guarantee: str, controller: str, gains: Any, feasible: bool, cost: float) -> dict[str, Any]:
         asked = {"guarantee": guarantee, "controller": controller, "gains": gains, "feasible": feasible}
-        seen = tasks.row(with_gains(requirement.wrist, gains), jobs)
-        return {**asked, "own_worst_iae_deg_s": cost, **seen}
+        made = with_gains(requirement.wrist, gains)
+        asked["sensors"] = list(sensors_of(made))
+        return {**asked, "own_worst_iae_deg_s": cost, **tasks.row(made, jobs)}
 
     rows = []
     problems = simpler(requirement, jobs)

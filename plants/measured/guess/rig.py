@@ -17,6 +17,7 @@ from plants.measured.guess.rough_models import (
     extent,
     first_order,
     lagged,
+    largest_error,
     loop_guess,
     median_step,
     recorded,
@@ -35,6 +36,10 @@ log's."""
 
 OF_LAG = 1.0 / 30.0
 """That share."""
+
+SEEN = 0.5
+"""Largest error at which the rate may be half-way, as a share of the largest error in the log: the rate far
+from the commanded pressure is then mostly one that the log shows, and not one that it is extrapolated to."""
 
 
 def guessed_rig(campaign: Campaign) -> Rig:
@@ -80,7 +85,9 @@ def guessed_set(
         drives = [lagged(gain * r.command, median_step(r), seen.tau, seen.delay) for r in campaign.fit]
     rate = 1.0 / max(seen.tau, 1e-3)
     span = high - low
-    values = {"gain": gain, "k_fast": rate, "k_slow": rate, "e0": 0.2 * span}
+    error = largest_error(recorded(campaign.fit, _followed_channel(campaign.fit)), replace(seen, gain=gain))
+    half_way = max(SEEN * error, 0.02 * span)
+    values = {"gain": gain, "k_fast": rate, "k_slow": rate, "e0": min(0.2 * span, 0.5 * half_way)}
     # Where the pressure ends below what is commanded, the declared regulator is best with a smaller gain.
     share = (
         (high - low) / (abs(gain) * (rig.command_range[1] - rig.command_range[0]))
@@ -91,7 +98,7 @@ def guessed_set(
     bounds = {
         "gain": (min(ends), max(ends)),
         "k_fast": (rate / wide, rate * wide), "k_slow": (rate / wide**2, rate * wide),
-        "e0": (1e-3 * span, 2.0 * span),
+        "e0": (1e-3 * span, half_way),
     }  # fmt: skip
     if campaign.stage == "wrist":
         runs = [r for r in campaign.fit if r.pressure is not None] if logged else list(campaign.fit)
@@ -117,8 +124,11 @@ def guessed_set(
 
 def _followed(recordings: Sequence[Recording]) -> Lagged:
     """How the pressure follows the command, or the angle where no pressure was logged."""
-    field = "pressure" if any(r.pressure is not None for r in recordings) else "angle"
-    return first_order(recorded(recordings, field))
+    return first_order(recorded(recordings, _followed_channel(recordings)))
+
+
+def _followed_channel(recordings: Sequence[Recording]) -> str:
+    return "pressure" if any(r.pressure is not None for r in recordings) else "angle"
 
 
 def _of_law(

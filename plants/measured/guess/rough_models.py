@@ -107,6 +107,18 @@ def first_order(runs: Sequence[tuple[Array, Array, float]]) -> Lagged:
     return _late_line(runs, delays, lags, least.most) if least.rms < BENT * line.rms else line
 
 
+def largest_error(runs: Sequence[tuple[Array, Array, float]], follows: Lagged) -> float:
+    """How far the output is ever behind what its input asks for, in the unit of the output; 0 where the input
+    never moves."""
+    behind = 0.0
+    for x, _, dt in runs:
+        asked = np.minimum(x, follows.most)
+        late = lagged(asked, dt, 0.0, follows.delay)
+        reached = lagged(late, dt, follows.tau, 0.0)
+        behind = max(behind, float(np.max(np.abs(late[1:] - reached[:-1]))))  # before the output has moved
+    return abs(follows.gain) * behind
+
+
 def _short(runs: Sequence[tuple[Array, Array, float]]) -> Sequence[tuple[Array, Array, float]]:
     """The beginnings of long runs, where the input moves there: enough for a guess."""
     kept = LONG // len(runs)

@@ -39,7 +39,8 @@ SURE = 0.8
 
 def delay_between(campaign: Campaign) -> float:
     """By how much the angle is logged later than the pressure [s], negative where it is the pressure; 0 where
-    a lag of the joint does nearly as well, and where one of them was not logged."""
+    a lag of the joint does nearly as well, where one of them was not logged, and where it is less than the
+    time between renewals of a channel, in which nobody knows when a step was."""
     runs = [r for r in campaign.fit if r.pressure is not None and r.angle is not None]
     if not runs or sum(len(r.time) for r in runs) < 200:
         return 0.0
@@ -62,7 +63,13 @@ def delay_between(campaign: Campaign) -> float:
         if found[k] > SURE * plain:
             return 0.0
         best = delays[k] + step * _lowest(found[max(k - 1, 0) : k + 2])
-    return best
+    return best if abs(best) > max(map(_renewal, runs)) else 0.0
+
+
+def _renewal(recording: Recording) -> float:
+    """The longest time between renewals of a channel that is held [s], 0 where none is."""
+    held = [np.diff(recording.time[fresh]) for fresh in recording.renewed.values() if fresh.sum() > 1]
+    return max((float(np.median(gaps)) for gaps in held), default=0.0)
 
 
 def _joints(static: Sequence[Array], dt: float) -> Iterable[list[Array]]:

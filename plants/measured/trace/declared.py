@@ -1,15 +1,23 @@
-"""The declared model of a stage, fitted as well as it can be before anything is said to be missing."""
+"""The stages of a campaign, and the declared model of each, fitted as well as it can be before anything is
+said to be missing."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.begin import Begin, first_begin, measured
+from plants.measured.campaign import Campaign
+from plants.measured.fit import Fit
+from plants.measured.playback import Playback
+from plants.measured.recording import Recording
 from plants.measured.residual.series.denoised import denoised
-from plants.measured.stage import begun
+from plants.measured.stage import Stage, begun
+from plants.measured.trace.law import LawChoice
 from plants.measured.trace.search.choose import Candidate
 from plants.measured.trace.stages.model import Model
+from plants.parameters.quantities import ParameterSet, loop_names
 from plants.simulation.open_loop import open_loop
 from plants.wrist import Wrist
 
@@ -22,6 +30,53 @@ PARTS = 4
 
 LOWER = 0.9
 """A minimum is another one if its chi-square is lower than this share of the first's."""
+
+
+def base_fit(fit: Fit, law: LawChoice | None) -> Fit:
+    """The fit that is revised: that of the declared wrist, or one of another hysteresis law."""
+    if law is None or law.name == fit.fitted.law.NAME:
+        return fit
+    return replace(fit, fitted=law.parameters, undetermined=())
+
+
+def stages_of(campaign: Campaign, fit: Fit) -> list[Stage]:
+    """What can be traced of a campaign one after the other; of the fit, noise and where recordings begin."""
+
+    def made(name: str, channel: str) -> Stage:
+        used = [i for i, r in enumerate(campaign.fit) if measured(r, channel) is not None]
+        begins = None if fit.begins is None else tuple(fit.begins[i] for i in used)
+        if begins is not None:
+            begins = tuple(begin_of(campaign.fit[i], b) for i, b in zip(used, begins, strict=True))
+        floor = fit.noise[channel] or 1.0
+        rig = fit.before.rig
+        played = tuple(Playback(campaign.fit[i], rig.sample_time) for i in used)
+        loop = loop_names(fit.fitted.parameters, campaign.start == "rest")
+        return Stage(name, channel, floor, played, loop, rig, None, begins)  # type: ignore[arg-type]
+
+    pressure = any(r.pressure is not None for r in campaign.fit)
+    stages = [made("regulator", "pressure_kPa")] if pressure else []
+    if campaign.stage == "wrist":
+        stages.append(made("wrist" if pressure else "whole", "angle_deg"))
+    return stages
+
+
+def begin_of(recording: Recording, found: Begin) -> Begin:
+    """Where a recording starts, of the fit of the declared wrist: at the first rows of what was logged, as
+    one that is held out does.  What the fit made of that makes up for what the declared wrist lacks."""
+    first = first_begin(recording, 0.0)
+    if recording.pressure is not None:
+        found = replace(found, pressure=first.pressure)
+    return found if recording.angle is None else replace(found, angle=first.angle)
+
+
+def declared_model(
+    stage: Stage, start: ParameterSet, base: Fit, values: Mapping[str, float], before: Candidate | None
+) -> Model:
+    """The model of a stage without effects, fitted; before: what was chosen for the regulator, which drives
+    a wrist."""
+    fixed = tuple(n for n in base.undetermined if n in stage.declared)
+    declared = Model(stage, start, values, fixed=fixed)
+    return refitted(declared) if before is None or stage.name != "wrist" else driven(declared, before)
 
 
 def refitted(declared: Model) -> Model:

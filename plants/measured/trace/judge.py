@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.stage import BLOCK
 from plants.measured.trace.search.choose import Candidate, EffectSearch
 from plants.measured.trace.search.screening import Ranked
 from plants.measured.trace.stages.model import Model
@@ -87,7 +86,7 @@ def alternatives(search: EffectSearch) -> dict[str, tuple[Candidate, ...]]:
 
 def _tied(best: Model, other: Model) -> bool:
     """Whether two models differ by no more than two standard errors over blocks, nor by much."""
-    blocks = best.stage.blocks(BLOCK)
+    blocks = best.stage.left_out_blocks
     difference = np.bincount(blocks, other.residual**2 - best.residual**2)
     scatter = float(np.std(difference, ddof=1)) * np.sqrt(len(difference))
     return float(difference.sum()) < 2.0 * scatter and other.chi2 - best.chi2 < 0.1

@@ -5,7 +5,7 @@ part in the choice; where no pressure was logged, from the command.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,11 +38,22 @@ SMOOTHED = 9
 @dataclass(frozen=True)
 class LawChoice:
     """The law that was chosen, its parameter set with values fitted to the loop, and the error on rows left
-    out [deg] of each law that was tried, by name."""
+    out [deg] of each law that was tried, by name.
+
+    others: parameter sets of the laws that were not chosen but make a loop, by name; with_effects: errors as
+    held_out, in a free run from the command and with the effects that each law needs, where they decided.
+    """
 
     name: str
     parameters: ParameterSet
     held_out: Mapping[str, float]
+    others: Mapping[str, ParameterSet] = field(default_factory=dict)
+    with_effects: Mapping[str, float] = field(default_factory=dict)
+
+    def taking(self, name: str) -> "LawChoice":
+        """The choice of another of the laws."""
+        known = {self.name: self.parameters, **self.others}
+        return replace(self, name=name, parameters=known.pop(name), others=known)
 
 
 @dataclass(frozen=True)
@@ -100,13 +111,14 @@ def choose_law(campaign: Campaign, fit: Fit, seed: int = 0) -> LawChoice:
     loops = fit.no_loop is None
     if declared in found and loops and found[best][1] > BETTER * found[declared][1]:
         best = declared
-    if best == declared:
-        return LawChoice(best, fit.fitted, {n: e for n, (_, e) in found.items()})
-    model = found[best][0]
-    values = {n: model.values[n] for n in model.names}
     origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
-    parameters = model.start.fitted(values, dict.fromkeys(values), origin)
-    return LawChoice(best, parameters, {n: e for n, (_, e) in found.items()})
+    sets = {n: fit.fitted if n == declared else _fitted(found[n][0], origin) for n in {*makes, best}}
+    return LawChoice(best, sets.pop(best), {n: e for n, (_, e) in found.items()}, sets)
+
+
+def _fitted(model: Model, origin: str) -> ParameterSet:
+    values = {n: model.values[n] for n in model.names}
+    return model.start.fitted(values, dict.fromkeys(values), origin)
 
 
 def _start(campaign: Campaign, fit: Fit, law: str) -> ParameterSet:

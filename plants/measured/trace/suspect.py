@@ -29,7 +29,8 @@ def check(campaign: Campaign) -> tuple[str, ...]:
         for channel in ("angle_deg", "pressure_kPa"):
             values = measured(recording, channel)
             if values is not None:
-                _check_clipped(campaign, recording, channel, values)
+                # Of a channel that is held only renewed values count: three equal ones fill many rows.
+                _check_clipped(campaign, recording, channel, values[recording.fresh(channel)])
     for channel in ("angle_deg", "pressure_kPa"):
         rows = max((len(v) for r in campaign.fit if (v := measured(r, channel)) is not None), default=FEWEST)
         if rows < FEWEST:

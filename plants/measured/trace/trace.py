@@ -11,31 +11,38 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.effects.wrist.learnt_block import LearntBlock
-from plants.measured.begin import Begin, first_begin, measured
+from plants.measured.begin import first_begin
 from plants.measured.campaign import Campaign
 from plants.measured.estimate import EstimateErrors, ParameterCorrelation, corner_of, uncertainty
 from plants.measured.fit import CHANNELS, Fit, fit_campaign
 from plants.measured.free_run import FreeRun, rmse
 from plants.measured.logger import Remark
 from plants.measured.playback import Playback
-from plants.measured.recording import Recording
-from plants.measured.stage import Stage, begun
-from plants.measured.trace.declared import LOWER, driven, refitted
+from plants.measured.stage import begun
+from plants.measured.trace.declared import LOWER, base_fit, begin_of, declared_model, stages_of
 from plants.measured.trace.errors import intervals
 from plants.measured.trace.experiments import sentence, separate
 from plants.measured.trace.judge import alternatives, explained, many, not_logged, unexcited
 from plants.measured.trace.law import LawChoice, law_of_rig
 from plants.measured.trace.result import Named, StageTrace, Trace
-from plants.measured.trace.search.choose import search
+from plants.measured.trace.search.choose import (
+    Candidate,
+    EffectSearch,
+    falls,
+    from_command,
+    search,
+    simplest,
+)
 from plants.measured.trace.search.description import smooth_curves
 from plants.measured.trace.search.learning import learn
+from plants.measured.trace.search.undetermined import at_neutral
 from plants.measured.trace.size import MATTERS, NAMED, explained_share, remainder, remainders_of, span
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import remainders
 from plants.measured.trace.start import starting
 from plants.measured.trace.suspect import check
 from plants.measured.trace.two_rigs import rigs_differ
-from plants.parameters.quantities import ParameterSet, loop_names
+from plants.parameters.quantities import ParameterSet
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -79,20 +86,21 @@ def _trace(
     fit = fit_campaign(campaign, begun.parameters, begun.starts, seed, apart=not begun.guessed)
     tell("choosing the hysteresis law", 0.1)
     law = law_of_rig(begun, fit, seed)
-    changed = law is not None and law.name != fit.fitted.law.NAME
-    start = law.parameters if changed and law is not None else begun.parameters
-    base = replace(fit, fitted=start, undetermined=()) if changed else fit
+    base = base_fit(fit, law)
+    start = base.fitted if base is not fit else begun.parameters
     values: dict[str, float] = dict(base.fitted.values)
     traced: list[StageTrace] = []
     for stage in stages_of(campaign, base):
         share = 0.15 + 0.4 * len(traced)
-        declared = Model(stage, start, values, fixed=_fixed(stage, base))
-        declared = driven(declared, traced[0].search.chosen) if stage.name == "wrist" else refitted(declared)
-        if not changed:
+        declared = declared_model(stage, start, base, values, traced[0].search.chosen if traced else None)
+        if base is fit:
             base = fit = _once_more(campaign, start, fit, declared, seed)
         found = _trace_stage(declared, base, _part(tell, share), seed)
         values |= {n: found.model.values[n] for n in found.model.names}
         traced.append(found)
+    if law is not None and not traced[-1].explained:
+        law, traced[-1] = _under_others(campaign, fit, law, traced, _part(tell, 0.8), seed)
+        base = base_fit(fit, law)
     tell("judging", 0.9)
     named = _result(campaign, fit, base, tuple(traced), remarks, law, begun.instrument)
     if not learning:
@@ -105,41 +113,37 @@ def _trace(
     return replace(whole, named_only=named.after, learning=True)
 
 
+def _under_others(
+    campaign: Campaign, fit: Fit, law: LawChoice, traced: Sequence[StageTrace], tell: Callable[[str], None],
+    seed: int,
+) -> tuple[LawChoice, StageTrace]:  # fmt: skip
+    """The last stage under each of the laws, where that which was chosen before effects were looked for
+    leaves it unexplained, and the choice: another than that only with effects that are adopted, if the error
+    of a free run on rows left out is lower for certain.  The laws alone have been compared before."""
+    before, found = traced[:-1], {law.name: traced[-1]}
+    for name in law.others:
+        base = base_fit(fit, law.taking(name))
+        values = dict(base.fitted.values)
+        for s in before:
+            values |= {n: s.model.values[n] for n in s.model.names}
+        regulator = before[0].search.chosen if before else None
+        declared = declared_model(stages_of(campaign, base)[-1], base.fitted, base, values, regulator)
+        found[name] = _trace_stage(declared, base, tell, seed)
+    errors, best = {n: _free_error(s) for n, s in found.items()}, law.name
+    for name in law.others:
+        now, other = (found[n].search.chosen for n in (best, name))
+        adopted = other.model.forms and (found[name].explained or _helps(found[name].search, fit))
+        best = name if adopted and falls(now, other) else best
+    return replace(law if best == law.name else law.taking(best), with_effects=errors), found[best]
+
+
+def _free_error(stage: StageTrace) -> float:
+    """Error of a free run on rows left out, in the unit of the channel."""
+    return stage.stage.noise * float(np.sqrt(np.mean(stage.search.chosen.left_out.free**2)))
+
+
 def _part(tell: Callable[[str, float], None], share: float) -> Callable[[str], None]:
     return lambda what: tell(what, share)
-
-
-def stages_of(campaign: Campaign, fit: Fit) -> list[Stage]:
-    """What can be traced of a campaign one after the other; of the fit, noise and where recordings begin."""
-
-    def made(name: str, channel: str) -> Stage:
-        used = [i for i, r in enumerate(campaign.fit) if measured(r, channel) is not None]
-        begins = None if fit.begins is None else tuple(fit.begins[i] for i in used)
-        if begins is not None and name == "regulator":
-            begins = tuple(_begun(campaign.fit[i], b) for i, b in zip(used, begins, strict=True))
-        floor = fit.noise[channel] or 1.0
-        rig = fit.before.rig
-        played = tuple(Playback(campaign.fit[i], rig.sample_time) for i in used)
-        loop = loop_names(fit.fitted.parameters, campaign.start == "rest")
-        return Stage(name, channel, floor, played, loop, rig, None, begins)  # type: ignore[arg-type]
-
-    pressure = any(r.pressure is not None for r in campaign.fit)
-    stages = [made("regulator", "pressure_kPa")] if pressure else []
-    if campaign.stage == "wrist":
-        stages.append(made("wrist" if pressure else "whole", "angle_deg"))
-    return stages
-
-
-def _begun(recording: Recording, found: Begin) -> Begin:
-    """Where a recording starts, of the fit of the declared wrist: at the pressure of its first rows, where it
-    was logged.  What the fit made of that makes up for what the declared regulator lacks."""
-    if recording.pressure is None:
-        return found
-    return replace(found, pressure=first_begin(recording, 0.0).pressure)
-
-
-def _fixed(stage: Stage, fit: Fit) -> tuple[str, ...]:
-    return tuple(n for n in fit.undetermined if n in stage.declared)
 
 
 def _once_more(campaign: Campaign, start: ParameterSet, fit: Fit, declared: Model, seed: int) -> Fit:
@@ -157,15 +161,23 @@ def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: i
     stage = declared.stage
     logged = [n for n in stage.effects if not not_logged(declared, n)]
     found = search(declared, logged, lambda what: tell(f"{stage.name}: {what}"), seed)
+    if found.chosen.model.forms and (explained(found) or _calm(found.chosen) or _helps(found, fit)):
+        found = replace(found, chosen=simplest(found.chosen))
+    if not explained(found):
+        found = replace(found, chosen=from_command(found.chosen))
+    found = replace(found, chosen=at_neutral(found.chosen))
     model, blind = found.chosen.model, unexcited(declared, found.rounds[0].ranking)
     borrowed = {n: why for r in found.rounds for n, why in r.borrowed.items()}
     blind = {**blind, **{n: why for n, why in borrowed.items() if n not in model.effects}}
     before, after = found.declared.examined, found.chosen.examined
-    # Stationary sensor noise, however coloured, is not a missing effect.
-    calm = not after.structured and model.chi2 < SLOW_NOISE and not many(model)
-    good = explained(found) or calm
+    good = explained(found) or _calm(found.chosen)
     words = None if good else smooth_curves(remainders(model), _numeric(after.depends_on))
     return StageTrace(stage, found, before, after, good, blind, words)
+
+
+def _calm(found: Candidate) -> bool:
+    """Whether what is left is stationary noise of the sensor: however coloured, that is no missing effect."""
+    return not found.examined.structured and found.model.chi2 < SLOW_NOISE and not many(found.model)
 
 
 def _learnt(stage: StageTrace) -> StageTrace:
@@ -189,7 +201,9 @@ def _result(
     """base: the fit that was revised: the declared one, or of another hysteresis law."""
     changed = base is not fit
     forms = tuple(f for s in stages for f in s.model.forms)
-    dropped = [s for s in stages if s.search.chosen.model.forms and not _helps(s)]
+    dropped = [
+        s for s in stages if s.search.chosen.model.forms and not (s.explained or _helps(s.search, fit))
+    ]
     if dropped:
         tried = ", ".join(f.NAME for s in dropped for f in s.model.forms)
         remarks = (
@@ -241,9 +255,8 @@ def _matters(stage: StageTrace, fit: Fit, runs: Sequence[FreeRun]) -> bool:
         return True
     channel, noise = stage.stage.channel, stage.stage.noise
     left = max(stage.model.chi2 - 1.0, 0.0)
-    declared = max(stage.search.declared.model.chi2, ((fit.fit_rmse[channel] or 0.0) / noise) ** 2) - 1.0
     large = noise * left**0.5 > MATTERS * span(fit.runs, channel)
-    if large or left > (1.0 - NAMED) * declared:
+    if large or left > (1.0 - NAMED) * _excess(stage.search, fit):
         return True
     held_out = remainder(runs, channel, noise)
     named = explained_share(fit.validate_rmse[channel], rmse(runs, channel), noise)
@@ -271,7 +284,9 @@ def _played(fit: Fit, wrist: Wrist, changed: bool) -> list[FreeRun]:
         if fit.begins is not None:
             rest = fit.before.values["rest_pressure"]
             fitted = run.role == "fit"
-            begin = _begun(run.recording, next(fitted_begins)) if fitted else first_begin(run.recording, rest)
+            begin = (
+                begin_of(run.recording, next(fitted_begins)) if fitted else first_begin(run.recording, rest)
+            )
         after = run.pressure, run.angle
         if wrist.effects or changed:
             pressure, angle = Playback(run.recording, wrist.rig.sample_time).play(wrist, begun(wrist, begin))
@@ -280,12 +295,18 @@ def _played(fit: Fit, wrist: Wrist, changed: bool) -> list[FreeRun]:
     return found
 
 
-def _helps(s: StageTrace) -> bool:
-    """Whether effects that do not explain all of a stage are worth having: they take away most of what
-    chi-square has above 1.  That a free run from the command falls on rows left out each of them had to
-    show before it was taken."""
-    excess = s.search.declared.model.chi2 - 1.0
-    return s.explained or s.search.chosen.model.chi2 - 1.0 <= REMAINS * excess
+def _helps(found: EffectSearch, fit: Fit) -> bool:
+    """Whether effects that do not explain all of a stage are worth having: with the hysteresis law they take
+    away most of what chi-square of the declared model has above 1.  That a free run from the command falls on
+    rows left out each of them had to show before it was taken."""
+    return found.chosen.model.chi2 - 1.0 <= REMAINS * _excess(found, fit)
+
+
+def _excess(found: EffectSearch, fit: Fit) -> float:
+    """What chi-square of the declared model of a stage has above 1, under the law that was declared."""
+    declared = found.declared.model
+    error = fit.fit_rmse[declared.stage.channel] or 0.0
+    return max(declared.chi2, (error / declared.stage.noise) ** 2) - 1.0
 
 
 def _named(s: StageTrace, errors: Mapping[str, float | None], revised: ParameterSet) -> list[Named]:

@@ -38,11 +38,15 @@ def label_curves(axes: "Axes", curves: Mapping[str, tuple[Array, Array]], named:
         for n, (x, y) in curves.items()
     }
     taken: list[Array] = []
+    lines_to: list[Array] = []
     for name, words in named.items():
         others = np.array([v for n, v in lines.items() if n != name])
         size = np.array([0.58 * SIZE * len(words) / wide, 1.25 * SIZE / high])
-        place, point = _best(at, lines[name], others, np.array(list(lines.values())), size, taken)
+        every = np.array(list(lines.values()))
+        place, point = _best(at, lines[name], others, every, size, [*taken, *lines_to])
         taken.append(np.concatenate([place, place + size]))
+        # No later name stands on the line to this one: its points are boxes without a size.
+        lines_to += [np.concatenate([p, p]) for p in _between(point, place + 0.5 * size)]
         x, y = (left + point[0] * (right - left), bottom + point[1] * (top - bottom))
         axes.annotate(
             words, (x, y), tuple(place + 0.5 * size), textcoords="axes fraction", fontsize=SIZE, ha="center",
@@ -97,6 +101,7 @@ def _best(
         total = cost + reach + lonely
         for i in np.argsort(total)[:6]:
             value = total[i] + 0.15 * _crossed(at, others, end, middles[i])
+            value += sum(5.0 * _through(box, end, middles[i]) for box in taken)
             if value < best:
                 best, found = value, (corners[i], end)
     return found
@@ -120,10 +125,20 @@ def _over(corner: Array, size: Array, taken: list[Array]) -> float:
     )
 
 
+def _between(end: Array, middle: Array) -> Array:
+    """Points of the line from a curve to the middle of a name, (n, 2)."""
+    return np.asarray(end + np.linspace(0.05, 1.0, 12)[:, None] * (middle - end), float)
+
+
+def _through(box: Array, end: Array, middle: Array) -> bool:
+    """Whether the line from a curve to a name passes through another name."""
+    way = _between(end, middle)
+    return bool(((way > box[:2] - 0.005) & (way < box[2:] + 0.005)).all(axis=1).any())
+
+
 def _crossed(at: Array, others: Array, end: Array, middle: Array) -> int:
     """How many curves the line from a name to its curve crosses."""
-    way = np.linspace(0.05, 1.0, 12)[:, None]
-    x, y = (end + way * (middle - end)).T
+    x, y = _between(end, middle).T
     if not len(others):
         return 0
     above = _at(at, others, x) > y

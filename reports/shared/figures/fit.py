@@ -141,9 +141,11 @@ def start_record(found: RigFit) -> dict[str, Any]:
 
 def law_sentence(law: LawChoice) -> str:
     """How a hysteresis law was chosen."""
-    errors = sorted(law.held_out.items(), key=lambda e: e[1])
+    errors = sorted((law.with_effects or law.held_out).items(), key=lambda e: e[1])
     told = listed([f"{number(e)} deg with {n}" for n, e in errors])
-    return (
-        f"Hysteresis law: {law.name}, chosen on held-out blocks, where the angle error with the measured "
-        f"pressure is {told}."
+    on = (
+        "simulated from the command with the effects that each law needs"
+        if law.with_effects
+        else "with the measured pressure"
     )
+    return f"Hysteresis law: {law.name}, chosen on held-out blocks, where the angle error {on} is {told}."

@@ -47,6 +47,7 @@ CONTROLLER_LINES: Mapping[str, dict[str, Any]] = {
     "convex-concave PI": {"color": VERMILLION, "linestyle": (0, (3, 1, 1, 1, 1, 1))},
     "robust LQI": {"color": SKY, "linestyle": (0, (2.4, 0.9)), "linewidth": 2.0},
     "PI + feedforward": {"color": "#882255", "linestyle": (0, (12, 1.0)), "linewidth": 2.2},
+    "cascade PI": {"color": "#44AA99", "linestyle": (0, (5, 1.2))},
     "feedforward": {"color": GREY, "linestyle": (0, (4, 1.2)), "linewidth": 1.8},
     "robust PI": {"color": "#1B5E20", "linestyle": (0, (5, 1, 1, 1))},
     "linear MPC": {"color": "#332288", "linestyle": (0, (1, 0.7)), "linewidth": 2.0},

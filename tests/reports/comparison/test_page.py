@@ -41,26 +41,23 @@ def compared() -> Study:
 
 
 @pytest.fixture(scope="module")
-def made(compared):
-    data = {f.campaign.name: f.campaign.checksum for f in compared.fits.values()}
-    return Made.now("wrist compare a&b <c>", 7, compared.plants, data, "The recordings are synthetic.")
+def made(written_comparison):
+    return written_comparison.made
 
 
 @pytest.fixture(scope="module")
-def folder(compared, made, tmp_path_factory):
-    place = tmp_path_factory.mktemp("compare") / "new"
-    path = write_comparison(place, whole_study(), made)
-    assert path == place / "comparison.html"
-    return place
+def folder(written_comparison):
+    assert written_comparison.path.name == "comparison.html"
+    return written_comparison.path.parent
 
 
 @pytest.fixture(scope="module")
-def page(folder):
-    return Page((folder / "comparison.html").read_text(encoding="utf-8"))
+def page(written_comparison):
+    return Page(written_comparison.text)
 
 
-@pytest.fixture(scope="module")
-def plain(compared, made):
+@pytest.fixture
+def plain(compared, made, no_pictures):
     """The page of a study without perturbed plants and break-even."""
     return comparison_page(compared, made)
 
@@ -120,7 +117,7 @@ def test_a_design_that_is_lacking_or_breaks_a_limit_is_said_so(compared):
     assert "Convex-concave PI: none: no solver came to an end." in said
 
 
-def test_a_revised_set_is_given_not_declared(compared, made, page):
+def test_a_revised_set_is_given_not_declared(compared, made, page, no_pictures):
     c = compared
     revised = c.plants["flexion"].revised([DeadTime], {"dead-time.delay": 0.05}, {}, "rig 7")
     question = Question({**c.plants, "flexion": revised})
@@ -293,8 +290,8 @@ def test_pictures_lie_beside_the_page_and_nothing_half_written(folder):
     assert all((folder / p).read_bytes().startswith(b"\x89PNG") for p in pictures if p.endswith("png"))
 
 
-def test_the_same_comparison_makes_the_same_page(compared, made, plain):
-    assert comparison_page(compared, made) == plain
+def test_the_same_comparison_makes_the_same_page(written_comparison):
+    assert comparison_page(whole_study(), written_comparison.made) == written_comparison.text
 
 
 def test_a_place_that_cannot_be_written_to_is_said(compared, made, tmp_path):

@@ -5,11 +5,10 @@ from dataclasses import replace
 import pytest
 
 from design.robustness.certificates.statements import TasksDieAway
-from reports.robustness.page import SECTIONS, robust_page
+from reports.robustness.page import SECTIONS
 from reports.robustness.tables import verdict_table
 from reports.robustness.words import card_row, details, summary
 from reports.shared.card import matrix_table
-from reports.shared.html import Made
 from reports.shared.tables import number
 from tests.reports.html_page import Page, summary_of
 from tests.reports.report_samples import small_assessment, small_robustness
@@ -21,9 +20,8 @@ def assessed():
 
 
 @pytest.fixture(scope="module")
-def text(assessed):
-    made = Made.now("wrist robust", 0, {"flexion": assessed.box.plant})
-    return robust_page(small_robustness(), made)
+def text(written_robust):
+    return written_robust.text
 
 
 def test_it_opens_with_three_sentences_that_hold_the_numbers(text, assessed):

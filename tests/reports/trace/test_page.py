@@ -46,14 +46,13 @@ def unexplained(bent):
 
 
 @pytest.fixture(scope="module")
-def made(bent):
-    c = bent.campaign
-    return Made.now("wrist trace <c>", 7, {c.axis: bent.revised}, {c.name: c.checksum})
+def made(written_trace):
+    return written_trace.made
 
 
 @pytest.fixture(scope="module")
-def text(bent, made):
-    return trace_page(bent, made)
+def text(written_trace):
+    return written_trace.text
 
 
 @pytest.fixture(scope="module")
@@ -165,7 +164,7 @@ def test_the_pressure_is_drawn_over_time_only_where_something_was_found_in_it(be
     ]
 
 
-def test_what_no_effect_explains_is_described_and_not_called_a_cause(unexplained, made):
+def test_what_no_effect_explains_is_described_and_not_called_a_cause(unexplained, made, no_pictures):
     text = Page(trace_page(unexplained, made)).text
     assert "Unexplained: of the angle" in text
     assert "a description, not a cause" in text.lower()
@@ -286,7 +285,7 @@ def test_means_in_bins_and_a_thinned_spectrum_keep_the_mean(bent):
     assert np.all(np.diff(f) > 0.0)
 
 
-def test_a_learnt_block_is_told_beside_the_causes_and_is_none(bent):
+def test_a_learnt_block_is_told_beside_the_causes_and_is_none(bent, no_pictures):
     values = {f"learnt.{n}": v for n, v in vars(LearntBlock(low=10.0, high=190.0, static3=0.4)).items()}
     revised = bent.revised.revised([LearntBlock], values, {}, "a rig")
     learnt = replace(bent, revised=revised, named_only={"angle_deg": 0.5, "pressure_kPa": 1.0}, learning=True)

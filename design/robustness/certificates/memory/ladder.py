@@ -171,7 +171,9 @@ def _with_memory(
     worst = min(found.values(), key=lambda f: f.form.decay if f.form is not None else -1.0)
     if worst.form is None:
         return none(worst.reason, worst.solver)
-    evidence["forms"] = {", ".join(map(str, ends)): f.form.record for ends, f in found.items()}
+    evidence["forms"] = [
+        {"line_deg_per_kPa": ends, **f.form.record} for ends, f in found.items() if f.form is not None
+    ]
     margin = min(f.margin for f in found.values() if f.margin is not None)
     return Certificate(
         name, about, dead_time, True, worst.form.decay, margin, worst.solver, evidence=evidence

@@ -9,12 +9,11 @@ from plants.measured.campaign import Campaign
 from plants.measured.fit import fit_campaign
 from plants.measured.logger import Remark, corrected, shifted
 from plants.measured.trace.change.two_steps import std_errors
-from plants.measured.trace.declared import driven
+from plants.measured.trace.declared import driven, stages_of
 from plants.measured.trace.judge import alternatives, not_logged
 from plants.measured.trace.result import Named, Trace
-from plants.measured.trace.search.choose import MOST, WORTH, Candidate, falls, search
+from plants.measured.trace.search.choose import MOST, WORTH, Candidate, falls, search, simplest
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.trace import stages_of
 
 
 @dataclass(frozen=True)
@@ -139,7 +138,8 @@ def _chosen(same: Candidate, seed: int) -> tuple[Candidate, dict[str, tuple[str,
     if same.lacks_something:
         logged = [n for n in same.model.stage.effects if not not_logged(same.model, n)]
         found = search(_bare(same.model), logged, seed=seed, present=same)
-        now, others = found.chosen, alternatives(found)
+        now = same if found.chosen is same else simplest(found.chosen)
+        others = alternatives(replace(found, chosen=now))
         beside = {
             n: tuple(dict.fromkeys(e for c in of for e in c.model.effects if e not in now.model.effects))
             for n, of in others.items()

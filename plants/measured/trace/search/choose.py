@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from plants.effects import EFFECTS
 from plants.measured.residual.examine import Examination, examine
-from plants.measured.stage import BLOCK
 from plants.measured.trace.search.excitation import Excitation, excitation
 from plants.measured.trace.search.likelihood import demanded, log_likelihood
 from plants.measured.trace.search.screening import Ranked, Screen, screen
@@ -32,12 +31,20 @@ effect is never quite the rig's, and what it leaves invites others."""
 SHORTLIST, FORMS = 6, 2
 """Effects that are refitted in each round, and of how many of their forms."""
 
+FEWER, ONE = 3, 1
+"""The same for models of a round that are not its best: what they lack stands high in their ranking, and of
+the best that is found other forms are tried later."""
+
 MOST = 3
 """Effects that a stage may be given; beyond that a description is more honest than a list of causes."""
 
 SAME = 0.02
 """Forms of one effect whose chi-square is within this share of its excess are equally good; the one
 with fewest parameters is taken."""
+
+OTHER_FORM = 2.0
+"""Times what one form of an effect brings that another may: an effect that brings less than the least over
+this is not tried in its other forms."""
 
 BEAM, BEAM_REACH = 2, 5.0
 """Models that a round starts from, and how much worse than the best the others may be."""
@@ -123,11 +130,11 @@ class EffectSearch:
     declared: Candidate
 
 
-def left_out(model: Model, folds: int = FOLDS) -> LeftOut:
-    """Residuals on blocks of ten seconds, each of a fit to the rows of the other folds."""
-    fold = model.stage.blocks(BLOCK) % folds
+def left_out(model: Model) -> LeftOut:
+    """Residuals on the blocks of the stage, each of a fit to the rows of the other folds."""
+    fold = model.stage.left_out_blocks % FOLDS
     driven, free = np.empty(fold.size), np.empty(fold.size)
-    for k in range(folds):
+    for k in range(FOLDS):
         apart = fold == k
         fitted = model.fitted(*PARTIAL_FIT, ~apart)
         driven[apart] = fitted.residual[apart]
@@ -137,9 +144,9 @@ def left_out(model: Model, folds: int = FOLDS) -> LeftOut:
 
 def falls(before: Candidate, after: Candidate) -> bool:
     """Whether the error of a free run from the command falls on rows left out: in total over all recordings,
-    and for certain: the lower bound of that total (Student's, one-sided) from its scatter over blocks of ten
-    seconds is above zero, or that of its share in each block (`lower`)."""
-    return lower(before.left_out.free, after.left_out.free, before.model.stage.blocks(BLOCK))
+    and for certain: the lower bound of that total (Student's, one-sided) from its scatter over blocks is
+    above zero, or that of its share in each block (`lower`)."""
+    return lower(before.left_out.free, after.left_out.free, before.model.stage.left_out_blocks)
 
 
 def lower(before: Array, after: Array, blocks: NDArray[np.intp]) -> bool:
@@ -175,8 +182,8 @@ def search(
     each is worth it.
 
     The best few models of a round are all carried to the next: the first effect
-    is chosen while another is still missing, which may pass for it.  Raises
-    nothing for a residual that no effect explains: the search just ends.
+    is chosen while another is still missing, which may pass for it.  Forms need not be the `simplest` yet.
+    Raises nothing for a residual that no effect explains: the search just ends.
     """
     tell = tell or (lambda what: None)
     first = Candidate(declared)
@@ -186,7 +193,7 @@ def search(
     while len(now.model.forms) < MOST and (not rounds or now.lacks_something):
         candidates, ranking, borrowed = _further(beam, now, names, asked, seed, tell)
         best = candidates[0] if candidates else None
-        if best is not None and best.model.chi2 > 1.0 + WORTH:
+        if best is not None and best.model.chi2 > 1.0 + WORTH and _promising(now, best, first):
             best = reformed(best, asked)
         taken = freed(best) if best is not None and worth_it(now, best, first) else None
         if taken is None and not now.model.forms:
@@ -200,9 +207,9 @@ def search(
         if taken is None:
             break
         now = pruned(taken, first)
-        beam = [now, *(c for c in candidates[1:] if c.model.chi2 < BEAM_REACH * now.model.chi2)][:BEAM]
-    whole = simplest(now) if now.model.forms and now is not present else now
-    return EffectSearch(tuple(rounds), whole, first)
+        others = [c for c in candidates[1:] if len(c.model.forms) < MOST]
+        beam = [now, *(c for c in others if c.model.chi2 < BEAM_REACH * now.model.chi2)][:BEAM]
+    return EffectSearch(tuple(rounds), now, first)
 
 
 def _further(
@@ -217,13 +224,14 @@ def _further(
     these; effects that may be nothing but the command, with the reason."""
     found: list[Candidate] = []
     ranking: list[Ranked] = []
-    for start in beam:
+    for place, start in enumerate(beam):
+        effects, forms = (SHORTLIST, FORMS) if place == 0 else (FEWER, ONE)
         tell(f"ranking effects beyond {', '.join(start.model.effects) or 'none'}")
         left = [n for n in names or start.model.stage.effects if n not in start.model.effects]
         ranked = screen(start.model, left, seed, now.lacks_something)
         ranking = ranking or ranked
         if now.lacks_something:
-            found += refit(start.model, shortlist(ranked))
+            found += refit(start.model, shortlist(ranked, effects), forms)
     borrowed = {n: why for c in found for n, why in borrowed_in(c, asked).items()}
     kept = [c for c in found if not borrowed_in(c, asked)]
     return distinct(sorted(kept, key=lambda c: c.model.chi2)), tuple(ranking), borrowed
@@ -296,13 +304,19 @@ def _enough(before: float, after: float, declared: float) -> bool:
     return before - after > max(WORTH, SHARE * (before - 1.0), TRIFLE * (declared - before))
 
 
-def shortlist(ranking: Sequence[Ranked]) -> list[Ranked]:
-    """All ranked forms of the effects that explain most, beyond what chance would."""
+def _promising(before: Candidate, after: Candidate, declared: Candidate) -> bool:
+    """Whether an effect could be enough in a form that brings `OTHER_FORM` times as much."""
+    now = before.model.chi2
+    return _enough(now, now - OTHER_FORM * (now - after.model.chi2), declared.model.chi2)
+
+
+def shortlist(ranking: Sequence[Ranked], effects: int = SHORTLIST) -> list[Ranked]:
+    """All ranked forms of so many effects that explain most, beyond what chance would."""
     names: list[str] = []
     for r in ranking:
         if r.name not in names and r.drop > max(2.0 * r.chance, 0.2 * WORTH):
             names.append(r.name)
-    return [r for r in ranking if r.name in names[:SHORTLIST]]
+    return [r for r in ranking if r.name in names[:effects]]
 
 
 def refit(model: Model, ranked: Sequence[Ranked], forms: int = FORMS) -> list[Candidate]:
@@ -320,6 +334,15 @@ def refit(model: Model, ranked: Sequence[Ranked], forms: int = FORMS) -> list[Ca
     return sorted((Candidate(m.fitted(20, ROUGH)) for m in order[:3]), key=lambda c: c.model.chi2)
 
 
+def from_command(now: Candidate) -> Candidate:
+    """A model with effects whose last fit is to a free run from the command, which is what it is judged by,
+    where that error falls on rows left out: the pressure that was measured is not there in use."""
+    if not now.model.forms or now.model.stage.free_drives is None:
+        return now
+    free = Candidate(now.model.freely.fitted())
+    return Candidate(now.model.with_values(free.model.values)) if falls(now, free) else now
+
+
 def pruned(now: Candidate, declared: Candidate) -> Candidate:
     """The model without effects that a later one made needless."""
     for name in now.model.effects:
@@ -335,11 +358,12 @@ def simplest(now: Candidate) -> Candidate:
     """Each effect in the form with fewest parameters among those that do equally well."""
     for form in now.model.forms:
         rest = now.model.without(form.NAME)
-        for other in sorted(EFFECTS[form.NAME], key=lambda f: len(f.kinds())):
-            if len(other.kinds()) >= len(form.kinds()):
-                break
-            ranked = Screen(rest.fitted(6, 1e-3)).rank(other)
-            found = Candidate(fitted_with(rest, ranked).fitted())
+        simpler = [f for f in EFFECTS[form.NAME] if len(f.kinds()) < len(form.kinds())]
+        if not simpler:
+            continue
+        held = Screen(rest.fitted(6, 1e-3))
+        for other in sorted(simpler, key=lambda f: len(f.kinds())):
+            found = Candidate(fitted_with(rest, held.rank(other)).fitted())
             if found.model.chi2 - now.model.chi2 < SAME * max(now.model.chi2 - 1.0, WORTH):
                 now = found
                 break

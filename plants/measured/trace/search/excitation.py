@@ -31,7 +31,8 @@ INSIDE, TURNS = 0.05, 6
 that range; and how often at least."""
 
 BEGINS = 0.03
-"""Share of a recording that counts as its beginning, a second at least."""
+"""Share of a recording that counts as its beginning; a second at least, and a period of a single sine, in
+which the rig has yet to meet its whole range."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,10 @@ def excitation(playbacks: Sequence[Playback]) -> Excitation:
     share = float(spans[[f is not None for f in lines]].sum() / spans.sum())
     alone = tuple(f for f in lines if f is not None) if share >= MOST else ()
     ramps = np.array([_is_ramp(r) for r in recordings])
-    begins = min(float(r.time[0]) + max(1.0, BEGINS * s) for r, s in zip(recordings, spans, strict=True))
+    begins = min(
+        float(r.time[0]) + max(1.0, BEGINS * s, 1.0 / f[0] if f is not None else 0.0)
+        for r, s, f in zip(recordings, spans, lines, strict=True)
+    )
     ramp = bool(spans[ramps].sum() >= MOST * spans.sum())
     return Excitation(alone, ramp, begins, float(spans.max()), inner_turns(recordings) >= TURNS)
 

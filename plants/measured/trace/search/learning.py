@@ -15,8 +15,7 @@ from scipy.optimize import lsq_linear
 
 from plants.effects.wrist.learnt_block import LearntBlock
 from plants.measured.estimate import jacobian
-from plants.measured.stage import BLOCK
-from plants.measured.trace.search.choose import PARTIAL_FIT, Candidate, left_out, lower
+from plants.measured.trace.search.choose import FOLDS, PARTIAL_FIT, SHARE, Candidate, lower
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import remainders
 
@@ -31,13 +30,6 @@ MEMORIES = (0.2, 1.0, 5.0, 25.0)
 EDGE = 0.005
 """Share of the rows that lie beyond each end of the pressures that a block is learnt on."""
 
-LEAST = 0.1
-"""Share of the mean square on rows left out that a block must take away: it has two dozen parameters."""
-
-HALVES = 2
-"""Folds of the rows that it is judged on: a block has two dozen parameters, and is to predict as much as it
-was learnt on."""
-
 RIDGE = 1e-2
 """Weight of a coefficient against the largest column: one that hardly shows stays small."""
 
@@ -50,20 +42,22 @@ ENDS = (f"{LearntBlock.NAME}.low", f"{LearntBlock.NAME}.high")
 
 def learn(now: Candidate) -> Candidate | None:
     """The model with a learnt block; None where it does not lower the error of a free run from the command on
-    rows left out, by more than its uncertainty (`choose.lower`) and by `LEAST` of its mean square.
+    rows left out, by more than its uncertainty (`choose.lower`) and by the share of what is above the noise
+    that an effect must take away (`choose.SHARE`).
 
-    Each half of the rows is judged by a block that was learnt from nothing on the other half: one that was
+    Each part of the rows is judged by a block that was learnt from nothing on the others: one that was
     learnt on all of them and only refitted would remember some of what is left out.
     """
     model = now.model
-    blocks = model.stage.blocks(BLOCK)
-    fold, free = blocks % HALVES, np.empty(blocks.size)
-    for k in range(HALVES):
+    blocks = model.stage.left_out_blocks
+    fold, free = blocks % FOLDS, np.empty(blocks.size)
+    for k in range(FOLDS):
         apart = fold == k
-        half = _learnt(model.fitted(*PARTIAL_FIT, ~apart), ~apart)
-        free[apart] = half.freely.residual[apart]
-    before = left_out(model, HALVES).free
-    if not lower(before, free, blocks) or np.mean(free**2) > (1.0 - LEAST) * np.mean(before**2):
+        others = _learnt(model.fitted(*PARTIAL_FIT, ~apart), ~apart)
+        free[apart] = others.freely.residual[apart]
+    before = now.left_out.free
+    left = float(np.mean(before**2))
+    if not lower(before, free, blocks) or left - np.mean(free**2) <= SHARE * (left - 1.0):
         return None
     return Candidate(_learnt(model, None))
 

@@ -80,7 +80,8 @@ class Model:
     @property
     def freely(self) -> "Model":
         """The same model in a free run from the command."""
-        return replace(self, stage=self.stage.freely)
+        stage = self.stage.freely
+        return self if stage is self.stage else replace(self, stage=stage)
 
     def at(self, vector: Array) -> "Model":
         """The same model with other values of its parameters."""

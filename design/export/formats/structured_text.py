@@ -71,13 +71,13 @@ def literal(value: float) -> str:
 def _statements(body: str, law: str) -> Iterator[str]:
     """The statements of a function of CasADi, in structured text.
 
-    >>> list(_statements("  a0=arg[0]? arg[0][2] : 0;\\n  a1=(a0<a0);\\n  if (res[0]!=0) res[0][3]=a1;", "f"))
+    >>> list(_statements("  a0=arg[0][2];\\n  a1=(a0<a0);\\n  res[0][3]=a1;", "f"))
     ['a0 := given[2];', 'a1 := SEL(a0 < a0, 0.0, 1.0);', 'after[3] := a1;']
     """
     for line in map(str.strip, body.split("\n")):
         if not line or line.startswith(("(void)", "casadi_real ", "return ")):
             continue
-        stored = re.fullmatch(r"if \(res\[0\]!=0\) res\[0\]\[(\d+)\]=(.*);", line)
+        stored = re.fullmatch(r"res\[0\]\[(\d+)\]=(.*);", line)
         named = re.fullmatch(r"(a\d+)=(.*);", line)
         if stored:
             yield f"after[{stored[1]}] := {_expression(_plain(stored[2]), law)};"
@@ -95,7 +95,7 @@ def _plain(text: str) -> str:
 
 
 def _expression(text: str, law: str) -> str:
-    given = re.fullmatch(r"arg\[(\d)\]\? arg\[\1\]\[(\d+)\] : 0", text)
+    given = re.fullmatch(r"arg\[(\d)\]\[(\d+)\]", text)
     if given:
         return f"{'seen' if given[1] == '1' else 'given'}[{given[2]}]"
     if re.fullmatch(r"-?\d+\.?\d*(e[-+]?\d+)?", text):

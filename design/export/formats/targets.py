@@ -3,10 +3,10 @@
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from design.export.fmu import FMI, unit
-from design.export.folder import contents, write
+from design.export.formats.fmu import FMI, unit
+from design.export.formats.folder import contents, write
+from design.export.formats.structured_text import function_block
 from design.export.part import Part
-from design.export.structured_text import function_block
 from plants.errors import InputError
 from plants.files import write_atomically
 from plants.wrist import Wrist
@@ -17,7 +17,7 @@ VERSIONS: tuple[FMI, ...] = ("2.0", "3.0")
 def write_units(part: Part, wrist: Wrist, folder: Path) -> list[Path]:
     """Write a unit of each version of FMI, with the test vector beside, into a folder; the paths.
 
-    Raises InputError as `design.export.fmu.unit` does, before anything is written.
+    Raises InputError as `design.export.formats.fmu.unit` does, before anything is written.
     """
     files = contents(part, wrist)
     made: dict[str, str | bytes] = {f"{part.name}_fmi{v[0]}.fmu": unit(part, files, v) for v in VERSIONS}

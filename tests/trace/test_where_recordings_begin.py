@@ -1,0 +1,50 @@
+"""A stage begins each recording at its first rows, as a held-out one begins, and leaves out enough blocks of
+it, however short the recordings are."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from plants.measured.campaign import load_campaign
+from plants.measured.fit import fit_campaign
+from plants.measured.playback import Playback
+from plants.measured.recording import Recording
+from plants.measured.stage import LEAST_BLOCKS, Stage
+from plants.measured.trace.declared import stages_of
+from plants.measured.trace.start import starting
+from plants.rig import built_in_rig
+from tests.rig.soft import CAMPAIGNS, bender, stairs
+
+
+@pytest.fixture(scope="module")
+def stages(tmp_path_factory):
+    make, fit, validate = CAMPAIGNS["bender"]
+    folder = tmp_path_factory.mktemp("soft") / "bender"
+    make().write(folder, fit, validate)
+    begun = starting(load_campaign(folder))
+    return stages_of(begun.campaign, fit_campaign(begun.campaign, begun.parameters, begun.starts, 0))
+
+
+def test_a_recording_begins_at_what_its_first_rows_show(stages):
+    for stage in stages:
+        for playback, begin in zip(stage.playbacks, stage.begins, strict=True):
+            assert begin.pressure == pytest.approx(np.median(playback.recording.pressure[:3]))
+            assert begin.angle == pytest.approx(np.median(playback.recording.angle[:3]))
+
+
+def test_a_short_recording_makes_blocks_enough_for_every_fold(tmp_path):
+    asked = dict.fromkeys(("short", "check"), lambda: stairs([0, 2000, 1000], 8.0))
+    replace(bender(), commands=asked).write(tmp_path / "short", ("short",), ("check",))
+    begun = starting(load_campaign(tmp_path / "short"))
+    (played,) = (Playback(r, begun.parameters.rig.sample_time) for r in begun.campaign.fit)
+    stage = Stage("regulator", "pressure_kPa", 1.0, (played,), (), begun.parameters.rig)
+    assert len(np.unique(stage.left_out_blocks)) >= LEAST_BLOCKS
+
+
+@pytest.mark.parametrize(("rows", "blocks"), [(601, 6), (640, 6), (655, 7), (30, 1)])
+def test_what_is_left_at_the_end_is_a_block_only_from_half_a_block_on(rows, blocks):
+    time = 0.1 * np.arange(rows)
+    played = Playback(Recording("long", time, time % 7.0, pressure=time % 5.0))
+    stage = Stage("regulator", "pressure_kPa", 1.0, (played,), (), built_in_rig())
+    assert len(np.unique(stage.blocks(10.0, least=0.5))) == blocks
