@@ -75,8 +75,27 @@ class Uncertainty:
 
 
 @dataclass(frozen=True)
+class Zero:
+    """What is logged where pressure and angle of the rig's plants are 0, as on a rig that bends to one side:
+    its steps are made about the middle of its range."""
+
+    pressure: float = 0.0
+    angle: float = 0.0
+
+    def words(self, units: Units) -> str:
+        """What is counted from where, in words; empty where all is counted from 0.
+
+        >>> Zero(3.02, 26.0).words(Units("V", "kPa", "deg"))
+        'the pressure from 3.02 kPa, the angle from 26 deg'
+        """
+        counted = (("pressure", self.pressure, units.pressure), ("angle", self.angle, units.angle))
+        return ", ".join(f"the {what} from {value:.4g} {unit}" for what, value, unit in counted if value)
+
+
+@dataclass(frozen=True)
 class Rig:
-    """A rig; limits: by name, as `design.synthesis.requirements.Limits`; sample times [s] of loop and log."""
+    """A rig; limits: by name, as `design.synthesis.requirements.Limits`; sample times [s] of loop and log;
+    zero: what its log is counted from."""
 
     name: str
     title: str
@@ -89,6 +108,7 @@ class Rig:
     task: StepTask
     limits: Mapping[str, float] = field(hash=False)
     uncertainty: Uncertainty
+    zero: Zero = Zero()
 
     @property
     def rest_pressure(self) -> float:
@@ -136,11 +156,13 @@ class Rig:
     def record(self) -> dict[str, Any]:
         """The rig as in its TOML file."""
         t, u = self.task, self.uncertainty
+        zero = {} if self.zero == Zero() else {"zero": dict(vars(self.zero))}
         return {
             "name": self.name,
             "title": self.title,
             "motions": list(self.motions),
             "units": dict(vars(self.units)),
+            **zero,
             "command": {"range": list(self.command_range)},
             "pressure": {"range": list(self.pressure_range)},
             "time": {"loop_s": self.sample_time, "log_s": self.log_time},
@@ -180,7 +202,10 @@ def parse_rig(table: Mapping[str, Any], where: str) -> Rig:
     """
     of = Reader(where, EXAMPLE)
     top = of.table(table, "rig", ("name", "title", "motions", *_TABLES))
-    parts = {n: of.table(of.get(top, n, dict), n, keys) for n, keys in _TABLES.items()}
+    parts = {
+        n: of.table({} if n == "zero" and n not in top else of.get(top, n, dict), n, keys)
+        for n, keys in _TABLES.items()
+    }
     motions = of.get(top, "motions", list)
     if not motions or not all(isinstance(m, str) and m for m in motions):
         raise InputError(f"{where}: motions must name one motion at least")
@@ -213,6 +238,7 @@ def parse_rig(table: Mapping[str, Any], where: str) -> Rig:
             of.share(sure, "width"), of.share(sure, "slope"), of.share(sure, "lag"), of.share(sure, "rates"),
             of.pair(sure, "dead_time_s", True), *(of.not_negative(sure, n) for n in _DISTURBANCES),
         ),
+        Zero(*(of.number(parts["zero"].get(n, 0.0), n) for n in _TABLES["zero"])),
     )  # fmt: skip
 
 
@@ -220,6 +246,7 @@ _DISTURBANCES = ("load", "noise", "resolution")
 
 _TABLES: dict[str, tuple[str, ...]] = {
     "units": ("command", "pressure", "angle"),
+    "zero": ("pressure", "angle"),
     "command": ("range",),
     "pressure": ("range",),
     "time": ("loop_s", "log_s"),

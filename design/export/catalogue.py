@@ -110,6 +110,12 @@ def _mpc(
     return make
 
 
+def counted(wrist: Wrist) -> tuple[str, ...]:
+    """A note of what reference and measurements are counted from, where that is not 0."""
+    words = wrist.rig.zero.words(wrist.rig.units)
+    return (f"Counted is {words} of the log; the reference as the angle.",) if words else ()
+
+
 STANDS_STILL = (
     "The command is clipped to its range. The integrator stands still while it is, unless the error drives "
     "the command back into the range."
@@ -233,7 +239,7 @@ def part(
         raise
     except ValueError as error:
         raise InputError(f"--gains: {error}; {wanted}") from None
-    return replace(made, notes=(*made.notes, *filter(None, [entry.at_the_ends])))
+    return replace(made, notes=(*made.notes, *filter(None, [entry.at_the_ends]), *counted(wrist)))
 
 
 def _handed_over(kind: str, entry: Entry, by_hand: bool, rate: float | None) -> Entry:

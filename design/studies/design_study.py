@@ -196,7 +196,7 @@ def _traced(
     path = folder / f"plant-{motion}.toml"
 
     def work() -> dict[str, Any]:
-        trace = trace_campaign(data, start, seed, _at("trace", tell))
+        trace = trace_campaign(data, start, seed, _at("trace", tell), either_way=True)
         dump(trace.revised, path)
         return {
             "verdict": trace.verdict, "before": trace.before, "after": trace.after, "noise": trace.noise,

@@ -18,6 +18,7 @@ from plants.measured.instrument.alignment import delay_between, in_step
 from plants.measured.instrument.offsets import offsets_between
 from plants.measured.noise import noise_floor, resolution
 from plants.measured.recording import Recording
+from plants.rig import Zero
 
 Array = NDArray[np.float64]
 Habit = Literal["held", "counted from", "offset", "resting", "late", "repeated", "swapped"]
@@ -55,9 +56,9 @@ REST_ROWS = 30
 class Remark:
     """Something that the log does.
 
-    habit: ``held`` (renewed every `value` s), ``counted from`` (the pressure is `value` where the command is
-    zero), ``offset`` (off by up to `value`, anew in each recording), ``resting`` (exactly zero for `value`
-    s), ``late`` (logged `value` s late), ``repeated`` and ``swapped`` (so many rows).
+    habit: ``held`` (renewed every `value` s), ``counted from`` (`value` is logged where the rig's plant is
+    at zero), ``offset`` (off by up to `value`, anew in each recording), ``resting`` (exactly zero for
+    `value` s), ``late`` (logged `value` s late), ``repeated`` and ``swapped`` (so many rows).
     recordings: in which, by name; stated: whether campaign.toml says so.
     """
 
@@ -78,9 +79,14 @@ class Remark:
                     "only renewed values count, with straight lines between them."
                 )
             case "counted from":
+                if name == "angle":
+                    return (
+                        f"The angle goes to one side; it is counted from {self.value:.4g} {self.unit}, in "
+                        "the middle of its range, so that steps go either way. The revised plant keeps this."
+                    )
                 return (
                     f"The pressure is {self.value:.4g} kPa where the command is zero; it is counted from "
-                    "there. To keep it so, map the column with that offset."
+                    "there. The revised plant keeps this."
                 )
             case "offset":
                 return (
@@ -236,13 +242,19 @@ def _renewed(campaign: Campaign, remarks: list[Remark]) -> Campaign:
     return campaign
 
 
-def shifted(campaign: Campaign, by: float) -> Campaign:
-    """The campaign with a number [kPa] added to its pressures."""
+def counted_from(campaign: Campaign, zero: Zero) -> Campaign:
+    """The campaign with pressures and angles counted from a zero."""
+    return _each(campaign, lambda r: r.counted_from(zero))
 
-    def moved(r: Recording) -> Recording:
-        return r if r.pressure is None else replace(r, pressure=r.pressure + by)
 
-    return _each(campaign, moved)
+def zero_of(remarks: Sequence[Remark]) -> Zero:
+    """What a log is counted from after all that was said of it.
+
+    >>> zero_of([Remark("counted from", "angle_deg", 26.0, "deg", ("steps.csv",))])
+    Zero(pressure=0.0, angle=26.0)
+    """
+    found = {r.channel: r.value for r in remarks if r.habit == "counted from"}
+    return Zero(found.get("pressure_kPa", 0.0), found.get("angle_deg", 0.0))
 
 
 def _without_offsets(campaign: Campaign, remarks: list[Remark]) -> Campaign:

@@ -14,7 +14,7 @@ from plants.measured.formats.cells import Array, Text, first_bad, shorten
 from plants.measured.formats.columns import STANDARD, Source, turned
 from plants.measured.formats.tables import Table
 from plants.measured.instrument.rows import mended
-from plants.rig import Rig
+from plants.rig import Rig, Zero
 
 Stage = Literal["wrist", "regulator"]
 
@@ -76,6 +76,17 @@ class Recording:
         }
         return {**self.extra, **{n: v for n, v in own.items() if v is not None}}
 
+    def counted_from(self, zero: Zero) -> "Recording":
+        """The recording with its pressure and its angles counted from what is zero for the rig's plants."""
+
+        def less(values: Array | None, by: float) -> Array | None:
+            return values if values is None or by == 0.0 else values - by
+
+        return replace(
+            self, pressure=less(self.pressure, zero.pressure), angle=less(self.angle, zero.angle),
+            reference=less(self.reference, zero.angle),
+        )  # fmt: skip
+
     def until(self, time: float) -> "Recording":
         """The recording up to a time [s]."""
         kept = self.time < time
@@ -95,7 +106,8 @@ def from_table(
     """The recording in a table whose columns `sources` maps to the standard names.
 
     sample_time [s]: what the steps of the time are compared with; None to take the file's own.
-    rig: whose ranges the channels are held against, None where they are not known.
+    rig: whose ranges the channels are held against, and whose zero they are counted from; None where it is
+    not known.
     Raises InputError, in one line with file, row and column, for a column that
     is missing, cells that are no finite numbers, and a time that repeats, runs
     backwards (beyond what `plants.measured.instrument.rows` mends), has gaps or another
@@ -112,7 +124,7 @@ def from_table(
         _warn_of_command(table, sources["command_V"].name, found["command_V"], rig)
     if rig is not None and "angle_deg" in found:
         _warn_of_radians(table, sources["angle_deg"].name, found, rig)
-    return Recording(
+    recording = Recording(
         name or table.path.name,
         time,
         found["command_V"],
@@ -123,6 +135,7 @@ def from_table(
         _extra(table, {s.name for s in sources.values()}, len(time)),
         mended=counts,
     )
+    return recording if rig is None else recording.counted_from(rig.zero)
 
 
 def required(stage: Stage) -> tuple[str, ...]:

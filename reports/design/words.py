@@ -8,6 +8,7 @@ from design.robustness.certificates.memory.ladder import IN_BOX
 from design.robustness.tuning.recommended import PLAIN
 from design.studies.design_study import DesignStudy, MotionDesign
 from design.studies.designs import BARE, CASCADE, FORWARD
+from design.synthesis.answer import OutOfReach
 from plants.effects.wrist.remainder import STEEPNESS
 from reports.shared.card import broken_words, gains_words
 from reports.shared.names import limit_in_text
@@ -61,6 +62,8 @@ def motion_lines(m: MotionDesign) -> list[str]:
     after = m.trace["after"].get("angle_deg")
     names = listed([e["name"] for e in m.trace["effects"]]) if m.trace["effects"] else "nothing"
     found.append(f"  trace: {m.trace['verdict']}, adds {names}; held-out error {number(after)} deg")
+    if counted := m.plant.rig.zero.words(m.plant.rig.units):
+        found.append(f"  counted: {counted} of the log")
     if m.left_out:
         found.append(f"  left out of the design: {listed(list(m.left_out))}")
     found.append(
@@ -83,6 +86,12 @@ def last_line(study: DesignStudy) -> str:
     """The gains, what they hold, what is open."""
     gains = "; ".join(f"{m.motion} {gains_words(m.gains)}" for m in study.motions)
     if not study.holds:
+        beyond = [m.motion for m in study.motions if _out_of_reach(m)]
+        if beyond:
+            return (
+                f"no gains meet every limit: no command in its range holds the steps of {listed(beyond)}; "
+                "give a plant with other steps, in its table [rig.task], with --plant"
+            )
         gone = sorted({m.relaxed for m in study.motions if m.relaxed and not m.holds})
         without = f"; every limit would be met without {listed(gone)}" if gone else ""
         return f"no gains meet every limit; nearest: {gains}{without}"
@@ -92,6 +101,12 @@ def last_line(study: DesignStudy) -> str:
     proved = "exponential stability is proved on the plant as fitted"
     open_ = f"a proof is open for {listed(still)}" if still else proved
     return f"{gains}: {held} in all samples and search runs; {open_}"
+
+
+def _out_of_reach(m: MotionDesign) -> bool:
+    """Whether the steps of the task, and not the gains, are what fails."""
+    nearest = m.designs[m.recommended].get("nearest")
+    return nearest is not None and nearest["words"] == OutOfReach.__name__
 
 
 def remarks(study: DesignStudy) -> list[str]:
@@ -109,6 +124,12 @@ def remarks(study: DesignStudy) -> list[str]:
         if m.holds and m.guard["overshoot_percent"] < study.guard["overshoot_percent"]
     ]
     found += [words for words in map(weight_words, study.motions) if words]
+    found += [
+        f"{m.motion}: this page counts {counted} of the log. Take as much off what is measured, and off the "
+        "reference, before the controller sees it."
+        for m in study.motions
+        if (counted := m.plant.rig.zero.words(m.plant.rig.units))
+    ]
     found += [
         f"{m.motion}: the other motion moves this angle. The design keeps the other motion at rest: while it "
         "moves, the overshoot may exceed its limit and settling takes longer."
@@ -142,7 +163,7 @@ def remainder_words(m: MotionDesign, left: Mapping[str, float] | None) -> str:
     bare, plain = m.designs.get(BARE), m.designs[PLAIN]
     words = f"{m.motion}: the unexplained residual of the plant ({size}) acts as a disturbance in every case."
     words += _slopes_words(m, 100 * STEEPNESS * left["peak"] / left["length"])
-    if bare is None or not plain["holds"]:
+    if bare is None or not (bare["holds"] and plain["holds"]):
         return words
     return (
         f"{words} Without it the PI would be {gains_words(bare['gains'])}; with it the worst IAE is "
@@ -197,12 +218,12 @@ def feedforward_words(m: MotionDesign) -> str:
     found = m.designs.get(FORWARD)
     if found is None or not (found["holds"] or "worst_case" in found):
         return ""
-    gains, best = found["gains"], m.designs[m.recommended]["cost"]
+    gains, share = found["gains"], _saved(m, FORWARD)
+    error = "" if share is None else f"lowers the worst IAE of the tuning by {number(100 * share, 2)} %. It "
     words = (
         f"{m.motion}: an inverse feedforward (filter {number(gains['speed'])} 1/s, model delayed by "
         f"{number(1000 * gains['dead_time'])} ms) around the loop Kp = {number(gains['Kp'])}, Ki = "
-        f"{number(gains['Ki'])} lowers the worst IAE of the tuning by "
-        f"{number(100 * (1 - found['cost'] / best), 2)} %. It needs the model and the measured pressure "
+        f"{number(gains['Ki'])} {error}needs the model and the measured pressure "
         "on the target, and no certificate covers it."
     )
     if found["holds"]:
@@ -226,22 +247,34 @@ def cascade_words(m: MotionDesign) -> str:
     return _pressure_words(m, CASCADE, "a cascade, a PI around a proportional loop on the pressure")
 
 
+def _saved(m: MotionDesign, name: str) -> float | None:
+    """Share by which the worst IAE of a controller's tuning lies below that of the recommended one; None
+    where one of them has none, since its gains break a limit of the linear loop."""
+    mine, best = m.designs[name]["cost"], m.designs[m.recommended]["cost"]
+    known = all(c is not None and isfinite(c) for c in (mine, best))
+    return 1 - mine / best if known else None
+
+
 def _pressure_words(m: MotionDesign, name: str, what: str) -> str:
     found = m.designs.get(name)
     if found is None:
         return ""
     values = ", ".join(f"{n} = {number(v)}" for n, v in found["gains"].items())
-    share = 100 * (1 - found["cost"] / m.designs[m.recommended]["cost"])
-    lower = f"{number(abs(share), 2)} % {'lower' if share > 0.0 else 'higher'}"
+    share = _saved(m, name)
+    error = (
+        f"s worst IAE is {number(100 * abs(share), 2)} % {'lower' if share > 0.0 else 'higher'}"
+        if share is not None
+        else "s worst IAE is not known, since gains that break a limit of the linear loop are not simulated"
+    )
     words = f"{m.motion}: {what} ({values}) needs the measured pressure, and no certificate covers it."
     if found["holds"]:
-        return f"{words} Its worst IAE is {lower}; no broken limit was found."
+        return f"{words} It{error}; no broken limit was found."
     limit = f"the limit on {limit_in_text(found['worst_excess_of'])}"
     if found["worst_excess"] > 0.0:
         beyond = f"It breaks {limit} by {number(100 * found['worst_excess'], 2)} % in a case that was found"
     else:
         beyond = f"No gains of it were found that stay below {limit} by the margin of the tuning"
-    return f"{words} {beyond}; its worst IAE is {lower}."
+    return f"{words} {beyond}; it{error}."
 
 
 def mpc_words(m: MotionDesign) -> str:
@@ -249,7 +282,7 @@ def mpc_words(m: MotionDesign) -> str:
     found = m.designs.get(ROBUST_MPC)
     if found is None:
         return ""
-    share = 100 * (1 - found["cost"] / m.designs[m.recommended]["cost"])
+    share = _saved(m, ROBUST_MPC)
     swing, move, delay = (number(found["gains"][n]) for n in ("swing", "move", "delay"))
     at_rest = found["margins"]
     words = (
@@ -258,9 +291,10 @@ def mpc_words(m: MotionDesign) -> str:
         "solves a quadratic program every period. No "
         "certificate covers it. Its linear loop at rest has Ms = "
         f"{number(at_rest['Ms'])} at most, and a delay margin of at least "
-        f"{number(1000 * at_rest['delay_margin_s'], 2)} ms. The worst IAE of its tuning is "
-        f"{number(share, 2)} % lower."
+        f"{number(1000 * at_rest['delay_margin_s'], 2)} ms."
     )
+    if share is not None:
+        words += f" The worst IAE of its tuning is {number(100 * share, 2)} % lower."
     if found["holds"]:
         return (
             f"{words} No broken limit was found in about {found['search_runs']} runs of a search and in "

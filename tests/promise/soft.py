@@ -1,40 +1,66 @@
-"""What a trace makes of soft actuators drawn at random, from their logs alone: error before and after.
+"""What a trace makes of soft actuators drawn at random, from their logs alone: the error before and after,
+and whether gains that are tuned on the revised plant hold on the actuator.
 
 python -m tests.promise.soft --seed 0 --count 20
+python -m tests.promise.soft --seed 0 --count 10 --gains
 """
 
 import argparse
 import tempfile
 import time
 import warnings
+from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
+
+from design.robustness.tuning.recommended import tune_candidates
+from design.studies.design_study import Taken, required_of
+from design.synthesis.designed_plant import designed
 from plants.errors import InputError
 from plants.measured.campaign import load_campaign
-from plants.measured.trace.trace import trace_campaign
+from plants.measured.trace.trace import Trace, trace_campaign
+from plants.parameters.quantities import ParameterSet
+from tests.promise.held import LATE, Held
+from tests.rig.core import TICK, Controller
+from tests.rig.soft import SoftRig
 from tests.rig.soft_random import recordings, soft_actuator
+
+WAYS = (0.0, 1.0, 0.0, -1.0, 0.0, 1.0, -1.0)
+"""References over the step of the task, each held for its duration; the first is not judged."""
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seed", type=int, default=0, help="of the first actuator")
     parser.add_argument("--count", type=int, default=10)
+    parser.add_argument("--gains", action="store_true", help="also tune, and close the loop on the actuator")
     asked = parser.parse_args()
     warnings.simplefilter("ignore")
-    ratios = [r for seed in range(asked.seed, asked.seed + asked.count) if (r := _traced(seed)) is not None]
+    ratios, kept = [], []
+    for seed in range(asked.seed, asked.seed + asked.count):
+        trace = _traced(seed, asked.gains)
+        if trace is None:
+            continue
+        ratios.append(trace.after["angle_deg"] / trace.before["angle_deg"])
+        if asked.gains:
+            kept.append(_tuned(seed, trace))
     worse = sum(r > 1.0 for r in ratios)
     print(f"{len(ratios)} of {asked.count} traced, {worse} worse after; median of after / before ", end="")
-    print(f"{sorted(ratios)[len(ratios) // 2]:.2f}" if ratios else "-")
+    print(f"{np.median(ratios):.2f}" if ratios else "-")
+    if asked.gains:
+        found = [k for k in kept if k is not None]
+        print(f"{len(found)} of {len(kept)} get gains, {sum(found)} hold on the actuator, late too")
 
 
-def _traced(seed: int) -> float | None:
-    """A line of one actuator; its error of the angle after over that before, None where it was refused."""
+def _traced(seed: int, either_way: bool) -> Trace | None:
+    """A line of one actuator, and its trace; None where it was refused."""
     began = time.process_time()
     with tempfile.TemporaryDirectory() as root:
         folder = Path(root) / "rig"
         soft_actuator(seed).write(folder, recordings(seed), ("check",))
         try:
-            trace = trace_campaign(load_campaign(folder))
+            trace = trace_campaign(load_campaign(folder), either_way=either_way)
         except InputError as wrong:
             print(f"{seed:4d} refused: {wrong}", flush=True)
             return None
@@ -45,7 +71,40 @@ def _traced(seed: int) -> float | None:
         f"{named}; {time.process_time() - began:.0f} s",
         flush=True,
     )
-    return after / before
+    return trace
+
+
+def _tuned(seed: int, trace: Trace) -> bool | None:
+    """A line of the gains of one actuator; whether they hold on it, None where none hold in the model."""
+    tuned = tune_candidates(required_of(designed(trace.revised), Taken())).best
+    gains = tuned.final.gains
+    seen = held(soft_actuator(seed), gains, trace.revised)
+    said = ", ".join(f"{k} {v:.3g}" for k, v in gains.items())
+    print(f"     {said} ({'held' if tuned.holds else tuned.ended} in the model); {seen}", flush=True)
+    return seen.kept if tuned.holds else None
+
+
+def held(rig: SoftRig, gains: Mapping[str, float], plant: ParameterSet) -> Held:
+    """Close the loop on a soft actuator with gains of a PI or a PI with two degrees of freedom; task, limits,
+    range of the command and zero of the angle are of the plant's rig."""
+    stated, v = plant.rig, plant.values
+    controller = Controller(
+        gains["Kp"], gains["Ki"], v["gain"], v["rest_pressure"], *stated.command_range,
+        gains.get("b", 1.0), gains.get("Tf", 0.0),
+    )  # fmt: skip
+    samples, task = round(stated.task.duration / TICK), stated.task
+    reference = task.step * np.repeat(WAYS, samples)
+
+    def worst(late: float) -> tuple[float, float, bool]:
+        angle = rig.follow(reference, controller, stated.sample_time, stated.zero.angle, late)
+        error = (angle - reference).reshape(len(WAYS), samples)[1:]
+        steps = task.step * np.diff(WAYS)[:, None]
+        outside = np.abs(error) > task.band * task.step
+        settling = np.where(outside.any(axis=1), samples - outside[:, ::-1].argmax(axis=1), 0) * TICK
+        settling[outside[:, -1]] = np.inf
+        return float(np.max(error / steps)), float(settling.max()), False
+
+    return Held(worst(0.0), worst(LATE), stated.limits["overshoot_percent"] / 100.0)
 
 
 if __name__ == "__main__":

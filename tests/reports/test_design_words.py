@@ -12,6 +12,7 @@ from design.studies.designs import CASCADE, FORWARD, DesignEffort
 from plants.effects.wrist.cross_coupling import Coupling
 from plants.effects.wrist.remainder import STEEPNESS
 from plants.parameters.files import built_in
+from plants.rig import Zero
 from reports.design import tables
 from reports.design.words import (
     cascade_words,
@@ -208,3 +209,45 @@ def test_evidence_counts_runs_and_what_a_reference_weight_gains_is_a_remark():
 
 def better(of, cost):
     return {**of.designs["PI"], "cost": cost}
+
+
+@pytest.mark.parametrize("cost", [None, float("inf")])
+def test_gains_that_break_a_limit_of_the_linear_loop_have_no_error_to_compare(cost):
+    """They are not simulated."""
+    (m,) = study(7, "open", 1).motions
+    margins = {"Ms": 1.9, "Mt": 1.3, "delay_margin_s": 0.08}
+    gains = dict.fromkeys(("Kp", "Ki", "speed", "dead_time", "swing", "move", "delay"), 1.0)
+    of = {
+        "gains": gains,
+        "cost": cost, "holds": False, "worst_excess": 0.2, "worst_excess_of": "Ms", "worst_case": "a step",
+        "margins": margins,
+    }  # fmt: skip
+    told = {LQI_NAME: lqi_words, CASCADE: cascade_words, FORWARD: feedforward_words, ROBUST_MPC: mpc_words}
+    for name, words in told.items():
+        said = words(replace(m, designs={**m.designs, name: of}))
+        assert "IAE" not in said or "not known" in said
+        assert "Ms" in said
+        recommended = replace(
+            m, designs={**m.designs, "PI": {**m.designs["PI"], "cost": cost}, name: {**of, "cost": 9.0}}
+        )
+        assert "nan" not in words(recommended)
+
+
+def test_steps_out_of_reach_are_told_as_what_fails():
+    bad = study(7, "open", 1)
+    (m,) = bad.motions
+    nearest = {"limit": None, "words": "OutOfReach"}
+    beyond = replace(m, designs={**m.designs, "PI": {**m.designs["PI"], "nearest": nearest}})
+    said = last_line(replace(bad, motions=(beyond,)))
+    assert said.startswith("no gains meet every limit: no command in its range holds the steps of flexion")
+    assert "[rig.task]" in said
+
+
+def test_what_the_page_counts_from_is_told():
+    good = study(0, "open", 1)
+    (m,) = good.motions
+    rig = replace(m.plant.rig, zero=Zero(3.0, 26.0))
+    counted = replace(m, plant=replace(m.plant, rig=rig))
+    (said,) = (w for w in remarks(replace(good, motions=(counted,))) if "of the log" in w)
+    assert "the pressure from 3 kPa, the angle from 26 deg" in said
+    assert not [w for w in remarks(good) if "of the log" in w]

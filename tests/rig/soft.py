@@ -9,11 +9,13 @@ each recording.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 from numba import njit
 
+from tests.rig.core import Controller, pi_command
 from tests.rig.signals import Signal
 
 TICK = 0.001
@@ -37,6 +39,17 @@ class Logger:
     rests: bool = False
     angle_delay: float = 0.0
     slips: int = 0
+
+
+class Loop(NamedTuple):
+    """A PI around the chain: controller (gains of its own period), period [ticks], the angle [deg] that
+    it counts from, reference [deg] counted likewise at every ms, delay of the command [ticks]."""
+
+    controller: Controller
+    period: int
+    zero: float
+    reference: Signal
+    late: int
 
 
 @dataclass(frozen=True)
@@ -73,9 +86,24 @@ class SoftRig:
         """Pressure [kPa] and angle [deg] at every ms of a command at 1 kHz."""
         late = round(self.delay / TICK)
         delayed = np.concatenate([np.full(late, command[0]), command])[: len(command)]
+        return self._run(delayed, Loop(Controller(), 1, 0.0, np.empty(0), 0))
+
+    def follow(
+        self, reference: Signal, controller: Controller, period: float, zero: float, late: float = 0.0
+    ) -> Signal:
+        """Angle [deg] at every ms under a PI that acts once a period [s]; reference and angle count from
+        a zero [deg] of the sensor; late: dead time [s] beside the rig's own."""
+        ticks = round(period / TICK)
+        own = controller._replace(Ki=controller.Ki * ticks, Tf=controller.Tf / ticks)
+        command = np.full(len(reference), self.low)
+        delay = round((self.delay + late) / TICK)
+        return self._run(command, Loop(own, ticks, zero, reference, delay))[1] - zero
+
+    def _run(self, command: Signal, loop: Loop) -> tuple[Signal, Signal]:
         return _chain(
-            delayed, self.gain, self.bias, self.fill, self.exhaust, self.falls, np.array(self.thresholds),
-            np.array(self.weights), self.origin, self.cubic, self.full, self.first, *self.creep, self.lag,
+            command, loop, self.gain, self.bias, self.fill, self.exhaust, self.falls,
+            np.array(self.thresholds), np.array(self.weights), self.origin, self.cubic, self.full, self.first,
+            *self.creep, self.lag,
         )  # fmt: skip
 
     def log(self, command: Signal, seed: int) -> pd.DataFrame:
@@ -123,16 +151,29 @@ class SoftRig:
 
 
 @njit
-def _chain(command, gain, bias, fill, exhaust, falls, r, w, origin, cubic, full, first, share, slow, lag):
+def _chain(
+    command, loop, gain, bias, fill, exhaust, falls, r, w, origin, cubic, full, first, share, slow, lag
+):
+    """loop: what makes the command up from its first value on, behind a delay; an empty reference where the
+    command is given."""
     n = len(command)
     pressure, angle = np.empty(n), np.empty(n)
     P = gain * command[0] + bias
     plays = np.zeros(len(r))
     y = 0.0
     c = 0.0
+    closed, integral, filtered, held = len(loop.reference) > 0, 0.0, 0.0, command[0]
     for j in range(len(r)):
         plays[j] = min(max(0.0, P - origin - r[j]), P - origin + r[j])
     for i in range(n):
+        if closed:
+            if i % loop.period == 0 and i > 0:
+                seen = angle[i - 1] - loop.zero
+                held, integral, filtered = pi_command(
+                    loop.controller, loop.reference[i], seen, filtered, integral
+                )
+            if i + loop.late < n:
+                command[i + loop.late] = held
         target = gain * command[i] + bias
         rate = (fill if target > P else exhaust) / (1.0 + falls * max(P, 0.0) / 100.0)
         P += 0.001 * rate * (target - P)

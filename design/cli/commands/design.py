@@ -160,7 +160,7 @@ def _export(out: Path, motion: "MotionDesign") -> None:
 
     from design.controllers.pi_two_dof import TwoDofPI
     from design.controllers.plausible import SensorLimits
-    from design.export.catalogue import STANDS_STILL, identifier
+    from design.export.catalogue import STANDS_STILL, counted, identifier
     from design.export.formats.folder import write
     from design.export.part import of_controller
     from plants.wrist import Wrist
@@ -175,4 +175,5 @@ def _export(out: Path, motion: "MotionDesign") -> None:
         SensorLimits.of(wrist),
         wrist.rig.sample_time,
     )
-    write(replace(part, notes=(*part.notes, STANDS_STILL)), wrist, out / f"c-{motion.motion}")
+    noted = replace(part, notes=(*part.notes, STANDS_STILL, *counted(wrist)))
+    write(noted, wrist, out / f"c-{motion.motion}")

@@ -37,6 +37,9 @@ log's."""
 OF_LAG = 1.0 / 30.0
 """That share."""
 
+OF_TASK = 8.0
+"""Time constants of the regulator that a run of the task lasts at least: what a loop needs to settle."""
+
 SEEN = 0.5
 """Largest error at which the rate may be half-way, as a share of the largest error in the log: the rate far
 from the commanded pressure is then mostly one that the log shows, and not one that it is extrapolated to."""
@@ -45,7 +48,8 @@ from the commanded pressure is then mostly one that the log shows, and not one t
 def guessed_rig(campaign: Campaign) -> Rig:
     """The rig that a log shows: its motion, its ranges, its sample times; a step of a third of its range.
 
-    Limits and shares of uncertainty are those of the built-in rig; the total variation goes with the range.
+    Limits and shares of uncertainty are those of the built-in rig; the total variation goes with the range,
+    the duration of the task and the limit of settling with the regulator where that is slower.
     """
     base, recordings = built_in_rig(), (*campaign.fit, *campaign.validate)
     low, high = extent([r.command for r in recordings])
@@ -54,13 +58,20 @@ def guessed_rig(campaign: Campaign) -> Rig:
     angles = [r.angle for r in recordings if r.angle is not None]
     step = _rounded(np.ptp(extent(angles)) / 3.0) if angles else base.task.step
     middle = 0.5 * (least + most)
-    task = replace(base.task, step=step, reaction=(middle, middle + 0.25 * (most - least)))
+    tau = _followed(campaign.fit).tau
+    lasts = max(base.task.duration, _rounded(OF_TASK * tau))
+    slower = lasts / base.task.duration
+    task = replace(
+        base.task, step=step, reaction=(middle, middle + 0.25 * (most - least)), duration=lasts,
+        hold=slower * base.task.hold,
+    )  # fmt: skip
     per_volt = (high - low) / (base.command_range[1] - base.command_range[0])
-    limits = {n: v * per_volt if n == "total_variation_V" else v for n, v in base.limits.items()}
+    factors = {"total_variation_V": per_volt, "settling_time_s": slower}
+    limits = {n: v * factors.get(n, 1.0) for n, v in base.limits.items()}
     return replace(
         base, name=campaign.axis, title=f"Rig of {campaign.name}", motions=(campaign.axis,),
         command_range=(low, high), pressure_range=(least, most), task=task, limits=limits,
-        sample_time=_loop_time(campaign.sample_time, _followed(campaign.fit).tau),
+        sample_time=_loop_time(campaign.sample_time, tau),
         log_time=campaign.sample_time,
     )  # fmt: skip
 

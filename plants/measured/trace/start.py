@@ -1,10 +1,11 @@
 """Where a fit starts: the set that was given, the built-in one of a motion of that name, or a guess."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from plants.measured.campaign import Campaign
 from plants.measured.guess.rig import guessed_set
-from plants.measured.logger import Remark, corrected
+from plants.measured.logger import Remark, corrected, zero_of
+from plants.measured.trace.middle import centred
 from plants.measured.trace.zero import counted
 from plants.parameters.files import built_in
 from plants.parameters.quantities import ParameterSet
@@ -30,8 +31,9 @@ class Start:
         return FROM_GUESS if self.guessed else STARTS
 
 
-def starting(campaign: Campaign, given: ParameterSet | None = None) -> Start:
-    """The start of a campaign; given: the set that the user gave.
+def starting(campaign: Campaign, given: ParameterSet | None = None, either_way: bool = False) -> Start:
+    """The start of a campaign; given: the set that the user gave; either_way: whether a guessed rig is to
+    make steps either way from zero (`plants.measured.trace.middle`).
 
     >>> from plants import load_campaign
     >>> starting(load_campaign("plants/measured/examples/flexion")).guessed
@@ -42,5 +44,7 @@ def starting(campaign: Campaign, given: ParameterSet | None = None) -> Start:
         return Start(campaign, instrument, given, False)
     if campaign.axis in built_in_rig().motions:
         return Start(campaign, instrument, built_in(campaign.axis), False)
-    campaign, zero = counted(campaign)
-    return Start(campaign, (*instrument, *zero), guessed_set(campaign), True)
+    campaign, of_pressure = counted(campaign)
+    campaign, of_angle = centred(campaign) if either_way else (campaign, ())
+    remarks, guess = (*instrument, *of_pressure, *of_angle), guessed_set(campaign)
+    return Start(campaign, remarks, replace(guess, rig=replace(guess.rig, zero=zero_of(remarks))), True)

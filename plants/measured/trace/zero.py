@@ -19,12 +19,13 @@ from plants.measured.campaign import Campaign
 from plants.measured.estimate import corner_of, minimise, uncertainty
 from plants.measured.guess.rig import guessed_set
 from plants.measured.guess.rough_models import first_order, recorded
-from plants.measured.logger import Remark, shifted
+from plants.measured.logger import Remark, counted_from
 from plants.measured.playback import Playback
 from plants.measured.problem import FitProblem
 from plants.measured.residual.stillness import noise_of_campaign
 from plants.measured.stage import Stage
 from plants.measured.trace.stages.model import Model
+from plants.rig import Zero
 
 Array = NDArray[np.float64]
 WORTH = 0.01
@@ -90,4 +91,5 @@ def counted(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     if not known or abs(offset) < WORTH * span or below > BELOW * span:
         return campaign, ()
     names = tuple(r.name for r in (*campaign.fit, *campaign.validate))
-    return shifted(campaign, -offset), (Remark("counted from", "pressure_kPa", offset, "kPa", names),)
+    campaign = counted_from(campaign, Zero(pressure=offset))
+    return campaign, (Remark("counted from", "pressure_kPa", offset, "kPa", names),)

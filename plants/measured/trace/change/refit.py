@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from plants.errors import InputError
 from plants.measured.campaign import Campaign
 from plants.measured.fit import fit_campaign
-from plants.measured.logger import Remark, corrected, shifted
+from plants.measured.logger import Remark, corrected, counted_from, zero_of
 from plants.measured.trace.change.two_steps import std_errors
 from plants.measured.trace.declared import driven, stages_of
 from plants.measured.trace.judge import alternatives, not_logged
@@ -77,14 +77,13 @@ def check_comparable(old: Campaign, new: Campaign) -> None:
 
 
 def seen_alike(old: Trace, campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
-    """Another campaign without its logger's habits, its pressure counted from where that of a trace is.
+    """Another campaign without its logger's habits, its channels counted from where those of a trace are.
 
     Raises InputError as `check_comparable` does.
     """
     check_comparable(old.campaign, campaign)
     campaign, remarks = corrected(campaign)
-    zero = next((r.value for r in old.instrument if r.habit == "counted from" and not r.stated), 0.0)
-    return (shifted(campaign, -zero) if zero else campaign), remarks
+    return counted_from(campaign, zero_of(old.instrument)), remarks
 
 
 def _logged(campaign: Campaign) -> str:

@@ -1,0 +1,33 @@
+"""Where a design counts the angle from on a rig that bends to one side.
+
+Steps of a task go either way from zero, as those of a joint with two muscles do.  A rig that bends to one
+side has its zero at the end of its range, beyond which no command takes it: for a design its angle is counted
+from the middle of what the log shows.
+"""
+
+from dataclasses import replace
+
+from plants.measured.campaign import Campaign
+from plants.measured.guess.rig import guessed_rig
+from plants.measured.guess.rough_models import extent
+from plants.measured.logger import Remark, counted_from
+from plants.rig import Zero
+
+ROOM = 1.1
+"""Steps of the task that the range must have on either side of zero."""
+
+
+def centred(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
+    """The campaign with its angle counted from the middle of its range, where it goes to one side, and that
+    it was.  It then starts anywhere: the virgin curve is left behind at the end of the range."""
+    recordings = (*campaign.fit, *campaign.validate)
+    angles = [r.angle for r in recordings if r.angle is not None]
+    if not angles:
+        return campaign, ()
+    (low, high), step = extent(angles), guessed_rig(campaign).task.step
+    if min(-low, high) >= ROOM * step:
+        return campaign, ()
+    middle = float(f"{0.5 * (low + high):.2g}")
+    names = tuple(r.name for r in recordings)
+    moved = counted_from(replace(campaign, start="unknown"), Zero(angle=middle))
+    return moved, (Remark("counted from", "angle_deg", middle, "deg", names),)

@@ -1,0 +1,86 @@
+"""What a log is counted from: for a rig that bends to one side a design counts the angle from the middle,
+and the file of the plant keeps that for whoever reads another log."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from design.cli.common import rig_of
+from design.export.catalogue import counted
+from plants.errors import InputError
+from plants.measured.campaign import load_campaign
+from plants.measured.guess.rig import guessed_rig
+from plants.measured.logger import counted_from
+from plants.measured.trace.middle import centred
+from plants.measured.trace.start import starting
+from plants.parameters.files import built_in, dump, load
+from plants.rig import Zero, built_in_rig
+from plants.wrist import Wrist
+from tests.rig.soft import CAMPAIGNS
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    make, fit, validate = CAMPAIGNS["bender"]
+    folder = tmp_path_factory.mktemp("soft") / "bender"
+    make().write(folder, fit, validate)
+    return folder
+
+
+def test_only_for_a_design_the_angle_is_counted_from_the_middle(folder):
+    campaign = load_campaign(folder)
+    plain, begun = starting(campaign), starting(campaign, either_way=True)
+    assert plain.parameters.rig.zero.angle == 0.0
+    assert plain.parameters.rig.zero.pressure == pytest.approx(3.0, abs=0.1)
+    angles = np.concatenate([r.angle for r in (*begun.campaign.fit, *begun.campaign.validate)])
+    assert angles.max() == pytest.approx(-angles.min(), rel=0.1)
+    assert begun.parameters.rig.zero.angle == pytest.approx(26.0, abs=2.0)
+    assert any("counted from 26 deg" in str(r) for r in begun.instrument)
+
+
+def test_a_rig_that_bends_to_both_sides_keeps_its_zero(folder):
+    campaign = load_campaign(folder)
+    both = counted_from(campaign, Zero(angle=26.0))
+    assert centred(both) == (both, ())
+    assert centred(campaign)[0].start == "unknown"
+
+
+def test_recordings_that_start_at_rest_at_the_end_of_the_range_start_anywhere(folder):
+    resting = replace(load_campaign(folder), start="rest")
+    assert centred(resting)[0].start == "unknown"
+    assert starting(resting).campaign.start == "rest"
+
+
+def test_the_file_of_a_plant_keeps_the_zero_for_any_log(folder, tmp_path):
+    zero, flexion = Zero(3.0, 26.0), built_in("flexion")
+    own = replace(flexion.rig, zero=zero, command_range=(0.0, 4095.0))
+    dump(replace(flexion, rig=own), tmp_path / "plant.toml")
+    assert load(tmp_path / "plant.toml").rig.zero == zero
+    raw, read = (load_campaign(folder, rig).fit[0] for rig in (None, rig_of(tmp_path / "plant.toml")))
+    np.testing.assert_allclose(raw.angle - read.angle, 26.0)
+    np.testing.assert_allclose(raw.pressure - read.pressure, 3.0)
+    assert "zero" not in built_in_rig().record
+
+
+def test_a_zero_that_is_no_number_is_refused_in_a_line(tmp_path):
+    flexion = built_in("flexion")
+    dump(replace(flexion, rig=replace(flexion.rig, zero=Zero(0.0, 26.0))), tmp_path / "plant.toml")
+    text = (tmp_path / "plant.toml").read_text().replace("angle = 26.0", 'angle = "26"')
+    (tmp_path / "plant.toml").write_text(text)
+    with pytest.raises(InputError, match="angle = '26' is not a finite number"):
+        load(tmp_path / "plant.toml")
+
+
+def test_an_exported_controller_says_what_it_counts_from():
+    wrist = Wrist.flexion()
+    assert counted(wrist) == ()
+    (note,) = counted(replace(wrist, rig=replace(wrist.rig, zero=Zero(0.0, 26.0))))
+    assert note == "Counted is the angle from 26 deg of the log; the reference as the angle."
+
+
+def test_a_slow_regulator_has_more_time_to_settle(folder):
+    found, usual = guessed_rig(load_campaign(folder)), built_in_rig()
+    assert found.task.duration > usual.task.duration
+    assert found.limits["settling_time_s"] == found.task.duration
+    assert found.task.hold / found.task.duration == pytest.approx(usual.task.hold / usual.task.duration)
