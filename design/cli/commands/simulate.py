@@ -141,7 +141,7 @@ def _played(wrist: "Wrist", path: Path) -> dict[str, Any]:
     from plants.measured.campaign import load_recording
     from plants.measured.playback import Playback
 
-    r = load_recording(path)
+    r = load_recording(path, rig=wrist.rig)
     pressure, angle = Playback(r, wrist.rig.sample_time).play(wrist)
     result: dict[str, Any] = {
         "time_s": r.time,
