@@ -17,6 +17,7 @@ import numpy as np
 from design.robustness.tuning.recommended import tune_candidates
 from design.studies.design_study import Taken, required_of
 from design.synthesis.designed_plant import designed
+from plants.effects.regulator.dead_time import DeadTime
 from plants.errors import InputError
 from plants.measured.campaign import load_campaign
 from plants.measured.trace.trace import Trace, trace_campaign
@@ -86,7 +87,8 @@ def _tuned(seed: int, trace: Trace) -> bool | None:
 
 def held(rig: SoftRig, gains: Mapping[str, float], plant: ParameterSet) -> Held:
     """Close the loop on a soft actuator with gains of a PI or a PI with two degrees of freedom; task, limits,
-    range of the command and zero of the angle are of the plant's rig."""
+    range of the command and zero of the angle are of the plant's rig.  A plant that was traced with a dead
+    time has what the rig has; to any other the requirement adds one."""
     stated, v = plant.rig, plant.values
     controller = Controller(
         gains["Kp"], gains["Ki"], v["gain"], v["rest_pressure"], *stated.command_range,
@@ -104,7 +106,8 @@ def held(rig: SoftRig, gains: Mapping[str, float], plant: ParameterSet) -> Held:
         settling[outside[:, -1]] = np.inf
         return float(np.max(error / steps)), float(settling.max()), False
 
-    return Held(worst(0.0), worst(LATE), stated.limits["overshoot_percent"] / 100.0)
+    added = 0.0 if any(e.NAME == DeadTime.NAME for e in plant.effects) else LATE
+    return Held(worst(0.0), worst(added), stated.limits["overshoot_percent"] / 100.0)
 
 
 if __name__ == "__main__":

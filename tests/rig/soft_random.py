@@ -27,7 +27,7 @@ def soft_actuator(seed: int) -> SoftRig:
     weights *= bend / (weights.sum() * 0.8 * most)
     fill = between(1.0, 12.0)
     logger = Logger(
-        between(0.005, 0.05),
+        0.001 * round(between(5.0, 50.0)),
         jitter=0.001 * int(rng.integers(0, 3)),
         renewal=float(rng.choice((0.0, 0.0, between(0.06, 0.25)))),
         angle_step=float(rng.choice((0.001, 0.002))) * bend,
