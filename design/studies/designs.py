@@ -54,7 +54,7 @@ def tuned_designs(
 ) -> dict[str, Any]:
     """Records of the controllers by name; `relaxed` says in words what would have to be taken away where
     neither PI holds the requirement, else None."""
-    region = Region(points=effort.points)
+    region = Region.of(required.wrist, effort.points)
     both = tune_candidates(required, region, seed, effort.rounds, jobs, lambda s, h: tell(s, 0.6 * h))
     plain = both.plain
     found = {PLAIN: _tuning_record(plain), TWO_DOF: _tuning_record(both.two_dof or plain)}
@@ -204,7 +204,7 @@ def _would_have_to_go(required: Requirement, seed: int, jobs: int | None, tell: 
     }
     for words, less in without.items():
         tell(f"without {words}", 0.99)
-        if tune_robustly(less, Region(points=12), 0, seed, 8, jobs).holds:
+        if tune_robustly(less, Region.of(less.wrist, 12), 0, seed, 8, jobs).holds:
             return words
     return None
 

@@ -155,7 +155,7 @@ def study(question: Question, progress: Tell | None = None) -> Study:
     wrists, jobs = question.wrists, question.jobs
     simple = {
         m: tune(
-            default_problem(w, jobs=jobs), Region(points=question.points), seed=question.seed,
+            default_problem(w, jobs=jobs), Region.of(w, question.points), seed=question.seed,
             progress=_part(tell, f"tune {m} without dead time"),
         )
         for m, w in wrists.items()
@@ -230,7 +230,8 @@ def _recommended(question: Question, tell: Tell) -> dict[str, Tuning]:
     """The recommended tuning of each motion, found or given, with the map of its gains."""
     found: dict[str, Tuning] = {}
     for m, plant in question.plants.items():
-        asked, region = requirement(designed(plant)), Region(points=question.points)
+        asked = requirement(designed(plant))
+        region = Region.of(asked.wrist, question.points)
         if m in question.given:
             tell(f"{m}, map", 0.0)
             found[m] = given_gains(asked, question.given[m], region, question.jobs)

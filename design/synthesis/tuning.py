@@ -19,12 +19,18 @@ from design.cluster import each
 from design.synthesis.evaluate import Evaluation, evaluate
 from design.synthesis.requirements import Problem
 from design.synthesis.structure import with_gains
+from plants.hysteresis import with_values
+from plants.parameters.files import built_in
+from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 PENALTY = 20.0
 """Price of an excess over a limit in the local search: a share of the cost per share of the limit."""
 ACTIVE = 0.01
 """A limit is active where the optimum comes this near to it, as a share of the limit."""
+
+ALIKE = 0.4
+"""Decades of the slope within which wrists are searched for gains in one and the same region."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +40,23 @@ class Region:
     Kp: tuple[float, float] = (0.3, 40.0)
     Ki: tuple[float, float] = (0.3, 200.0)
     points: int = 40
+
+    @classmethod
+    def of(cls, wrist: Wrist, points: int = 40) -> "Region":
+        """The region for a wrist: that of the built-in one, or as much higher, in half decades, as the lines
+        of the wrist are flatter, since a loop answers to gain times slope.
+
+        >>> Region.of(Wrist.flexion()) == Region()
+        True
+        >>> flat = Wrist.flexion().with_values(a1=0.036, a2=0.036, s=0.008)
+        >>> Region.of(flat).Kp
+        (3.0, 400.0)
+        """
+        usual = max(with_values(built_in("flexion").values).steepness)
+        decades = np.log10(usual / float(np.max(wrist.hysteresis.steepness)))
+        higher = 10.0 ** (np.round(2.0 * decades) / 2.0) if abs(decades) > ALIKE else 1.0
+        Kp, Ki = ((float(low * higher), float(high * higher)) for low, high in (cls.Kp, cls.Ki))
+        return cls(Kp, Ki, points)
 
     @property
     def grid(self) -> tuple[Array, Array]:
@@ -226,7 +249,7 @@ def tune(
     map, cut into pieces that do not depend on it, is computed on, to the same bits.  The result
     says whether the limits are held (`Tuning.feasible`); it is for the caller to say no.
     """
-    region, tell = region or Region(), progress or (lambda stage, share: None)
+    region, tell = region or Region.of(problem.wrist), progress or (lambda stage, share: None)
     rows, columns = region.grid
     Kp, Ki = (g.ravel() for g in np.meshgrid(rows, columns, indexing="ij"))
     pieces = np.array_split(np.arange(Kp.size), max(1, Kp.size // 200))

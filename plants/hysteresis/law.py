@@ -57,13 +57,15 @@ class HysteresisLaw(ABC):
     `rest_pressure` [kPa], at which h = 0 on the initial curve.  SHIFTS: whether only the rest pressure moves
     the loop as a whole, so that it is fitted where a recording need not start there.  MONOTONE: whether a
     pressure signal that is never below another gives an angle that is never below either, from ordered
-    memories; a play does, and the performance bound (`design.limit`) holds for such laws only.
+    memories; a play does, and the performance bound (`design.limit`) holds for such laws only.  NEUTRAL: of
+    parameters that a law can do without, by name, the value at which they change nothing.
     """
 
     NAME: ClassVar[str]
     SHIFTS: ClassVar[bool] = False
     DEAD_ZONE: ClassVar[bool] = False
     MONOTONE: ClassVar[bool] = False
+    NEUTRAL: ClassVar[Mapping[str, float]] = {}
 
     if TYPE_CHECKING:
 

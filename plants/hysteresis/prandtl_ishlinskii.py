@@ -20,6 +20,7 @@ the way down.  The pressure is then the least (largest) of the n + 1 straight pi
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -66,6 +67,7 @@ class PrandtlIshlinskii(HysteresisLaw):
     NAME = "prandtl-ishlinskii"
     SHIFTS = True
     MONOTONE = True
+    NEUTRAL = MappingProxyType({"b2": 1.0, "c2": 1.0, "b1": 1.0, "c1": 1.0})
 
     v0: Number
     v: tuple[Number, ...]

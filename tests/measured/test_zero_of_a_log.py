@@ -79,6 +79,13 @@ def test_an_exported_controller_says_what_it_counts_from():
     assert note == "Counted is the angle from 26 deg of the log; the reference as the angle."
 
 
+def test_load_and_sensor_of_a_guessed_rig_are_of_its_size(folder):
+    found, usual = guessed_rig(load_campaign(folder)), built_in_rig()
+    assert found.uncertainty.load / found.task.step == pytest.approx(usual.uncertainty.load / usual.task.step)
+    assert found.uncertainty.noise == pytest.approx(0.1, rel=0.15)  # the logger's
+    assert found.uncertainty.resolution == pytest.approx(0.1)
+
+
 def test_a_slow_regulator_has_more_time_to_settle(folder):
     found, usual = guessed_rig(load_campaign(folder)), built_in_rig()
     assert found.task.duration > usual.task.duration

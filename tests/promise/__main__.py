@@ -93,7 +93,7 @@ def _rig(number: int, case: Case, rig: Rig, bare: bool, found: dict[str, list[tu
         **({"without residual": Taken(remainder=True)} if bare else {}),
     }.items():
         required = required_of(plant, taken)
-        tuned = tune_candidates(required, Region(points=40))
+        tuned = tune_candidates(required, Region.of(required.wrist))
         gains = tuned.best.final.gains
         seen = held(rig, gains, trace.revised)
         promised = "held in the model" if tuned.best.holds else "no gains hold in the model"

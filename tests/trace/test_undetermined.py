@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from plants.effects.regulator.fill_exhaust import TwoRates
+from plants.hysteresis import PrandtlIshlinskii
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.stage import Stage
@@ -13,6 +14,7 @@ from plants.measured.trace.stages.model import Model
 from plants.parameters.files import built_in
 from plants.simulation.open_loop import open_loop
 from plants.wrist import Wrist
+from tests.laws.second_law import second_law_set
 
 RISES = np.repeat([1.0, 2.0, 3.0, 4.0], 2000)
 FALLS = np.repeat([4.0, 3.0, 2.0, 1.0], 2000)
@@ -42,3 +44,19 @@ def test_one_that_shows_is_kept():
     now = traced(FALLS, 0.7)
     assert now.model.chi2 == pytest.approx(1.0, abs=0.15)
     assert at_neutral(now) is now
+
+
+def test_a_slope_of_the_curve_beyond_all_that_was_recorded_is_that_of_the_middle():
+    """A trial had left it at 18 times the middle's: as a branch it made every gain unstable."""
+    loop = PrandtlIshlinskii(0.08, (0.1, 0.18), 20.0, span=5.0, b2=1.0, b1=0.7, c1=0.6, c2=1.0)
+    declared = second_law_set(loop)
+    t = 0.01 * np.arange(3000)
+    command = 2.0 + 0.7 * np.sin(0.8 * t)  # angles of +-7.4 deg, where the outer slopes begin at 8
+    angle = open_loop(Wrist.of(declared), np.repeat(command, 10)).angle[:-1:10]
+    noisy = angle + np.random.default_rng(0).normal(0.0, 0.05, t.size)
+    assert 6.0 < np.max(np.abs(angle)) < 8.0
+    playback = Playback(Recording("run", t, command, angle=noisy), declared.rig.sample_time)
+    curve = ("b2", "b1", "c1", "c2")
+    stage = Stage("whole", "angle_deg", 0.05, (playback,), curve, declared.rig)
+    found = at_neutral(Candidate(Model(stage, declared, {**declared.values, "b2": 18.0}))).model.values
+    assert {n: found[n] for n in curve} == {"b2": 1.0, "b1": 0.7, "c1": 0.6, "c2": 1.0}

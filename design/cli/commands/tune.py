@@ -166,7 +166,7 @@ def command(
     }  # fmt: skip
     limits = replace(Limits.of(chosen.rig), **{n: v for n, v in given.items() if v is not None})
     limits = replace(limits, delay_margin_s=None) if nominal else limits
-    region = Region(points=points)
+    region = Region.of(Wrist.of(chosen), points)
     said = console(json)
     say_left_out(said, whole)
     record: dict[str, Any] = {}

@@ -26,7 +26,7 @@ def given_gains(
 
     Judged by the limits themselves: the guard below them was the tuning's.
     """
-    region = region or Region()
+    region = region or Region.of(requirement.wrist)
     problem = requirement.problem(jobs=jobs)
     settings = {n: float(getattr(controller, n)) for n in controller.TUNED}
     law = law_with(TWO_DOF_PI if settings else PLAIN_PI, settings)

@@ -139,13 +139,14 @@ def tune_robustly(
 ) -> RobustTuning[Tuning]:
     """Gains of least worst cost that hold a requirement, as far as pool, search and fresh samples can tell.
 
-    structure: of the controller; base: a tuning, such as of the PI, whose gains and cases to begin with;
+    region: that of the plant where not given; structure: of the controller; base: a tuning, such as of the
+    PI, whose gains and cases to begin with;
     starts: local searches of the last set, which show whether other valleys are as low, beside a map of the
     region; neither where 0; seed: of searches and samples.  Ends where no worse case is found, after
     `rounds`, where samples break a limit of the same gains over and over, or where no gains in the region
     hold the grown set: then the last tuning is the nearest.
     """
-    tell, region = progress or (lambda stage, share: None), region or Region()
+    tell, region = progress or (lambda stage, share: None), region or Region.of(requirement.wrist)
     problem = requirement.problem(dict(GUARD), jobs)
     problem = problem if base is None else replace(problem, adverse=base.problem.adverse)
     if out_of_reach(problem) is not None:

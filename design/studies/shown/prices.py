@@ -132,7 +132,7 @@ def price_rows(
     problems = simpler(requirement, jobs)
     for number, (guarantee, problem) in enumerate(problems.items()):
         tell(f"price of: {guarantee}", number / len(problems))
-        found = tune(problem, Region(points=POINTS), 1)
+        found = tune(problem, Region.of(problem.wrist, POINTS), 1)
         gains = {"Kp": found.Kp, "Ki": found.Ki, "b": 1.0, "Tf": 0.0}
         rows.append(row(guarantee, "PI", gains, found.feasible, float(found.at.cost[0])))
     for name, design in designs.items():

@@ -22,6 +22,7 @@ from plants.measured.guess.rough_models import (
     median_step,
     recorded,
 )
+from plants.measured.noise import noise_floor, resolution
 from plants.measured.recording import Recording
 from plants.parameters.quantities import Guessed, Parameter, ParameterSet, declared_kinds
 from plants.rig import Rig, built_in_rig
@@ -49,7 +50,8 @@ def guessed_rig(campaign: Campaign) -> Rig:
     """The rig that a log shows: its motion, its ranges, its sample times; a step of a third of its range.
 
     Limits and shares of uncertainty are those of the built-in rig; the total variation goes with the range,
-    the duration of the task and the limit of settling with the regulator where that is slower.
+    the duration of the task and the limit of settling with the regulator where that is slower, the load with
+    the step.  Noise and resolution of the sensor are those of the log.
     """
     base, recordings = built_in_rig(), (*campaign.fit, *campaign.validate)
     low, high = extent([r.command for r in recordings])
@@ -68,11 +70,16 @@ def guessed_rig(campaign: Campaign) -> Rig:
     per_volt = (high - low) / (base.command_range[1] - base.command_range[0])
     factors = {"total_variation_V": per_volt, "settling_time_s": slower}
     limits = {n: v * factors.get(n, 1.0) for n, v in base.limits.items()}
+    uncertainty = replace(
+        base.uncertainty, load=base.uncertainty.load * step / base.task.step,
+        noise=float(np.median([noise_floor(a) for a in angles])) if angles else base.uncertainty.noise,
+        resolution=min(map(resolution, angles), default=base.uncertainty.resolution),
+    )  # fmt: skip
     return replace(
         base, name=campaign.axis, title=f"Rig of {campaign.name}", motions=(campaign.axis,),
         command_range=(low, high), pressure_range=(least, most), task=task, limits=limits,
         sample_time=_loop_time(campaign.sample_time, tau),
-        log_time=campaign.sample_time,
+        log_time=campaign.sample_time, uncertainty=uncertainty,
     )  # fmt: skip
 
 

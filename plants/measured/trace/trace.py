@@ -28,6 +28,7 @@ from plants.measured.trace.result import Named, StageTrace, Trace
 from plants.measured.trace.search.choose import (
     Candidate,
     EffectSearch,
+    enough,
     falls,
     from_command,
     search,
@@ -121,8 +122,9 @@ def _under_others(
     seed: int,
 ) -> tuple[LawChoice, StageTrace]:  # fmt: skip
     """The last stage under each of the laws, where that which was chosen before effects were looked for
-    leaves it unexplained, and the choice: another than that only with effects that are adopted, if the error
-    of a free run on rows left out is lower for certain.  The laws alone have been compared before."""
+    leaves it unexplained, and the choice: another than that only with effects that are adopted, if on rows
+    left out the error of a free run is lower for certain and as much goes as an effect must take away.  The
+    laws alone have been compared before."""
     before, found = traced[:-1], {law.name: traced[-1]}
     for name in law.others:
         base = base_fit(fit, law.taking(name))
@@ -136,7 +138,8 @@ def _under_others(
     for name in law.others:
         now, other = (found[n].search.chosen for n in (best, name))
         adopted = other.model.forms and (found[name].explained or _helps(found[name].search, fit))
-        best = name if adopted and falls(now, other) else best
+        worth = adopted and falls(now, other) and enough(now.held_out, other.held_out, now.held_out)
+        best = name if worth else best
     return replace(law if best == law.name else law.taking(best), with_effects=errors), found[best]
 
 

@@ -198,7 +198,7 @@ def search(
         taken = freed(best) if best is not None and worth_it(now, best, first) else None
         if taken is None and not now.model.forms:
             # Effects of a loop may help only together: each alone bends the others' parameters.
-            some = [c for c in candidates if _enough(now.model.chi2, c.model.chi2, first.model.chi2)][:BEAM]
+            some = [c for c in candidates if enough(now.model.chi2, c.model.chi2, first.model.chi2)][:BEAM]
             pairs = _further(some, now, names, asked, seed, tell)[0] if some else []
             candidates = [*pairs, *candidates]
             if pairs and _explain(pairs[0], first) and worth_it(now, pairs[0], first):
@@ -285,8 +285,8 @@ def worth_it(before: Candidate, after: Candidate, declared: Candidate) -> bool:
     measured.
     """
     if before.examined.structured:
-        return falls(before, after) and _enough(before.held_out, after.held_out, declared.held_out)
-    if not _enough(before.model.chi2, after.model.chi2, declared.model.chi2):
+        return falls(before, after) and enough(before.held_out, after.held_out, declared.held_out)
+    if not enough(before.model.chi2, after.model.chi2, declared.model.chi2):
         return False
     if after.model.freely.chi2 > before.model.freely.chi2:
         return False
@@ -299,7 +299,7 @@ def _explain(pair: Candidate, declared: Candidate) -> bool:
     return pair.held_out - 1.0 <= LEAVES * (declared.held_out - 1.0)
 
 
-def _enough(before: float, after: float, declared: float) -> bool:
+def enough(before: float, after: float, declared: float) -> bool:
     """Whether a chi-square per row falls by enough to be an effect and no imperfection of a form."""
     return before - after > max(WORTH, SHARE * (before - 1.0), TRIFLE * (declared - before))
 
@@ -307,7 +307,7 @@ def _enough(before: float, after: float, declared: float) -> bool:
 def _promising(before: Candidate, after: Candidate, declared: Candidate) -> bool:
     """Whether an effect could be enough in a form that brings `OTHER_FORM` times as much."""
     now = before.model.chi2
-    return _enough(now, now - OTHER_FORM * (now - after.model.chi2), declared.model.chi2)
+    return enough(now, now - OTHER_FORM * (now - after.model.chi2), declared.model.chi2)
 
 
 def shortlist(ranking: Sequence[Ranked], effects: int = SHORTLIST) -> list[Ranked]:
