@@ -8,6 +8,7 @@ effects.
 import pytest
 
 from plants.measured.campaign import load_campaign
+from plants.measured.trace.search.choose import SHARE
 from plants.measured.trace.trace import trace_campaign
 from tests.rig.soft import CAMPAIGNS
 
@@ -53,8 +54,10 @@ def test_only_what_the_rig_has_is_named(traced):
 
 
 def test_the_curved_loop_is_better_described_by_another_law(traced):
-    """Before effects are looked for; with the effects that each needs either may be the better one."""
+    """Before effects are looked for; with the effects that each needs either may be the better one, and the
+    other is taken where it takes away as much as an effect must, a quarter of the sum of squares."""
     _, trace = traced
     assert trace.law.held_out["prandtl-ishlinskii"] < trace.law.held_out["four-segment"]
     if trace.law.with_effects:
-        assert trace.law.name == min(trace.law.with_effects, key=trace.law.with_effects.__getitem__)
+        errors = trace.law.with_effects
+        assert (1.0 - SHARE) * errors[trace.law.name] ** 2 <= 1.1 * min(errors.values()) ** 2
