@@ -34,6 +34,7 @@ BUILT_IN = {
     "design/robustness/samples/conditions.py": "defaults of conditions",
     "design/studies/paper.py": "the paper's figures",
     "design/synthesis/requirements.py": "defaults of limits",
+    "design/synthesis/tuning.py": "whose gains the region of `Region` is",
     "design/tuner/widget.py": "its own motions by name",
     "plants/effects/effect.py": "units in which effects are written",
     "plants/measured/campaign.py": "whose motion an axis is",

@@ -38,8 +38,9 @@ log's."""
 OF_LAG = 1.0 / 30.0
 """That share."""
 
-OF_TASK = 8.0
-"""Time constants of the regulator that a run of the task lasts at least: what a loop needs to settle."""
+OF_TASK = 12.0
+"""Time constants of the regulator that a run of the task lasts at least: what a loop needs to settle where it
+exhausts at less than half the rate at which it fills."""
 
 SEEN = 0.5
 """Largest error at which the rate may be half-way, as a share of the largest error in the log: the rate far
