@@ -77,19 +77,26 @@ class Uncertainty:
 @dataclass(frozen=True)
 class Zero:
     """What is logged where pressure and angle of the rig's plants are 0, as on a rig that bends to one side:
-    its steps are made about the middle of its range."""
+    its steps are made about the middle of its range; reversed: whether the logged angle falls as the
+    pressure rises, where that of a plant rises."""
 
     pressure: float = 0.0
     angle: float = 0.0
+    reversed: bool = False
 
     def words(self, units: Units) -> str:
         """What is counted from where, in words; empty where all is counted from 0.
 
         >>> Zero(3.02, 26.0).words(Units("V", "kPa", "deg"))
         'the pressure from 3.02 kPa, the angle from 26 deg'
+        >>> Zero(0.0, 26.0, True).words(Units("V", "kPa", "deg"))
+        'the angle from 26 deg, with the opposite sign'
         """
         counted = (("pressure", self.pressure, units.pressure), ("angle", self.angle, units.angle))
-        return ", ".join(f"the {what} from {value:.4g} {unit}" for what, value, unit in counted if value)
+        words = [f"the {what} from {value:.4g} {unit}" for what, value, unit in counted if value]
+        if self.reversed:
+            words.append("with the opposite sign" if self.angle else "the angle with the opposite sign")
+        return ", ".join(words)
 
 
 @dataclass(frozen=True)
@@ -238,15 +245,21 @@ def parse_rig(table: Mapping[str, Any], where: str) -> Rig:
             of.share(sure, "width"), of.share(sure, "slope"), of.share(sure, "lag"), of.share(sure, "rates"),
             of.pair(sure, "dead_time_s", True), *(of.not_negative(sure, n) for n in _DISTURBANCES),
         ),
-        Zero(*(of.number(parts["zero"].get(n, 0.0), n) for n in _TABLES["zero"])),
+        _zero(of, parts["zero"]),
     )  # fmt: skip
+
+
+def _zero(of: Reader, table: Mapping[str, Any]) -> Zero:
+    turned = of.get({"reversed": False, **table}, "reversed", bool)
+    pressure, angle = (of.number(table.get(n, 0.0), n) for n in ("pressure", "angle"))
+    return Zero(pressure, angle, turned)
 
 
 _DISTURBANCES = ("load", "noise", "resolution")
 
 _TABLES: dict[str, tuple[str, ...]] = {
     "units": ("command", "pressure", "angle"),
-    "zero": ("pressure", "angle"),
+    "zero": ("pressure", "angle", "reversed"),
     "command": ("range",),
     "pressure": ("range",),
     "time": ("loop_s", "log_s"),

@@ -2,31 +2,37 @@
 
 None of it is an effect of the rig: a channel that is renewed less often than rows are written, a pressure
 that is counted from somewhere else, an angle sensor that is offset anew in each recording, a sensor that
-rests at its zero, rows written twice or in the wrong order, a channel that is logged late.  What
-campaign.toml states of it is not looked for.
+rests at its zero, rows written twice or in the wrong order, empty cells, lost packets, single values far off,
+a clock that counts from elsewhere, a channel that is logged late.  What campaign.toml states of it is not
+looked for.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.campaign import Campaign
 from plants.measured.instrument.alignment import delay_between, in_step
+from plants.measured.instrument.missing import lines_between, spikes
 from plants.measured.instrument.offsets import offsets_between
 from plants.measured.noise import noise_floor, resolution
-from plants.measured.recording import Recording
+from plants.measured.recording import HELD, Recording
 from plants.rig import Zero
 
 Array = NDArray[np.float64]
-Habit = Literal["held", "counted from", "offset", "resting", "late", "repeated", "swapped"]
-ORDER: tuple[Habit, ...] = ("repeated", "swapped")
-FIELDS = {"pressure_kPa": "pressure", "angle_deg": "angle"}
+Habit = Literal[
+    "held", "counted from", "reversed", "offset", "resting", "late", "repeated", "swapped", "empty", "gaps",
+    "clock", "spikes",
+]  # fmt: skip
+READ: Mapping[Habit, str] = {
+    "repeated": "rows", "swapped": "rows", "empty": "cells", "gaps": "gaps", "clock": "s",
+}  # fmt: skip
+"""What is put right when a recording is read, and what it is counted in."""
 
-HELD = 0.6
-"""Share of rows with a new value below which a channel may be held between renewals."""
+FIELDS = {"pressure_kPa": "pressure", "angle_deg": "angle"}
 
 JUMPS = 2.5
 """Steps of the sensor by which half of the new values differ from the held ones: a coarse sensor that moves
@@ -57,8 +63,10 @@ class Remark:
     """Something that the log does.
 
     habit: ``held`` (renewed every `value` s), ``counted from`` (`value` is logged where the rig's plant is
-    at zero), ``offset`` (off by up to `value`, anew in each recording), ``resting`` (exactly zero for
-    `value` s), ``late`` (logged `value` s late), ``repeated`` and ``swapped`` (so many rows).
+    at zero), ``reversed`` (counted with the opposite sign), ``offset`` (off by up to `value`, anew in each
+    recording), ``resting`` (exactly zero for `value` s), ``late`` (logged `value` s late), ``repeated`` and
+    ``swapped`` (so many rows), ``empty`` (so many cells), ``gaps`` (so many), ``clock`` (counts from
+    `value` s), ``spikes`` (so many rows).
     recordings: in which, by name; stated: whether campaign.toml says so.
     """
 
@@ -88,6 +96,11 @@ class Remark:
                     f"The pressure is {self.value:.4g} kPa where the command is zero; it is counted from "
                     "there. The revised plant keeps this."
                 )
+            case "reversed":
+                return (
+                    f"The {name} falls as the pressure rises; it is counted with the opposite sign. The "
+                    "revised plant keeps this."
+                )
             case "offset":
                 return (
                     f"The {name} sensor is offset by up to {self.value:.3g} {self.unit}, anew in each "
@@ -102,6 +115,17 @@ class Remark:
                 return f"{self.value:.0f} rows were written twice ({where}); the copies are left out."
             case "swapped":
                 return f"{self.value:.0f} rows stood in the wrong order ({where}); they are put in order."
+            case "empty":
+                return f"{self.value:.0f} cells are empty ({where}); only the others count."
+            case "gaps":
+                return f"The time has {self.value:.0f} short gaps ({where}); the command is held over them."
+            case "clock":
+                return f"The clock starts at {self.value:.10g} s ({where}); time counts from the first row."
+            case "spikes":
+                return (
+                    f"The {name} channel has {self.value:.0f} rows of spikes ({where}); they are left out, "
+                    "with straight lines over them."
+                )
             case _:
                 return f"The {name} sensor rests at exactly zero for up to {self.value:.3g} s ({where})."
 
@@ -110,10 +134,11 @@ def corrected(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     """The campaign without the logger's habits, and what they were.
 
     Values of a held channel are replaced by straight lines between renewals, a channel that is logged late is
-    put back, and offsets of the angle are taken off.  (The zero of the pressure: `trace.zero`.)
+    put back, and offsets of the angle are taken off.  (The zero of the pressure: `trace.counting.zero`.)
     """
     remarks = _mended(campaign)
     campaign = _renewed(campaign, remarks)
+    campaign = _without_spikes(campaign, remarks)
     campaign = _in_step(campaign, remarks)
     for channel, by_file in campaign.logger.offsets.items():
         campaign = _taken_off(campaign, channel, by_file, remarks, True)
@@ -129,8 +154,13 @@ def corrected(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
 def _mended(campaign: Campaign) -> list[Remark]:
     """What was put right when the recordings were read."""
     recordings = (*campaign.fit, *campaign.validate)
-    counts = {h: {r.name: r.mended[h] for r in recordings if h in r.mended} for h in ORDER}
-    return [Remark(h, "time_s", sum(c.values()), "rows", tuple(c)) for h, c in counts.items() if c]
+    found: list[Remark] = []
+    for habit, unit in READ.items():
+        counts = {r.name: r.mended[habit] for r in recordings if habit in r.mended}
+        if counts:
+            value = min(counts.values()) if habit == "clock" else sum(counts.values())
+            found.append(Remark(habit, "time_s", value, unit, tuple(counts)))
+    return found
 
 
 def _in_step(campaign: Campaign, remarks: list[Remark]) -> Campaign:
@@ -226,19 +256,46 @@ def _renewed(campaign: Campaign, remarks: list[Remark]) -> Campaign:
             stated: float | None = stated,
         ) -> Recording:  # fmt: skip
             values = getattr(r, field)
-            fresh = None if values is None else renewals(values)
+            fresh = None if values is None or channel in r.renewed else renewals(values)
             if fresh is None and stated is not None and values is not None:
                 fresh = _every(r, stated)
             if fresh is None:
                 return r
             held[r.name] = float(np.median(np.diff(r.time[fresh])))
-            lines = np.interp(r.time, r.time[fresh], values[fresh])
-            return replace(r, **{field: lines}, renewed={**r.renewed, channel: fresh})
+            return _only(r, channel, fresh)
 
         campaign = _each(campaign, straight)
         if held:
             every = float(np.median(list(held.values())))
             remarks.append(Remark("held", channel, every, "s", tuple(held), stated is not None))
+    return campaign
+
+
+def _only(r: Recording, channel: str, fresh: NDArray[np.bool_]) -> Recording:
+    """A recording in which only some rows of a channel count, with straight lines between them."""
+    lines: dict[str, Any] = {FIELDS[channel]: lines_between(r.time, getattr(r, FIELDS[channel]), fresh)}
+    return replace(r, **lines, renewed={**r.renewed, channel: fresh})
+
+
+def _without_spikes(campaign: Campaign, remarks: list[Remark]) -> Campaign:
+    for channel, field in FIELDS.items():
+        counts: dict[str, int] = {}
+
+        def smooth(
+            r: Recording, channel: str = channel, field: str = field, counts: dict[str, int] = counts
+        ) -> Recording:
+            values, there = getattr(r, field), r.fresh(channel)
+            off = np.zeros(0, bool) if values is None else spikes(values[there])
+            if not off.any():
+                return r
+            counts[r.name] = int(off.sum())
+            there = there.copy()
+            there[np.flatnonzero(there)[off]] = False
+            return _only(r, channel, there)
+
+        campaign = _each(campaign, smooth)
+        if counts:
+            remarks.append(Remark("spikes", channel, sum(counts.values()), "rows", tuple(counts)))
     return campaign
 
 
@@ -251,10 +308,11 @@ def zero_of(remarks: Sequence[Remark]) -> Zero:
     """What a log is counted from after all that was said of it.
 
     >>> zero_of([Remark("counted from", "angle_deg", 26.0, "deg", ("steps.csv",))])
-    Zero(pressure=0.0, angle=26.0)
+    Zero(pressure=0.0, angle=26.0, reversed=False)
     """
     found = {r.channel: r.value for r in remarks if r.habit == "counted from"}
-    return Zero(found.get("pressure_kPa", 0.0), found.get("angle_deg", 0.0))
+    turned = any(r.habit == "reversed" for r in remarks)
+    return Zero(found.get("pressure_kPa", 0.0), found.get("angle_deg", 0.0), turned)
 
 
 def _without_offsets(campaign: Campaign, remarks: list[Remark]) -> Campaign:

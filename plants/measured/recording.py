@@ -13,6 +13,7 @@ from plants.errors import InputError, InputWarning
 from plants.measured.formats.cells import Array, Text, first_bad, shorten
 from plants.measured.formats.columns import STANDARD, Source, turned
 from plants.measured.formats.tables import Table
+from plants.measured.instrument.missing import lines_between, with_missing
 from plants.measured.instrument.rows import mended
 from plants.rig import Rig, Zero
 
@@ -20,6 +21,18 @@ Stage = Literal["wrist", "regulator"]
 
 GAP = 2.5
 """Steps longer than this many sample times are gaps; loggers jitter and may skip one row."""
+
+SHORT_GAP, FEW_GAPS = 25.0, 0.01
+"""Sample times that a gap may last, and share of the steps that may be gaps: packets that were lost."""
+
+FAR = 1.0
+"""Lengths of a recording from zero beyond which its clock counts from something else, such as 1970."""
+
+MEASURED = ("angle_deg", "pressure_kPa", "other_pressure_kPa")
+"""Channels that may lack cells."""
+
+HELD = 0.6
+"""Share of rows with a value of their own below which a channel is held between renewals."""
 
 SAMPLE_TIME_TOLERANCE = 0.05
 """How far the median step may be from the declared sample time, as a part of it."""
@@ -37,8 +50,9 @@ class Recording:
     other_pressure [kPa] of the other motion; extra: any further numeric channel
     by its column name, in the unit of the file.  judged_from [s]: time from which its
     error counts, where the rows before were fitted on.  renewed: rows at which a channel was renewed, of
-    those that the logger holds in between; there the values are straight lines.  mended: how many rows the
-    logger wrote twice (``repeated``) or in the wrong order (``swapped``).
+    those that the logger holds in between, or leaves empty; there the values are straight lines.  mended:
+    how many rows the logger wrote twice (``repeated``) or in the wrong order (``swapped``), how many cells it
+    left ``empty``, how many ``gaps`` its time has, and from when its ``clock`` counts [s].
 
     A row holds the sensors at its time, before the command of that row acts.
     """
@@ -53,11 +67,15 @@ class Recording:
     extra: Mapping[str, Array] = field(default_factory=dict)
     judged_from: float = -math.inf
     renewed: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
-    mended: Mapping[str, int] = field(default_factory=dict)
+    mended: Mapping[str, float] = field(default_factory=dict)
 
     def fresh(self, channel: str) -> NDArray[np.bool_]:
         """Rows at which a channel was renewed, (n,): all, unless its logger holds it in between."""
         return self.renewed.get(channel, np.ones(len(self.time), bool))
+
+    def held(self, channel: str) -> bool:
+        """Whether a channel was logged in some rows only."""
+        return float(self.fresh(channel).mean()) < HELD
 
     @property
     def judged(self) -> NDArray[np.bool_]:
@@ -79,12 +97,13 @@ class Recording:
     def counted_from(self, zero: Zero) -> "Recording":
         """The recording with its pressure and its angles counted from what is zero for the rig's plants."""
 
-        def less(values: Array | None, by: float) -> Array | None:
-            return values if values is None or by == 0.0 else values - by
+        def counted(values: Array | None, by: float, sign: float = 1.0) -> Array | None:
+            return values if values is None or (by, sign) == (0.0, 1.0) else sign * (values - by)
 
+        way = -1.0 if zero.reversed else 1.0
         return replace(
-            self, pressure=less(self.pressure, zero.pressure), angle=less(self.angle, zero.angle),
-            reference=less(self.reference, zero.angle),
+            self, pressure=counted(self.pressure, zero.pressure), angle=counted(self.angle, zero.angle, way),
+            reference=counted(self.reference, zero.angle, way),
         )  # fmt: skip
 
     def until(self, time: float) -> "Recording":
@@ -109,17 +128,27 @@ def from_table(
     rig: whose ranges the channels are held against, and whose zero they are counted from; None where it is
     not known.
     Raises InputError, in one line with file, row and column, for a column that
-    is missing, cells that are no finite numbers, and a time that repeats, runs
-    backwards (beyond what `plants.measured.instrument.rows` mends), has gaps or another
+    is missing, cells that are no finite numbers (but for those of measured channels that
+    `plants.measured.instrument.missing` takes out), and a time that repeats, runs
+    backwards (beyond what `plants.measured.instrument.rows` mends), has long gaps or another
     sample time.  Warns, with InputWarning, of a command outside its range, an angle in radians, and of
     columns it drops.
     """
     sources = _sources(table, sources or {}, stage)
-    table, counts = mended(table, sources["time_s"].name)
+    table, rows = mended(table, sources["time_s"].name)
+    counts: dict[str, float] = dict(rows)
     found = {standard: _standard(table, standard, source) for standard, source in sources.items()}
     time, column = found["time_s"], sources["time_s"].name
     _check_lengths(table, sources, found)
-    _check_time(table, column, time, sample_time)
+    counts |= _check_time(table, column, time, sample_time)
+    if abs(time[0]) > FAR * (time[-1] - time[0]):
+        counts["clock"] = float(time[0])
+        time = time - time[0]
+    renewed = {n: np.isfinite(v) for n, v in found.items() if not np.isfinite(v).all()}
+    if renewed:
+        counts["empty"] = sum(int((~there).sum()) for there in renewed.values())
+    for channel, there in renewed.items():
+        found[channel] = lines_between(time, found[channel], there)
     if rig is not None:
         _warn_of_command(table, sources["command_V"].name, found["command_V"], rig)
     if rig is not None and "angle_deg" in found:
@@ -133,6 +162,7 @@ def from_table(
         found.get("reference_deg"),
         found.get("other_pressure_kPa"),
         _extra(table, {s.name for s in sources.values()}, len(time)),
+        renewed=renewed,
         mended=counts,
     )
     return recording if rig is None else recording.counted_from(rig.zero)
@@ -164,7 +194,8 @@ def _sources(table: Table, mapped: Mapping[str, Source], stage: Stage) -> dict[s
 
 
 def _standard(table: Table, standard: str, source: Source) -> Array:
-    """A column in its standard unit; an error names the first cell that is no finite number."""
+    """A column in its standard unit, not a number where a measured channel lacks a cell; an error names the
+    first cell that is no finite number."""
     if source.quaternion:
         parts = [_standard(table, standard, Source(n)) for n in source.quaternion if n in table.columns]
         if len(parts) < len(source.quaternion):
@@ -172,7 +203,10 @@ def _standard(table: Table, standard: str, source: Source) -> Array:
         return turned(*parts)
     column = table.columns[source.name]
     bad = first_bad(column)
-    if bad is not None:
+    lacking = with_missing(column) if bad is not None and standard in MEASURED else None
+    if lacking is not None:
+        column = lacking
+    elif bad is not None:
         i, problem = bad
         where = f"{table.path}: row {table.row(i)}, column {source.name!r}"
         raise InputError(f"{where}: {problem}; correct it or cut the recording there")
@@ -193,7 +227,8 @@ def _check_lengths(table: Table, sources: Mapping[str, Source], found: Mapping[s
         raise InputError(f"{table.path}: has {rows}; a recording needs at least 2")
 
 
-def _check_time(table: Table, column: str, time: Array, sample_time: float | None) -> None:
+def _check_time(table: Table, column: str, time: Array, sample_time: float | None) -> dict[str, int]:
+    """How many short ``gaps`` the time has, if any.  Raises InputError for anything worse."""
     steps = np.diff(time)
 
     def where(i: int) -> str:
@@ -215,12 +250,14 @@ def _check_time(table: Table, column: str, time: Array, sample_time: float | Non
             f"sample_time_s is {expected:.4g}; {advice}"
         )
     gaps = np.flatnonzero(steps > GAP * expected)
-    if gaps.size:
-        i = int(gaps[0])
+    longer = gaps[steps[gaps] > SHORT_GAP * expected]
+    if longer.size or gaps.size > FEW_GAPS * steps.size:
+        i = int(longer[0] if longer.size else gaps[0])
         raise InputError(
             f"{where(i)}: gap of {steps[i]:.4g} s after {time[i]:.10g} s, "
             f"the sample time being {expected:.4g} s; split the recording there"
         )
+    return {"gaps": int(gaps.size)} if gaps.size else {}
 
 
 def _warn_of_command(table: Table, column: str, command: Array, rig: Rig) -> None:

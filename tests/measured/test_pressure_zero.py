@@ -9,7 +9,7 @@ import pytest
 
 from plants.measured.campaign import load_campaign
 from plants.measured.logger import corrected
-from plants.measured.trace.zero import counted
+from plants.measured.trace.counting.zero import counted
 from tests.rig.soft import arm_a, bender
 
 

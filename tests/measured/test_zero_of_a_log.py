@@ -12,7 +12,7 @@ from plants.errors import InputError
 from plants.measured.campaign import load_campaign
 from plants.measured.guess.rig import guessed_rig
 from plants.measured.logger import counted_from
-from plants.measured.trace.middle import centred
+from plants.measured.trace.counting.middle import centred
 from plants.measured.trace.start import starting
 from plants.parameters.files import built_in, dump, load
 from plants.rig import Zero, built_in_rig
@@ -44,6 +44,14 @@ def test_a_rig_that_bends_to_both_sides_keeps_its_zero(folder):
     both = counted_from(campaign, Zero(angle=26.0))
     assert centred(both) == (both, ())
     assert centred(campaign)[0].start == "unknown"
+
+
+@pytest.mark.parametrize("far", [1200.0, -1200.0])
+def test_the_middle_is_found_however_far_from_zero_the_angles_lie(folder, far):
+    campaign = counted_from(load_campaign(folder), Zero(angle=far))
+    moved, (remark,) = centred(campaign)
+    assert remark.value == pytest.approx(26.0 - far, abs=2.0)
+    assert centred(moved) == (moved, ())
 
 
 def test_recordings_that_start_at_rest_at_the_end_of_the_range_start_anywhere(folder):

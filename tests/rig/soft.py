@@ -3,7 +3,7 @@
 Each is a chain of its own, of nobody's library: a valve whose rate depends on the pressure and on the
 direction, transport delay, several plays, a curved and saturating joint, slow creep.  The logger renews the
 pressure less often than it writes rows, counts in steps, lets the angle rest at zero, and is offset anew in
-each recording.
+each recording.  One, a wrist of muscles, sticks and slips as well.
 """
 
 from collections.abc import Callable, Sequence
@@ -59,7 +59,8 @@ class SoftRig:
     low, high: command range; gain, bias [kPa]; delay [s]; fill, exhaust [1/s] at 0 kPa and how they fall
     with the pressure (per 100 kPa); thresholds [kPa] and weights [deg/kPa] of the plays; cubic: share by
     which the joint stiffens at `full` deg; first: angle below which it does not move [deg]; creep: share and
-    time constant [s]; lag [s].
+    time constant [s]; lag [s]; tail: share of the pressure that follows late and its time constant [s];
+    stick: distance [deg] from its equilibrium at which the joint breaks away, and at which it rests again.
     """
 
     name: str
@@ -81,6 +82,8 @@ class SoftRig:
     lag: float
     logger: Logger
     commands: dict[str, Callable[[], Signal]] = field(default_factory=dict)
+    tail: tuple[float, float] = (0.0, 1.0)
+    stick: tuple[float, float] = (0.0, 0.0)
 
     def play(self, command: Signal) -> tuple[Signal, Signal]:
         """Pressure [kPa] and angle [deg] at every ms of a command at 1 kHz."""
@@ -103,7 +106,7 @@ class SoftRig:
         return _chain(
             command, loop, self.gain, self.bias, self.fill, self.exhaust, self.falls,
             np.array(self.thresholds), np.array(self.weights), self.origin, self.cubic, self.full, self.first,
-            *self.creep, self.lag,
+            *self.creep, self.lag, *self.tail, *self.stick,
         )  # fmt: skip
 
     def log(self, command: Signal, seed: int) -> pd.DataFrame:
@@ -152,13 +155,33 @@ class SoftRig:
 
 @njit
 def _chain(
-    command, loop, gain, bias, fill, exhaust, falls, r, w, origin, cubic, full, first, share, slow, lag
+    command,
+    loop,
+    gain,
+    bias,
+    fill,
+    exhaust,
+    falls,
+    r,
+    w,
+    origin,
+    cubic,
+    full,
+    first,
+    share,
+    slow,
+    lag,
+    late,
+    tail,
+    breakaway,
+    rest,
 ):
     """loop: what makes the command up from its first value on, behind a delay; an empty reference where the
     command is given."""
     n = len(command)
     pressure, angle = np.empty(n), np.empty(n)
-    P = gain * command[0] + bias
+    P = follows = gain * command[0] + bias
+    moves = True
     plays = np.zeros(len(r))
     y = 0.0
     c = 0.0
@@ -175,6 +198,8 @@ def _chain(
             if i + loop.late < n:
                 command[i + loop.late] = held
         target = gain * command[i] + bias
+        follows += 0.001 / tail * (target - follows)
+        target += late * (follows - target)
         rate = (fill if target > P else exhaust) / (1.0 + falls * max(P, 0.0) / 100.0)
         P += 0.001 * rate * (target - P)
         x = P - origin
@@ -187,7 +212,10 @@ def _chain(
         if i == 0:
             y, c = h, share * h
         c += 0.001 / slow * (share * h - c)
-        y += 0.001 / lag * (h + c - y)
+        if breakaway > 0.0:
+            moves = abs(h + c - y) > (rest if moves else breakaway)
+        if moves:
+            y += 0.001 / lag * (h + c - y)
         pressure[i], angle[i] = P, y
     return pressure, angle
 
@@ -268,6 +296,25 @@ def climber() -> SoftRig:
             "wave": lambda: sine(0.2, 4.0, 0.1, 60.0),
             "check": lambda: wandering(0.2, 4.2, 3.0, 60.0, 7),
         },
+    )  # fmt: skip
+
+
+def muscles() -> SoftRig:
+    """A wrist of two pneumatic muscles behind electro-pneumatic regulators, made after figures that were read
+    off a public log: pressure late by 53 ms, with 124 ms and a tail up to 0.9 s; a loop a third of the stroke
+    wide, 9 / 18 deg at 200 kPa and 34 / 56 at 390 (up / down); the angle holds over 13 kPa, then jumps
+    4 deg."""
+    return SoftRig(
+        "muscles", 0.0, 10.0, 60.0, 0.0, 0.053, 8.0, 8.0, 0.0, (0.0, 20.0, 45.0, 89.0),
+        (0.010, 0.016, 0.056, 0.047), 95.0, -0.12, 65.0, 0.0, (0.06, 3.0), 0.06,
+        Logger(0.01, angle_noise=0.03, pressure_noise=0.5, angle_step=0.01, pressure_step=0.15),
+        {
+            "sweep": lambda: np.concatenate([np.linspace(0, 10, 20000), np.linspace(10, 0, 20000)]),
+            "stairs": lambda: stairs([0, 2, 4, 6, 8, 10, 7, 5, 3, 1, 6, 2, 0], 4.0),
+            "steps": lambda: wandering(0.0, 9.0, 3.0, 60.0, 11),
+            "check": lambda: wandering(0.0, 9.5, 2.5, 60.0, 12),
+        },
+        (0.12, 0.35), (2.5, 0.3),
     )  # fmt: skip
 
 

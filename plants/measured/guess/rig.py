@@ -59,6 +59,7 @@ def guessed_rig(campaign: Campaign) -> Rig:
     pressures = [r.pressure for r in recordings if r.pressure is not None]
     least, most = extent(pressures) if pressures else (0.0, UNSEEN)
     angles = [r.angle for r in recordings if r.angle is not None]
+    fresh = [r.angle[r.fresh("angle_deg")] for r in recordings if r.angle is not None]
     step = _rounded(np.ptp(extent(angles)) / 3.0) if angles else base.task.step
     middle = 0.5 * (least + most)
     tau = _followed(campaign.fit).tau
@@ -73,8 +74,8 @@ def guessed_rig(campaign: Campaign) -> Rig:
     limits = {n: v * factors.get(n, 1.0) for n, v in base.limits.items()}
     uncertainty = replace(
         base.uncertainty, load=base.uncertainty.load * step / base.task.step,
-        noise=float(np.median([noise_floor(a) for a in angles])) if angles else base.uncertainty.noise,
-        resolution=min(map(resolution, angles), default=base.uncertainty.resolution),
+        noise=float(np.median([noise_floor(a) for a in fresh])) if angles else base.uncertainty.noise,
+        resolution=min(map(resolution, fresh), default=base.uncertainty.resolution),
     )  # fmt: skip
     return replace(
         base, name=campaign.axis, title=f"Rig of {campaign.name}", motions=(campaign.axis,),

@@ -60,7 +60,7 @@ def noise_of_campaign(recordings: Sequence[Recording], channel: str) -> float | 
     """
     logged = [(r, v) for r in recordings if (v := r.channels.get(channel)) is not None]
     white = noise_of([v[r.fresh(channel)] for r, v in logged])
-    if any(channel in r.renewed for r, _ in logged):
+    if any(r.held(channel) for r, _ in logged):
         return white  # too few rows are its own to see a colour
     if white is None:
         return None

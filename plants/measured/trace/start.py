@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 from plants.measured.campaign import Campaign
 from plants.measured.guess.rig import guessed_set
 from plants.measured.logger import Remark, corrected, zero_of
-from plants.measured.trace.middle import centred
-from plants.measured.trace.zero import counted
+from plants.measured.trace.counting.middle import centred
+from plants.measured.trace.counting.sign import rising
+from plants.measured.trace.counting.zero import counted
 from plants.parameters.files import built_in
 from plants.parameters.quantities import ParameterSet
 from plants.rig import built_in_rig
@@ -33,7 +34,7 @@ class Start:
 
 def starting(campaign: Campaign, given: ParameterSet | None = None, either_way: bool = False) -> Start:
     """The start of a campaign; given: the set that the user gave; either_way: whether a guessed rig is to
-    make steps either way from zero (`plants.measured.trace.middle`).
+    make steps either way from zero (`plants.measured.trace.counting.middle`).
 
     >>> from plants import load_campaign
     >>> starting(load_campaign("plants/measured/examples/flexion")).guessed
@@ -44,7 +45,10 @@ def starting(campaign: Campaign, given: ParameterSet | None = None, either_way: 
         return Start(campaign, instrument, given, False)
     if campaign.axis in built_in_rig().motions:
         return Start(campaign, instrument, built_in(campaign.axis), False)
+    campaign, of_sign = rising(campaign)
     campaign, of_pressure = counted(campaign)
     campaign, of_angle = centred(campaign) if either_way else (campaign, ())
-    remarks, guess = (*instrument, *of_pressure, *of_angle), guessed_set(campaign)
+    if of_sign:  # the middle as it is logged
+        of_angle = tuple(replace(r, value=-r.value) for r in of_angle)
+    remarks, guess = (*instrument, *of_sign, *of_pressure, *of_angle), guessed_set(campaign)
     return Start(campaign, remarks, replace(guess, rig=replace(guess.rig, zero=zero_of(remarks))), True)

@@ -6,6 +6,7 @@ from the middle of what the log shows.
 """
 
 from dataclasses import replace
+from math import floor, log10
 
 from plants.measured.campaign import Campaign
 from plants.measured.guess.rig import guessed_rig
@@ -27,7 +28,12 @@ def centred(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     (low, high), step = extent(angles), guessed_rig(campaign).task.step
     if min(-low, high) >= ROOM * step:
         return campaign, ()
-    middle = float(f"{0.5 * (low + high):.2g}")
+    middle = _rounded(0.5 * (low + high), step)
     names = tuple(r.name for r in recordings)
     moved = counted_from(replace(campaign, start="unknown"), Zero(angle=middle))
     return moved, (Remark("counted from", "angle_deg", middle, "deg", names),)
+
+
+def _rounded(middle: float, step: float) -> float:
+    """To a decade that a tenth of the step holds at least once: far from zero, two digits are too few."""
+    return round(middle, -floor(log10(0.1 * step)))
