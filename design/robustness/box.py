@@ -6,6 +6,7 @@ worst case is searched for.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -17,6 +18,7 @@ from plants.effects.wrist.remainder import ColouredRemainder
 from plants.errors import InputError
 from plants.hysteresis import Role
 from plants.linearisation import branch_slopes
+from plants.parameters.correlation import matrix_of
 from plants.parameters.quantities import Assumed, Fitted, Parameter, ParameterSet
 from plants.wrist import Wrist
 
@@ -89,8 +91,9 @@ class Interval:
 class Box:
     """Intervals of a plant's parameters; the others keep the values of `plant`.
 
-    remainder: what the plant leaves, as a disturbance of every wrist of the box; which part of it a wrist
-    meets is the last of the intervals.
+    Estimates whose errors are correlated vary together: within their intervals, as far as so many standard
+    errors along each principal axis of their correlation take them.  remainder: what the plant leaves, as a
+    disturbance of every wrist of the box; which part of it a wrist meets is the last of the intervals.
     """
 
     plant: ParameterSet
@@ -107,12 +110,40 @@ class Box:
         """The plant itself."""
         return Wrist.of(self.plant)
 
+    @cached_property
+    def _together(self) -> tuple[NDArray[np.intp], Array]:
+        """Which intervals are of estimates whose errors are correlated, (m,), and the symmetric square root
+        of their correlation (m, m), each row in units of the interval's half-width."""
+        at = [k for k, i in enumerate(self.intervals) if isinstance(i.origin, StandardErrors)]
+        matrix = matrix_of(self.plant.correlation, [self.intervals[k].name for k in at])
+        tied = np.flatnonzero(np.abs(matrix - np.eye(len(at))).sum(axis=1))
+        sizes, vectors = np.linalg.eigh(matrix[np.ix_(tied, tied)])
+        return np.array(at, np.intp)[tied], (vectors * np.sqrt(np.maximum(sizes, 0.0))) @ vectors.T
+
+    def coordinates(self, shares: Array) -> dict[str, Array]:
+        """Values of the intervals, by their names, at places in the box: `shares` of shape (intervals, ...),
+        0 at the lower and 1 at the upper end of each, or of each principal axis of what is correlated."""
+        shares = np.asarray(shares, float)
+        found = [i.low + (i.high - i.low) * s for i, s in zip(self.intervals, shares, strict=True)]
+        tied, root = self._together
+        if tied.size:
+            moved = np.tensordot(root, 2.0 * shares[tied] - 1.0, axes=1)
+            for k, by in zip(tied, moved, strict=True):
+                i = self.intervals[k]
+                found[k] = np.clip(i.nominal + self._half(i) * by, i.low, i.high)
+        return {i.name: v for i, v in zip(self.intervals, found, strict=True)}
+
+    def _half(self, i: Interval) -> float:
+        """Half-width of an interval of standard errors where nothing cuts it off."""
+        provenance = self.plant.parameters[i.name].provenance
+        assert isinstance(i.origin, StandardErrors)
+        assert isinstance(provenance, Fitted)
+        return i.origin.count * (provenance.std_error or 0.0)
+
     def values(self, shares: Array) -> dict[str, Array]:
-        """Parameters at places in the box: `shares` of shape (intervals, ...), 0 at the lower and 1 at
-        the upper end of each interval."""
+        """Parameters at places in the box; see `coordinates`."""
         found: dict[str, Array] = {}
-        for i, share in zip(self.intervals, np.asarray(shares, float), strict=True):
-            value = i.low + (i.high - i.low) * share
+        for i, value in zip(self.intervals, self.coordinates(shares).values(), strict=True):
             found |= {n: self.plant.values[n] * value for n in i.scaled} if i.scaled else {i.name: value}
         return found
 
@@ -137,10 +168,12 @@ class Box:
         return replace(self, intervals=(*own, *part), remainder=left)
 
     def loops(self) -> list[Wrist]:
-        """The wrists at the corners of the box that the loop's parameters span, the others in the middle."""
+        """The wrists at the corners of the box that the loop's parameters span, each of them apart from the
+        others, which stay in the middle: at least all that the box holds."""
         own = {n for names in _together(self.plant).values() for n in names}
         ends = [(0.0, 1.0) if own & {i.name, *i.scaled} else (0.5,) for i in self.intervals]
-        return [self.at(np.array(corner)) for corner in product(*ends)]
+        apart = replace(self, plant=replace(self.plant, correlation={}))
+        return [apart.at(np.array(corner)) for corner in product(*ends)]
 
     def slopes(self, branch: str) -> tuple[float, float]:
         """Least and largest slope [deg/kPa] of a branch of the hysteresis in the box, with what a residual
@@ -170,8 +203,8 @@ def box_of(
     sigmas: float = SIGMAS,
     given: Mapping[str, tuple[float, float]] | None = None,
 ) -> Box:
-    """The box of a parameter set: fitted parameters within `sigmas` standard errors (their correlations
-    left out), assumed ones (and the stated transit slope, which scales with the lines) within the shares
+    """The box of a parameter set: fitted parameters within `sigmas` standard errors, together where these are
+    correlated, assumed ones (and the stated transit slope, which scales with the lines) within the shares
     of `spread`, those of `given` within the bounds given there; what is stated has no interval.  Where a loop
     at a corner would run backwards, which no rig's does, the intervals of standard errors are narrowed
     together, those of the loop, until none does.

@@ -8,6 +8,7 @@ of the requirement.
 
 from dataclasses import replace
 
+from plants.parameters.correlation import pairs_of
 from plants.parameters.quantities import ParameterSet
 
 
@@ -35,4 +36,5 @@ def events(plant: ParameterSet) -> tuple[str, ...]:
 def without(plant: ParameterSet, names: tuple[str, ...]) -> ParameterSet:
     """The plant without the effects of some names."""
     kept = {n: p for n, p in plant.parameters.items() if n.split(".")[0] not in names}
-    return replace(plant, parameters=kept, effects=tuple(e for e in plant.effects if e.NAME not in names))
+    effects = tuple(e for e in plant.effects if e.NAME not in names)
+    return replace(plant, parameters=kept, effects=effects, correlation=pairs_of(plant.correlation, kept))

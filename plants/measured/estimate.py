@@ -1,6 +1,5 @@
 """Robust nonlinear least squares from several starts, with errors that hold for coloured residuals."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -49,21 +48,6 @@ class EstimateErrors:
 
     std_errors: list[float | None]
     correlation: Array
-
-
-@dataclass(frozen=True)
-class ParameterCorrelation:
-    """Correlation of the errors of parameters that were estimated together: matrix (n, n), in the order of
-    their n names."""
-
-    names: tuple[str, ...]
-    matrix: Array
-
-    def of(self, names: Iterable[str]) -> "ParameterCorrelation":
-        """The same for some of the parameters."""
-        wanted = set(names)
-        kept = [i for i, n in enumerate(self.names) if n in wanted]
-        return ParameterCorrelation(tuple(self.names[i] for i in kept), self.matrix[np.ix_(kept, kept)])
 
 
 @dataclass(frozen=True)

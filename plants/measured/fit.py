@@ -18,13 +18,14 @@ from plants.hysteresis import with_values
 from plants.measured.begin import Begin, at_rest, first_begin, measured
 from plants.measured.campaign import Campaign
 from plants.measured.determined import estimate_determined
-from plants.measured.estimate import Estimate, ParameterCorrelation
+from plants.measured.estimate import Estimate
 from plants.measured.free_run import FreeRun, rmse
 from plants.measured.playback import Playback
 from plants.measured.problem import FitProblem
 from plants.measured.recording import Recording
 from plants.measured.residual.stillness import noise_of_campaign
 from plants.measured.stage import Stage
+from plants.parameters.correlation import ParameterCorrelation, all_pairs
 from plants.parameters.quantities import REGULATOR_NAMES, ParameterSet, loop_names
 from plants.wrist import Wrist
 
@@ -169,7 +170,9 @@ def fit_campaign(
     edges = tuple(n for n in errors if min(abs(values[n] - b) for b in bounds[n]) < 1e-3 * np.ptp(bounds[n]))
     errors |= dict.fromkeys(edges)
     origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
+    correlations = tuple(c.of(n for n in errors if errors[n] is not None) for c in together)
     fitted = replace(start, axis=campaign.axis).fitted({n: values[n] for n in errors}, errors, origin)
+    fitted = replace(fitted, correlation=all_pairs(correlations))
     runs = tuple(_runs(campaign, start, fitted, begins))
     if campaign.stage == "wrist" and _no_better_than_a_constant(runs):
         _check_sign(campaign)
@@ -177,7 +180,7 @@ def fit_campaign(
         campaign, start, fitted, noise,
         _errors(runs, "fit"), _errors(runs, "validate"), _errors(runs, "validate", before=True), runs, stages,
         edges, tuple(undetermined), None if begins is None else tuple(begins), trouble,
-        tuple(c.of(n for n in errors if errors[n] is not None) for c in together),
+        correlations,
     )  # fmt: skip
 
 

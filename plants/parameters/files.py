@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from plants.errors import InputError
 from plants.hysteresis import LAWS, FourSegment, HysteresisLaw, with_values
+from plants.parameters.correlation import parse_correlation
 from plants.parameters.quantities import (
     Assumed,
     Fitted,
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 EXAMPLE = "plants/parameters/flexion.toml"
 
-KEYS = ("axis", "title", "hysteresis", "rig", "parameters", "effects", "remainder")
+KEYS = ("axis", "title", "hysteresis", "rig", "parameters", "effects", "remainder", "correlation")
 """What a parameter set says."""
 
 OF_SCENARIOS = ("scenario", "controller", "metrics")
@@ -84,7 +85,8 @@ def load(path: str | Path) -> ParameterSet:
         found |= {f"{form.NAME}.{name}": p for name, p in read_in.items()}
         effects.append(form)
     left = parse_remainders(text.get("remainder", {}), str(path))
-    result = ParameterSet(axis, title, found, tuple(effects), rig, left)
+    together = parse_correlation(text.get("correlation", {}), found, str(path))
+    result = ParameterSet(axis, title, found, tuple(effects), rig, left, together)
     _check_loop(path, result.values, rig)
     return result
 
@@ -235,6 +237,8 @@ def dump(parameters: ParameterSet, path: str | Path) -> None:
         for channel, left in parameters.remainder.items():
             lefts[channel] = remainder_table(left)
         document["remainder"] = lefts
+    if parameters.correlation:
+        document["correlation"] = {n: dict(own) for n, own in parameters.correlation.items()}
     write_atomically(path, tomlkit.dumps(document))
 
 

@@ -11,6 +11,7 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from plants.hysteresis import HysteresisLaw, law_of
+from plants.parameters.correlation import Pairs
 from plants.parameters.remainder import RemainderSize
 from plants.parameters.spec import Kind
 from plants.rig import Rig, built_in_rig
@@ -150,7 +151,7 @@ class ParameterSet:
     reports; parameters: of the declared wrist, then of the effects, by their names
     in a wrist; effects: the forms of the effects, in the order of `plants.effects.EFFECTS`; rig: whose
     motion it is; remainder: residual of the plant on held-out recordings, by channel (``angle_deg``,
-    ``pressure_kPa``).
+    ``pressure_kPa``); correlation: of the errors of fitted parameters, each pair once.
     """
 
     axis: str
@@ -159,6 +160,7 @@ class ParameterSet:
     effects: tuple[type["Effect"], ...] = ()
     rig: Rig = field(default_factory=built_in_rig)
     remainder: Mapping[str, RemainderSize] = field(default_factory=dict)
+    correlation: Pairs = field(default_factory=dict)
 
     @property
     def values(self) -> dict[str, float]:
@@ -218,7 +220,8 @@ class ParameterSet:
                 p, value=float(value), low=min(p.low, float(value)), high=max(p.high, float(value)),
                 provenance=Learnt(data) if isinstance(p.provenance, Learnt) else Fitted(data, errors[name]),
             )  # fmt: skip
-        return replace(self, title=f"{self.axis}, fitted to {data}", parameters=changed, remainder={})
+        title = f"{self.axis}, fitted to {data}"
+        return replace(self, title=title, parameters=changed, remainder={}, correlation={})
 
     def revised(
         self,

@@ -221,7 +221,9 @@ def assumptions(a: Assessment) -> list[str]:
     found = [
         f"Limits: {limit_words(a.limits)}.",
         f"The command is clipped at {low:g} and {high:g} V; certificates hold where it is not.",
-        "The box ignores correlations between fitted parameters.",
+        "Estimates with correlated errors vary together; certificates vary each of them by itself."
+        if a.box.plant.correlation
+        else "The box ignores correlations between fitted parameters.",
         "Dead time, load, noise and resolution of the samples are assumed; their magnitudes are typical.",
     ]
     return found

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 from plants.effects.wrist.learnt_block import LearntBlock
 from plants.measured.campaign import Campaign
-from plants.measured.estimate import ParameterCorrelation
 from plants.measured.fit import Fit
 from plants.measured.free_run import FreeRun
 from plants.measured.logger import Remark
@@ -16,6 +15,7 @@ from plants.measured.trace.search.choose import Candidate, EffectSearch
 from plants.measured.trace.search.description import Description
 from plants.measured.trace.size import explained_share
 from plants.measured.trace.stages.model import Model
+from plants.parameters.correlation import ParameterCorrelation
 from plants.parameters.quantities import ParameterSet
 from plants.parameters.remainder import RemainderSize
 from plants.wrist import Wrist

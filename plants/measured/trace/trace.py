@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from plants.effects.wrist.learnt_block import LearntBlock
 from plants.measured.begin import first_begin
 from plants.measured.campaign import Campaign
-from plants.measured.estimate import EstimateErrors, ParameterCorrelation, corner_of, uncertainty
+from plants.measured.estimate import EstimateErrors, corner_of, uncertainty
 from plants.measured.fit import CHANNELS, Fit, fit_campaign
 from plants.measured.free_run import FreeRun, rmse
 from plants.measured.logger import Remark
@@ -43,6 +43,7 @@ from plants.measured.trace.stages.remainders import remainders
 from plants.measured.trace.start import starting
 from plants.measured.trace.suspect import check
 from plants.measured.trace.two_rigs import rigs_differ
+from plants.parameters.correlation import ParameterCorrelation, all_pairs
 from plants.parameters.quantities import ParameterSet
 from plants.wrist import Wrist
 
@@ -228,8 +229,8 @@ def _result(
             found = errors_of(named)
             of = dict(zip(named.names, found.std_errors, strict=True))
             errors |= of
-            together = ParameterCorrelation(named.names, found.correlation)
-            correlations += [together.of(n for n, e in of.items() if e is not None)]
+            of_stage = ParameterCorrelation(named.names, found.correlation)
+            correlations += [of_stage.of(n for n, e in of.items() if e is not None)]
     for block in (s.block.model for s in stages if s.block is not None):
         values |= {n: v for n, v in block.values.items() if n.startswith(f"{LearntBlock.NAME}.")}
     origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
@@ -245,12 +246,13 @@ def _result(
     )
     whole = all(s.explained for s in stages)
     said = "explained" if effects or changed else "nothing-missing"
-    revised = replace(revised, remainder=remainders_of(runs, fit.noise))
+    together = tuple(correlations) if values else fit.correlations
+    revised = replace(revised, remainder=remainders_of(runs, fit.noise), correlation=all_pairs(together))
     return Trace(
         campaign, fit, said if whole else "unexplained", stages, effects, revised, runs, before, after,
         intervals(runs, before=True), intervals(runs),
         tuple(dict.fromkeys((*remarks, *rigs_differ(stages)))), law, instrument,
-        tuple(correlations) if values else fit.correlations,
+        together,
     )  # fmt: skip
 
 

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from plants.measured.estimate import ParameterCorrelation
 from plants.measured.fit import Fit
 from plants.measured.free_run import FreeRun
 from plants.measured.logger import habits
 from plants.measured.trace.law import LawChoice, RigFit
+from plants.parameters.correlation import ParameterCorrelation
 from plants.parameters.quantities import Fitted
 from reports.shared.figures.style import (
     BLACK,
