@@ -224,6 +224,11 @@ class Effect(ABC):
         and which recording would tell; None where it cannot."""
         return None
 
+    def hinders(self, band: float, unit: str) -> str | None:
+        """Why no feedback without a jump holds the angle within a band to either side, in its unit; None
+        where nothing of the effect keeps it from there."""
+        return None
+
     @abstractmethod
     def sampled(self, wrist: Any, dt: float) -> Any:
         """Coefficients for a sample time `dt` [s] in a wrist; a NamedTuple with laws at ports."""

@@ -10,6 +10,7 @@ from design.studies.design_study import DesignStudy, MotionDesign
 from design.studies.designs import BARE, CASCADE, FORWARD
 from design.synthesis.answer import OutOfReach
 from plants.effects.wrist.remainder import STEEPNESS
+from plants.wrist import Wrist
 from reports.shared.card import broken_words, gains_words
 from reports.shared.names import limit_in_text
 from reports.shared.tables import listed, number
@@ -94,7 +95,8 @@ def last_line(study: DesignStudy) -> str:
             )
         gone = sorted({m.relaxed for m in study.motions if m.relaxed and not m.holds})
         without = f"; every limit would be met without {listed(gone)}" if gone else ""
-        return f"no gains meet every limit; nearest: {gains}{without}"
+        why = "".join(f"; {m.motion}: {w}" for m in study.motions if not m.holds for w in hindered(m))
+        return f"no gains meet every limit; nearest: {gains}{without}{why}"
     late = max(r["longest_dead_time_s"] for r in study.requirements.values())
     held = f"meet every limit with up to {number(1000 * late)} ms of dead time"
     still = [m.motion for m in study.motions if m.evidence["proved"]["status"] != "proved"]
@@ -107,6 +109,13 @@ def _out_of_reach(m: MotionDesign) -> bool:
     """Whether the steps of the task, and not the gains, are what fails."""
     nearest = m.designs[m.recommended].get("nearest")
     return nearest is not None and nearest["words"] == OutOfReach.__name__
+
+
+def hindered(m: MotionDesign) -> list[str]:
+    """Why no gains hold the angle of a motion in the band of its task, of each effect that keeps it out."""
+    task, unit = m.plant.rig.task, m.plant.rig.units.angle
+    found = (e.hinders(task.band * task.step, unit) for e in Wrist.of(m.plant).effects)
+    return [words for words in found if words is not None]
 
 
 def remarks(study: DesignStudy) -> list[str]:
@@ -129,6 +138,12 @@ def remarks(study: DesignStudy) -> list[str]:
         "reference, before the controller sees it."
         for m in study.motions
         if (counted := m.plant.rig.zero.words(m.plant.rig.units))
+    ]
+    found += [
+        f"{m.motion}: {why}. Give a wider band, in [rig.task], with --plant, or less friction."
+        for m in study.motions
+        if not m.holds
+        for why in hindered(m)
     ]
     found += [
         f"{m.motion}: the other motion moves this angle. The design keeps the other motion at rest: while it "

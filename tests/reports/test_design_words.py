@@ -11,6 +11,7 @@ from design.studies.design_study import DesignStudy, MotionDesign
 from design.studies.designs import CASCADE, FORWARD, DesignEffort
 from plants.effects.wrist.cross_coupling import Coupling
 from plants.effects.wrist.remainder import STEEPNESS
+from plants.effects.wrist.stick_slip import FreeSlip
 from plants.parameters.files import built_in
 from plants.rig import Zero
 from reports.design import tables
@@ -241,6 +242,23 @@ def test_steps_out_of_reach_are_told_as_what_fails():
     said = last_line(replace(bad, motions=(beyond,)))
     assert said.startswith("no gains meet every limit: no command in its range holds the steps of flexion")
     assert "[rig.task]" in said
+
+
+def test_friction_that_keeps_a_joint_out_of_the_band_is_told():
+    """A joint that breaks away 2.4 deg from its equilibrium is not held within 0.3 deg by any integrator; one
+    that does so at 0.2 deg is."""
+    (m,) = study(7, "open", 1).motions
+
+    def sticking(breakaway):
+        values = m.plant.values | {"stick-slip.breakaway": breakaway, "stick-slip.residue": 0.2}
+        return replace(m, plant=m.plant.revised((FreeSlip,), values, {}, "a log"))
+
+    bad = replace(study(7, "open", 1), motions=(sticking(2.4),))
+    said = "flexion: the joint breaks away 2.4 deg from its equilibrium, beyond the band of 0.3 deg"
+    assert said in last_line(bad)
+    assert any(r.startswith(said) and "[rig.task]" in r for r in remarks(bad))
+    for fine in (replace(bad, motions=(sticking(0.2),)), replace(study(0, "open", 1), motions=(m,))):
+        assert "breaks away" not in last_line(fine) + " ".join(remarks(fine))
 
 
 def test_what_the_page_counts_from_is_told():

@@ -10,7 +10,7 @@ import pytest
 from plants.measured.campaign import load_campaign
 from plants.measured.trace.search.choose import SHARE
 from plants.measured.trace.trace import trace_campaign
-from tests.rig.soft import CAMPAIGNS
+from tests.rig.soft import CAMPAIGNS, muscles
 
 pytestmark = pytest.mark.suite
 TRUE = {
@@ -61,3 +61,16 @@ def test_the_curved_loop_is_better_described_by_another_law(traced):
     if trace.law.with_effects:
         errors = trace.law.with_effects
         assert (1.0 - SHARE) * errors[trace.law.name] ** 2 <= 1.1 * min(errors.values()) ** 2
+
+
+def test_a_wrist_of_muscles_that_sticks_is_told_from_one_that_does_not(tmp_path):
+    """It breaks away at 2.5 deg and rests again at 0.3, which no form of the library does quite so."""
+    muscles().write(tmp_path, ("sweep", "stairs", "steps"), ("check",))
+    trace = trace_campaign(load_campaign(tmp_path))
+    found = {e.name: e for e in trace.effects}
+    assert set(found) == {"dead-time", "stick-slip"}
+    assert found["stick-slip"].parameters["breakaway"][0] == pytest.approx(2.5, rel=0.2)
+    assert found["dead-time"].parameters["delay"][0] == pytest.approx(0.053, abs=0.015)
+    assert trace.after["angle_deg"] < 0.7 * trace.before["angle_deg"]
+    assert trace.after["pressure_kPa"] < 0.3 * trace.before["pressure_kPa"]
+    assert trace.remainder["angle_deg"].share_of_range < 0.02

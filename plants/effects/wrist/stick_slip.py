@@ -124,6 +124,14 @@ class _StickSlip(Effect):
     def no_bound(self, wrist: Any) -> str | None:
         return "a joint that breaks away earlier may stick nearer"
 
+    def hinders(self, band: float, unit: str) -> str | None:
+        if float(self.breakaway) <= band:
+            return None
+        return (
+            f"the joint breaks away {float(self.breakaway):.3g} {unit} from its equilibrium, beyond the band "
+            f"of {band:.3g} {unit}, so that integral action makes it slip to and fro"
+        )
+
     @classmethod
     def trials_on(cls, log: TrialHints) -> Iterator[dict[str, float]]:
         """The trials, and breakaways at shares of the range that was reached, for rigs of any size."""
