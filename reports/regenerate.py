@@ -91,7 +91,11 @@ class Tolerance:
 TOLERANCES = (
     Tolerance("made.*", None, 0.0, "version, commit and command are what differs; data and plants follow"),
     Tolerance("ledger.*", None, 0.0, "wall times"),
-    Tolerance("*robust LQI.gains*", None, 0.0, "a flat optimum: a processor's last digit decides"),
+    Tolerance("*robust LQI.*gains*", None, 0.0, "a flat optimum: a processor's last digit decides"),
+    Tolerance("*robust LQI.settings*", None, 0.0, "a flat optimum: a processor's last digit decides"),
+    Tolerance("standings.*.breaks*", None, 0.0, "whether a value lies just within a limit or just beyond"),
+    Tolerance("standings.*.tolerated_*", 0.35, 0.0101, "steps of a search, and where a simulation settles"),
+    Tolerance("*.design.cases", None, 0.0, "how many until gains hold is no claim"),
     Tolerance(
         "*robust LQI*", 0.35, 2.0, "a random search along a flat optimum: a solver's last digit decides"
     ),
@@ -113,6 +117,15 @@ TOLERANCES = (
     Tolerance("decisions.*.worst_case.*", None, 0.0, "a random search: any better scenario is welcome"),
     Tolerance("decisions.*", 0.05, 3.0, "gains agree to 2 %, and samples that lie on a limit"),
     Tolerance("limits.*", 0.25, 1e-2, "worst values of gains that agree to 2 %, and of a random search"),
+    Tolerance(
+        "tunings.*overshoot*", 0.25, 0.1, "the worst of a random search, under gains that agree to 2 %"
+    ),
+    Tolerance("tunings.*", 0.1, 1e-2, "what follows of gains that agree to 2 %"),
+    Tolerance("break_even.*", 0.03, 2e-3, "what follows of gains that agree to 2 %"),
+    Tolerance("dead_time.*cascade PI*", None, 0.0, "a value of its ladder up or down: a search decides"),
+    Tolerance("dead_time.*tuned*", 0.1, 0.1, "what follows of gains that agree to 2 %"),
+    Tolerance("standings.*|tuned.*", 0.015, 1e-3, "what follows of gains that agree to 2 %"),
+    Tolerance("rows.*|tuned.*", 0.03, 0.02, "what follows of gains that agree to 2 %"),
     Tolerance("designs.*.worst_*", None, 0.0, "a random search: any worse case is welcome"),
     Tolerance("designs.*PI + feedforward*", 0.35, 2.0, "a value of its ladder up or down: a search decides"),
     Tolerance("prices.*PI + feedforward*", 0.35, 0.05, "a value of its ladder up or down: a search decides"),
@@ -138,6 +151,9 @@ NAMES = ("motion", "axis", "task", "controller", "statement", "branch", "rate", 
 """What tells records of a list apart, so that one that lacks some can be compared with one that does not."""
 
 NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+
+ON_A_LIMIT = re.compile(r"robust LQI(, | and )?")
+"""A name that sentences list or not: a flat optimum lies just within a limit or just beyond."""
 
 
 def flat(record: Any, path: str = "") -> dict[str, Any]:
@@ -178,8 +194,12 @@ def differences(committed: Any, fresh: Any, slow: tuple[str, ...] = ()) -> list[
     def left_out(path: str) -> bool:
         return any(fnmatchcase(path, p) for p in slow)
 
-    said = [f"{p}: not made any more" for p in old if p not in new and not left_out(p)]
-    said += [f"{p}: new, not in the committed example" for p in new if p not in old and not left_out(p)]
+    def compared(path: str) -> bool:
+        found = next(t for t in TOLERANCES if fnmatchcase(path, t.pattern))
+        return found.relative is not None and not left_out(path)
+
+    said = [f"{p}: not made any more" for p in old if p not in new and compared(p)]
+    said += [f"{p}: new, not in the committed example" for p in new if p not in old and compared(p)]
     for path in (p for p in new if p in old and not left_out(p)):
         tolerance = next(t for t in TOLERANCES if fnmatchcase(path, t.pattern))
         if not _agree(old[path], new[path], tolerance):
@@ -191,7 +211,7 @@ def _agree(old: Any, new: Any, tolerance: Tolerance) -> bool:
     if tolerance.relative is None:
         return True
     if isinstance(old, str) and isinstance(new, str):  # numbers in words stand elsewhere as numbers
-        return NUMBER.sub("#", old) == NUMBER.sub("#", new)
+        return _without_names(old) == _without_names(new)
     if isinstance(old, bool) or isinstance(new, bool) or old is None or new is None:
         return old is new
     if not (isinstance(old, int | float) and isinstance(new, int | float)):
@@ -199,6 +219,10 @@ def _agree(old: Any, new: Any, tolerance: Tolerance) -> bool:
     if not (isfinite(old) and isfinite(new)):
         return old == new
     return isclose(old, new, rel_tol=tolerance.relative, abs_tol=tolerance.absolute)
+
+
+def _without_names(text: str) -> str:
+    return ON_A_LIMIT.sub("", NUMBER.sub("#", text))
 
 
 def make(example: Example, folder: Path, quick: bool = False) -> None:
