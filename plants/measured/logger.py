@@ -24,8 +24,8 @@ from plants.rig import Zero
 
 Array = NDArray[np.float64]
 Habit = Literal[
-    "held", "counted from", "reversed", "offset", "resting", "late", "repeated", "swapped", "empty", "gaps",
-    "clock", "spikes",
+    "held", "counted from", "far", "reversed", "offset", "resting", "late", "repeated", "swapped", "empty",
+    "gaps", "clock", "spikes",
 ]  # fmt: skip
 READ: Mapping[Habit, str] = {
     "repeated": "rows", "swapped": "rows", "empty": "cells", "gaps": "gaps", "clock": "s",
@@ -63,10 +63,10 @@ class Remark:
     """Something that the log does.
 
     habit: ``held`` (renewed every `value` s), ``counted from`` (`value` is logged where the rig's plant is
-    at zero), ``reversed`` (counted with the opposite sign), ``offset`` (off by up to `value`, anew in each
-    recording), ``resting`` (exactly zero for `value` s), ``late`` (logged `value` s late), ``repeated`` and
-    ``swapped`` (so many rows), ``empty`` (so many cells), ``gaps`` (so many), ``clock`` (counts from
-    `value` s), ``spikes`` (so many rows).
+    at zero), ``far`` (likewise, of an angle far from zero), ``reversed`` (counted with the opposite sign),
+    ``offset`` (off by up to `value`, anew in each recording), ``resting`` (exactly zero for `value` s),
+    ``late`` (logged `value` s late), ``repeated`` and ``swapped`` (so many rows), ``empty`` (so many cells),
+    ``gaps`` (so many), ``clock`` (counts from `value` s), ``spikes`` (so many rows).
     recordings: in which, by name; stated: whether campaign.toml says so.
     """
 
@@ -95,6 +95,11 @@ class Remark:
                 return (
                     f"The pressure is {self.value:.4g} kPa where the command is zero; it is counted from "
                     "there. The revised plant keeps this."
+                )
+            case "far":
+                return (
+                    f"The {name} lies far from zero for its range; it is counted from {self.value:.4g} "
+                    f"{self.unit}. The revised plant keeps this."
                 )
             case "reversed":
                 return (
@@ -310,7 +315,7 @@ def zero_of(remarks: Sequence[Remark]) -> Zero:
     >>> zero_of([Remark("counted from", "angle_deg", 26.0, "deg", ("steps.csv",))])
     Zero(pressure=0.0, angle=26.0, reversed=False)
     """
-    found = {r.channel: r.value for r in remarks if r.habit == "counted from"}
+    found = {r.channel: r.value for r in remarks if r.habit in ("counted from", "far")}
     turned = any(r.habit == "reversed" for r in remarks)
     return Zero(found.get("pressure_kPa", 0.0), found.get("angle_deg", 0.0), turned)
 

@@ -12,7 +12,7 @@ from plants.errors import InputError
 from plants.measured.campaign import load_campaign
 from plants.measured.guess.rig import guessed_rig
 from plants.measured.logger import counted_from
-from plants.measured.trace.counting.middle import centred
+from plants.measured.trace.counting.middle import centred, near_zero
 from plants.measured.trace.start import starting
 from plants.parameters.files import built_in, dump, load
 from plants.rig import Zero, built_in_rig
@@ -52,6 +52,19 @@ def test_the_middle_is_found_however_far_from_zero_the_angles_lie(folder, far):
     moved, (remark,) = centred(campaign)
     assert remark.value == pytest.approx(26.0 - far, abs=2.0)
     assert centred(moved) == (moved, ())
+
+
+@pytest.mark.parametrize("far", [170.0, -170.0])
+def test_an_angle_far_from_zero_is_counted_from_the_lower_end_of_its_range(folder, far):
+    plain, campaign = load_campaign(folder), counted_from(load_campaign(folder), Zero(angle=-far))
+    assert near_zero(plain) == (plain, ())
+    moved, (remark,) = near_zero(campaign)
+    assert "far from zero for its range" in str(remark)
+    low = min(r.angle.min() for r in (*plain.fit, *plain.validate))
+    assert remark.value == pytest.approx(far + low, abs=1.0)
+    assert near_zero(moved) == (moved, ())
+    begun = starting(campaign)
+    assert begun.parameters.rig.zero.angle == remark.value
 
 
 def test_recordings_that_start_at_rest_at_the_end_of_the_range_start_anywhere(folder):

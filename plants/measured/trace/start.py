@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from plants.measured.campaign import Campaign
 from plants.measured.guess.rig import guessed_set
 from plants.measured.logger import Remark, corrected, zero_of
-from plants.measured.trace.counting.middle import centred
+from plants.measured.trace.counting.middle import centred, near_zero
 from plants.measured.trace.counting.sign import rising
 from plants.measured.trace.counting.zero import counted
 from plants.parameters.files import built_in
@@ -47,8 +47,8 @@ def starting(campaign: Campaign, given: ParameterSet | None = None, either_way: 
         return Start(campaign, instrument, built_in(campaign.axis), False)
     campaign, of_sign = rising(campaign)
     campaign, of_pressure = counted(campaign)
-    campaign, of_angle = centred(campaign) if either_way else (campaign, ())
-    if of_sign:  # the middle as it is logged
+    campaign, of_angle = (centred if either_way else near_zero)(campaign)
+    if of_sign:  # the angle as it is logged
         of_angle = tuple(replace(r, value=-r.value) for r in of_angle)
     remarks, guess = (*instrument, *of_sign, *of_pressure, *of_angle), guessed_set(campaign)
     return Start(campaign, remarks, replace(guess, rig=replace(guess.rig, zero=zero_of(remarks))), True)

@@ -1,4 +1,4 @@
-"""Where a design counts the angle from on a rig that bends to one side.
+"""Where the angle of a rig that nobody declared is counted from: near zero, for a design amid its range.
 
 Steps of a task go either way from zero, as those of a joint with two muscles do.  A rig that bends to one
 side has its zero at the end of its range, beyond which no command takes it: for a design its angle is counted
@@ -16,6 +16,25 @@ from plants.rig import Zero
 
 ROOM = 1.1
 """Steps of the task that the range must have on either side of zero."""
+
+
+FAR = 1.0
+"""Ranges of the angle by which it lies from zero at least to be far from it."""
+
+
+def near_zero(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
+    """The campaign with an angle that lies far from zero for its range, as that of a sensor that nobody
+    zeroed, counted from the lower end of its range, and that it was.  An output curve bends about zero."""
+    recordings = (*campaign.fit, *campaign.validate)
+    angles = [r.angle for r in recordings if r.angle is not None]
+    if not angles:
+        return campaign, ()
+    (low, high), step = extent(angles), guessed_rig(campaign).task.step
+    if high == low or max(low, -high) < FAR * (high - low):
+        return campaign, ()
+    end = _rounded(low, step)
+    names = tuple(r.name for r in recordings)
+    return counted_from(campaign, Zero(angle=end)), (Remark("far", "angle_deg", end, "deg", names),)
 
 
 def centred(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
