@@ -330,8 +330,11 @@ def _without_offsets(campaign: Campaign, remarks: list[Remark]) -> Campaign:
         rows = int(moved[0]) if len(moved) else 0
         if rows < LOWEST:
             return r
-        middle, first = _at_rest(r.angle[:rows])
-        least = max(LOUD * noise_floor(r.angle), resolution(r.angle))
+        own = r.fresh("angle_deg")
+        if own[:rows].sum() < LOWEST:
+            return r
+        middle, first = _at_rest(r.angle[:rows][own[:rows]])
+        least = max(LOUD * noise_floor(r.angle[own]), resolution(r.angle[own]))
         if least < min(abs(middle), abs(first)) and abs(first) < AT_REST:
             off[r.name] = first
         return r
