@@ -145,7 +145,7 @@ figure
 # Rigs of this kind have about 50 ms of dead time, which none of these models includes. The bound
 # increases by the dead time; some of the controllers become unstable.
 
-# %%
+# %% tags=["varies"]
 late = {f"{ms:.0f} ms": wrist + DeadTime(ms / 1000) if ms else wrist for ms in (0.0, 10.0, 20.0, 50.0)}
 bounds = {ms: performance_bound(Case(Task("virgin", 0.0, (STEP,)), w)).bound_s for ms, w in late.items()}
 settling = {"lower bound": bounds}
@@ -162,7 +162,8 @@ rows({"settling time [s]": name} | times for name, times in settling.items())
 # coincidence: it happens to enter the band once and stay.)
 
 # %%
-assert np.isinf([settling[n][ms] for n in ("linear MPC", "real-time MPC") for ms in ("20 ms", "50 ms")]).all()
+# One that oscillates may be in the band when its ten seconds end.
+assert min(settling[n][ms] for n in ("linear MPC", "real-time MPC") for ms in ("20 ms", "50 ms")) > 9.0
 assert np.isfinite([settling[n]["50 ms"] for n in ("robust MPC", "tuned PI")]).all()
 _, _, sleepy = design.run(late["50 ms"], in_every_sample["tuned PI"], STEP, record=True)
 with styled():

@@ -237,7 +237,7 @@ else:
     table = Markdown("`WRIST_DATA` is not set: no measured data at hand, the cells below show nothing.")
 table
 
-# %% tags=["measured-data"]
+# %% tags=["measured-data", "varies"]
 Markdown("\n".join(f"- *{o.rig.title}*: {verdict_sentence(o.trace)}" for o in outcomes))
 
 # %% tags=["measured-data"]
@@ -247,13 +247,14 @@ if outcomes:
 
 # %% [markdown]
 # *What to see: fitted to set-points that the pump cannot reach, the declared model has a very small gain
-# and hardly moves on the held-out recording. With the effect that is selected, a drooping supply, the
-# simulation follows the staircase, but not the sawtooth of the pump: it passes through its middle. It falls
-# faster than the pump lets air out, which the fitted recording hardly shows. Below, the residual is largest
-# at the pressures where the pump cycles.* So the verdict is not "explained": the law describes the mean of
-# this pump, not its cycle.
+# and hardly moves on the held-out recording. With a drooping supply, the simulation follows the staircase,
+# but not the sawtooth of the pump: it passes through its middle. Below, the residual is largest at the
+# pressures where the pump cycles.* So the verdict is not "explained": the law describes the mean of this
+# pump, not its cycle. How fast the pump lets air out the fitted recording hardly shows: whether
+# `fill-exhaust-asymmetry` is adopted beside the droop (1.8 kPa are left with it, 2.6 without) is decided by
+# the last digits of the processor.
 
-# %% tags=["measured-data"]
+# %% tags=["measured-data", "varies"]
 shown(errors_before_and_after(pump.trace)) if outcomes else None
 
 # %% tags=["measured-data"]
@@ -264,7 +265,7 @@ if outcomes:
 # %% tags=["measured-data"]
 if outcomes:
     assert {o.trace.verdict for o in outcomes} == {"unexplained"}
-    assert [e.name for e in pump.trace.effects] == ["supply-droop"]
+    assert "supply-droop" in [e.name for e in pump.trace.effects]
     assert not arm.trace.effects
 shown(errors_before_and_after(arm.trace)) if outcomes else None
 
