@@ -25,10 +25,10 @@ Array = NDArray[np.float64]
 BETTER = 0.9
 """Another law is taken if its error on rows left out is below this share of the declared law's."""
 
-STARTS = 24
+STARTS = 4
 """Fits of each law: one from the guess, the others from where it wanders."""
 
-BEGUN, ENDED = 10, 6
+BEGUN, ENDED = 10, 2
 """Evaluations after which these are compared, and how many of them are followed to the end."""
 
 SMOOTHED = 9
@@ -155,8 +155,7 @@ def _measured(playback: Playback) -> Array:
 
 
 def _best(model: Model, seed: int) -> Model:
-    """The best, on rows left out, of fits from some starts around the guess: all begun, the best ended.
-    Plays and the corners of an output curve have many minima, and some fit nothing but their own rows."""
+    """The best of fits from some starts around the guess: all begun, the best ended."""
     start, low, high = model.bounds
     rng = np.random.default_rng(seed)
     near = [
@@ -164,8 +163,7 @@ def _best(model: Model, seed: int) -> Model:
     ]
     begun = [model.at(x).fitted(BEGUN, 1e-3) for x in (start, *near)]
     begun.sort(key=lambda m: m.chi2)
-    ended = (Candidate(m.fitted()) for m in begun[:ENDED])
-    return min(ended, key=lambda c: c.held_out).model
+    return min((m.fitted() for m in begun[:ENDED]), key=lambda m: m.chi2)
 
 
 def _ends(model: Model, fit: Fit) -> tuple[float, ...]:
