@@ -251,8 +251,7 @@ if outcomes:
 # but not the sawtooth of the pump: it passes through its middle. Below, the residual is largest at the
 # pressures where the pump cycles.* So the verdict is not "explained": the law describes the mean of this
 # pump, not its cycle. How fast the pump lets air out the fitted recording hardly shows: whether
-# `fill-exhaust-asymmetry` is adopted beside the droop (1.8 kPa are left with it, 2.6 without) is decided by
-# the last digits of the processor.
+# `fill-exhaust-asymmetry` is adopted beside the droop is decided by the last digits of the processor.
 
 # %% tags=["measured-data", "varies"]
 shown(errors_before_and_after(pump.trace)) if outcomes else None

@@ -42,10 +42,6 @@ SAME = 0.02
 """Forms of one effect whose chi-square is within this share of its excess are equally good; the one
 with fewest parameters is taken."""
 
-NOT_CERTAIN = 1.1
-"""Times the mean square on rows left out that a form with fewer parameters may leave where the other's gain
-there is not certain."""
-
 OTHER_FORM = 2.0
 """Times what one form of an effect brings that another may: an effect that brings less than the least over
 this is not tried in its other forms."""
@@ -368,16 +364,7 @@ def simplest(now: Candidate) -> Candidate:
         held = Screen(rest.fitted(6, 1e-3))
         for other in sorted(simpler, key=lambda f: len(f.kinds())):
             found = Candidate(fitted_with(rest, held.rank(other)).fitted())
-            if _as_good(found, now):
+            if found.model.chi2 - now.model.chi2 < SAME * max(now.model.chi2 - 1.0, WORTH):
                 now = found
                 break
     return now
-
-
-def _as_good(simple: Candidate, other: Candidate) -> bool:
-    """Whether a form with fewer parameters does as well as another: on the rows that both were fitted to, or
-    as far as rows left out can tell."""
-    if simple.model.chi2 - other.model.chi2 < SAME * max(other.model.chi2 - 1.0, WORTH):
-        return True
-    left, of_other = (float(np.mean(c.left_out.free**2)) for c in (simple, other))
-    return left < NOT_CERTAIN * of_other and not falls(simple, other)
