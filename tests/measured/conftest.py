@@ -6,6 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.rig.soft import CAMPAIGNS
+
 ROWS = 8
 HEADER = ("time_s", "command_V", "angle_deg", "pressure_kPa")
 DECLARATION = 'axis = "flexion"\nsample_time_s = 0.01\nfit = ["steps.csv"]\nvalidate = ["sine.csv"]\n'
@@ -47,3 +49,12 @@ def campaign(tmp_path: Path, write_csv: Callable[..., Path]) -> Callable[..., Pa
         return tmp_path
 
     return make
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A campaign of the bending actuator of `tests.rig.soft`."""
+    make, fit, validate = CAMPAIGNS["bender"]
+    folder = tmp_path_factory.mktemp("soft") / "bender"
+    make().write(folder, fit, validate)
+    return folder

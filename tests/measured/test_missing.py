@@ -11,15 +11,7 @@ from plants.measured.campaign import load_campaign
 from plants.measured.instrument.missing import spikes
 from plants.measured.logger import corrected
 from plants.measured.recording import Recording
-from tests.rig.soft import CAMPAIGNS, arm_b, stairs
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    make, fit, validate = CAMPAIGNS["bender"]
-    folder = tmp_path_factory.mktemp("soft") / "bender"
-    make().write(folder, fit, validate)
-    return folder
+from tests.rig.soft import arm_b, stairs
 
 
 @pytest.fixture

@@ -17,15 +17,6 @@ from plants.measured.trace.start import starting
 from plants.parameters.files import built_in, dump, load
 from plants.rig import Zero, built_in_rig
 from plants.wrist import Wrist
-from tests.rig.soft import CAMPAIGNS
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    make, fit, validate = CAMPAIGNS["bender"]
-    folder = tmp_path_factory.mktemp("soft") / "bender"
-    make().write(folder, fit, validate)
-    return folder
 
 
 def test_only_for_a_design_the_angle_is_counted_from_the_middle(folder):
