@@ -91,11 +91,6 @@ class Tolerance:
 TOLERANCES = (
     Tolerance("made.*", None, 0.0, "version, commit and command are what differs; data and plants follow"),
     Tolerance("ledger.*", None, 0.0, "wall times"),
-    Tolerance("*robust LQI.*gains*", None, 0.0, "a flat optimum: a processor's last digit decides"),
-    Tolerance("*robust LQI.settings*", None, 0.0, "a flat optimum: a processor's last digit decides"),
-    Tolerance("standings.*.breaks*", None, 0.0, "whether a value lies just within a limit or just beyond"),
-    Tolerance("standings.*.tolerated_*", 0.35, 0.0101, "steps of a search, and where a simulation settles"),
-    Tolerance("*.design.cases", None, 0.0, "how many until gains hold is no claim"),
     Tolerance(
         "*robust LQI*", 0.35, 2.0, "a random search along a flat optimum: a solver's last digit decides"
     ),
@@ -104,8 +99,6 @@ TOLERANCES = (
     Tolerance("*.std_error", 0.05, 0.0, "from differences of the residual, to two digits on the page"),
     Tolerance("correlation.*", 0.0, 0.05, "from the same differences, to one digit on the page"),
     Tolerance("certificates.*.margin", None, 0.0, "what a solver leaves beyond its own tolerance"),
-    Tolerance("certificates.*.intervals", None, 0.0, "how often a sweep is split: a last digit decides"),
-    Tolerance("certificates.*.forms.*", 0.05, 1e-6, "matrices of problems solved to 1e-8 at best"),
     Tolerance("certificates.*.value", 0.05, 0.0, "decays by bisection of problems solved to 1e-8 at best"),
     Tolerance("worst_case.greatest_excess", 0.25, 0.0, "a random search: any better scenario is welcome"),
     Tolerance("worst_case.excess_of", 0.0, 0.0, "which limit is the worst one"),
@@ -116,24 +109,10 @@ TOLERANCES = (
     Tolerance("recommended.*.worst_case.*", None, 0.0, "a random search: any better scenario is welcome"),
     Tolerance("decisions.*.worst_case.*", None, 0.0, "a random search: any better scenario is welcome"),
     Tolerance("decisions.*", 0.05, 3.0, "gains agree to 2 %, and samples that lie on a limit"),
-    Tolerance("limits.*", 0.25, 1e-2, "worst values of gains that agree to 2 %, and of a random search"),
-    Tolerance(
-        "tunings.*overshoot*", 0.25, 0.1, "the worst of a random search, under gains that agree to 2 %"
-    ),
-    Tolerance("tunings.*", 0.1, 1e-2, "what follows of gains that agree to 2 %"),
-    Tolerance("break_even.*", 0.03, 2e-3, "what follows of gains that agree to 2 %"),
-    Tolerance("dead_time.*cascade PI*", None, 0.0, "a value of its ladder up or down: a search decides"),
-    Tolerance("dead_time.*tuned*", 0.1, 0.1, "what follows of gains that agree to 2 %"),
-    Tolerance("standings.*|tuned.*", 0.015, 1e-3, "what follows of gains that agree to 2 %"),
-    Tolerance("rows.*|tuned.*", 0.03, 0.02, "what follows of gains that agree to 2 %"),
+    Tolerance("limits.*", 0.05, 1e-3, "worst values of gains that agree to 2 %, and of a random search"),
     Tolerance("designs.*.worst_*", None, 0.0, "a random search: any worse case is welcome"),
     Tolerance("designs.*PI + feedforward*", 0.35, 2.0, "a value of its ladder up or down: a search decides"),
     Tolerance("prices.*PI + feedforward*", 0.35, 0.05, "a value of its ladder up or down: a search decides"),
-    Tolerance("designs.*.cases", None, 0.0, "how many until gains hold is no claim"),
-    Tolerance("designs.*.rounds", None, 0.0, "how many until gains hold is no claim"),
-    Tolerance("designs.*.active", None, 0.0, "which of two limits that are both met exactly"),
-    Tolerance("*cascade PI*", 0.35, 0.5, "a value of its ladder up or down: a search decides"),
-    Tolerance("prices.*worst_overshoot*", 0.1, 0.1, "what follows of gains that agree to 2 %"),
     Tolerance("designs.*", 0.02, 2.0, "gains agree to 2 %; rounds and cases until they do are no claim"),
     Tolerance("prices.*", 0.03, 0.02, "what follows of gains that agree to 2 %"),
     Tolerance("recommended.*", 0.03, 2e-3, "gains agree to 2 %, and what follows of them"),
@@ -151,9 +130,6 @@ NAMES = ("motion", "axis", "task", "controller", "statement", "branch", "rate", 
 """What tells records of a list apart, so that one that lacks some can be compared with one that does not."""
 
 NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
-
-ON_A_LIMIT = re.compile(r"robust LQI(, | and )?")
-"""A name that sentences list or not: a flat optimum lies just within a limit or just beyond."""
 
 
 def flat(record: Any, path: str = "") -> dict[str, Any]:
@@ -194,12 +170,8 @@ def differences(committed: Any, fresh: Any, slow: tuple[str, ...] = ()) -> list[
     def left_out(path: str) -> bool:
         return any(fnmatchcase(path, p) for p in slow)
 
-    def compared(path: str) -> bool:
-        found = next(t for t in TOLERANCES if fnmatchcase(path, t.pattern))
-        return found.relative is not None and not left_out(path)
-
-    said = [f"{p}: not made any more" for p in old if p not in new and compared(p)]
-    said += [f"{p}: new, not in the committed example" for p in new if p not in old and compared(p)]
+    said = [f"{p}: not made any more" for p in old if p not in new and not left_out(p)]
+    said += [f"{p}: new, not in the committed example" for p in new if p not in old and not left_out(p)]
     for path in (p for p in new if p in old and not left_out(p)):
         tolerance = next(t for t in TOLERANCES if fnmatchcase(path, t.pattern))
         if not _agree(old[path], new[path], tolerance):
@@ -211,7 +183,7 @@ def _agree(old: Any, new: Any, tolerance: Tolerance) -> bool:
     if tolerance.relative is None:
         return True
     if isinstance(old, str) and isinstance(new, str):  # numbers in words stand elsewhere as numbers
-        return _without_names(old) == _without_names(new)
+        return NUMBER.sub("#", old) == NUMBER.sub("#", new)
     if isinstance(old, bool) or isinstance(new, bool) or old is None or new is None:
         return old is new
     if not (isinstance(old, int | float) and isinstance(new, int | float)):
@@ -219,10 +191,6 @@ def _agree(old: Any, new: Any, tolerance: Tolerance) -> bool:
     if not (isfinite(old) and isfinite(new)):
         return old == new
     return isclose(old, new, rel_tol=tolerance.relative, abs_tol=tolerance.absolute)
-
-
-def _without_names(text: str) -> str:
-    return ON_A_LIMIT.sub("", NUMBER.sub("#", text))
 
 
 def make(example: Example, folder: Path, quick: bool = False) -> None:

@@ -36,6 +36,11 @@ class LossyMeasurement(NamedTuple):
     pressure_seen: Number
 
 
+ACCURATE = 2.5e-7
+"""Share of the command's range by which a plan in C may be from Python's: two solvers end at their own
+rounding."""
+
+
 def lost(ladder: Fallback) -> str:
     """What happens where a measurement is not believed."""
     return (
@@ -117,7 +122,8 @@ def part(
     problem, (begin, step) = controller.problem, in_python(controller)
     return Part(
         name, title, problem.period, SEEN, state, COMMAND, problem.low, problem.high, settings(problem), code,
-        begin, step, problem.plausible, tolerance=1e-6, template=template, constants=constants,
+        begin, step, problem.plausible, tolerance=ACCURATE * (problem.high - problem.low),
+        template=template, constants=constants,
         lost=lost(controller.fallback), takes_lost=True, notes=(note, *late(problem)),
         under_way=problem.delay,
     )  # fmt: skip
