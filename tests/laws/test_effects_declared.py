@@ -80,6 +80,13 @@ def test_stops_are_tried_on_either_side_and_on_both_at_shares_of_the_angles_reac
     assert min(b for _, b in calm) == pytest.approx(0.6)
 
 
+def test_a_joint_that_goes_to_one_side_may_rest_against_a_stop_where_it_starts():
+    tried = list(HardStop.trials_on(log(values=np.linspace(-0.01, 40.0, 500))))
+    assert any(-0.1 < t["low"] <= 0.0 for t in tried)
+    turned = list(HardStop.trials_on(log(values=np.linspace(-40.0, 0.01, 500))))
+    assert any(0.0 <= t["high"] < 0.1 for t in turned)
+
+
 def test_what_keeps_a_wrist_from_an_angle_is_said_and_nothing_else():
     stop, supply = HardStop(-12.0, 14.0), CappedPressure(120.0, 0.0, 8.0)
     assert "+14 deg" in stop.obstacle(150.0, 15.0)

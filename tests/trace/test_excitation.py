@@ -1,16 +1,19 @@
 """What sits in the command is not named as an effect of the rig."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from plants.effects.regulator.leak import LaminarLeak
 from plants.effects.sensor.gyro_drift import Drift
 from plants.effects.sensor.periodic import Hum
-from plants.effects.wrist.creep import Creep
+from plants.effects.wrist.creep import Creep, LogCreep, TwoTimeCreep
 from plants.effects.wrist.load_step import LoadStep
 from plants.effects.wrist.loop_shape import OneMorePlay
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
+from plants.measured.trace.search.choose import rank
 from plants.measured.trace.search.excitation import excitation, line
 
 T = np.arange(6000) / 100
@@ -48,6 +51,32 @@ def test_a_load_step_at_the_first_rows_is_an_offset():
 def test_a_load_step_within_the_first_period_of_the_only_sine_is_the_commands():
     assert "offset" in LoadStep(1.0, 8.0).borrowed(asked(SINE))
     assert LoadStep(1.0, 12.0).borrowed(asked(SINE)) is None
+
+
+@pytest.mark.parametrize(
+    ("creep", "told"),
+    [
+        (Creep(0.1, 30.0), True),
+        (Creep(0.1, 209.0), False),
+        (TwoTimeCreep(0.05, 5.0, 0.05, 8.0), True),
+        (TwoTimeCreep(0.05, 9.0, 1.0, 23.0), False),
+        (LogCreep(0.1, 0.3), True),
+        (LogCreep(0.1, 5.0), False),
+    ],
+)
+def test_creep_that_is_slower_than_the_recordings_is_a_drift_in_all_of_them(creep, told):
+    why = creep.borrowed(asked(STEPS))
+    assert (why is None) == told
+    assert told or "record for longer" in why
+
+
+def test_a_form_that_is_the_commands_comes_after_one_that_is_the_rigs():
+    """However much better it fits."""
+    models = [SimpleNamespace(chi2=x, wrist=SimpleNamespace(effects=(c,))) for x, c in
+              ((1.0, Creep(0.1, 209.0)), (2.0, Creep(0.1, 9.0)))]  # fmt: skip
+    slow, prompt = (rank(m, "creep", asked(STEPS)) for m in models)
+    assert prompt < slow
+    assert rank(models[0], "creep", None) < rank(models[1], "creep", None)
 
 
 def test_a_drift_along_the_only_ramp_is_the_commands():

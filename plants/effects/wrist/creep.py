@@ -6,12 +6,13 @@ of Nonlinear Viscoelastic Materials, 1976, chapter 5).  Rubber's creep is often
 linear in the logarithm of time, which many lags in decades stand for.
 """
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, Linear, Number, parameter
+from plants.effects.effect import Around, Effect, ExcitationHints, Linear, Number, parameter
 from plants.meanings import remembers
 
 
@@ -55,6 +56,20 @@ class _Creeping(Effect):
             return "what creeps backwards undoes a fast move"
         return None
 
+    @property
+    @abstractmethod
+    def slowest(self) -> Number:
+        """The longest of its time constants [s]."""
+
+    def borrowed(self, asked: ExcitationHints) -> str | None:
+        """What creeps for longer than any recording lasts is a drift in all of them."""
+        if float(self.slowest) <= asked.longest:
+            return None
+        return (
+            f"a time constant of {float(self.slowest):.3g} s is longer than any recording, in which it is no "
+            "more than a drift; record for longer"
+        )
+
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         c = self.sampled(wrist, dt)
         pairs = zip(c.gains, c.shares, strict=True)
@@ -74,6 +89,10 @@ class Creep(_Creeping):
     gain: Number = parameter("1", "what creeps, over the static angle", -0.5, 1.0, 0.0, (0.1,))
     time_constant: Number = parameter("s", "time constant", 0.4, 200.0, 5.0, (1.0, 3.0, 10.0, 30.0))
 
+    @property
+    def slowest(self) -> Number:
+        return self.time_constant
+
     def sampled(self, wrist: Any, dt: float) -> SampledCreep:
         return _sampled((self.gain,), (self.time_constant,), dt)
 
@@ -91,6 +110,10 @@ class TwoTimeCreep(_Creeping):
     time_constant: Number = parameter("s", "first time constant", 0.2, 40.0, 1.5, (0.6, 2.0))
     gain_late: Number = parameter("1", "what creeps late, over the static angle", -0.5, 1.0, 0.0, (0.06,))
     ratio: Number = parameter("1", "second time constant over the first", 2.0, 100.0, 8.0, (5.0, 15.0))
+
+    @property
+    def slowest(self) -> Number:
+        return self.time_constant * self.ratio
 
     def sampled(self, wrist: Any, dt: float) -> SampledCreep:
         times = (self.time_constant, self.time_constant * self.ratio)
@@ -112,6 +135,11 @@ class LogCreep(_Creeping):
 
     gain: Number = parameter("1", "what creeps in all, over the static angle", -0.5, 1.5, 0.0, (0.12,))
     first: Number = parameter("s", "first time constant", 0.02, 20.0, 0.2, (0.1, 0.4, 1.5))
+
+    @property
+    def slowest(self) -> Number:
+        # Of five that share one gain the others still tell how it goes on.
+        return self.first * LOG_RATIO**3
 
     def sampled(self, wrist: Any, dt: float) -> SampledCreep:
         gains = (self.gain / 5.0,) * 5

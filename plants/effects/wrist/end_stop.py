@@ -104,6 +104,9 @@ class _Stop(Effect):
         kinds, least = cls.kinds(), log.rig.scaled(1.0, "deg")
         lows = [log.rig.scaled(kinds["low"].low, "deg"), *(s * min(low, -least) for s in shares)]
         highs = [log.rig.scaled(kinds["high"].high, "deg"), *(s * max(high, least) for s in shares)]
+        # A joint that goes to one side may rest against a stop at the end where it starts.
+        lows += [min(low, 0.0)] if -low < least < high else []
+        highs += [max(high, 0.0)] if high < least < -low else []
         rest = {n: v for n, v in next(cls.trials(log.rig)).items() if n not in ("low", "high")}
         for a, b in list(product(lows, highs))[1:]:
             yield {**rest, "low": float(a), "high": float(b)}

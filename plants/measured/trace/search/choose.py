@@ -231,7 +231,7 @@ def _further(
         ranked = screen(start.model, left, seed, now.lacks_something)
         ranking = ranking or ranked
         if now.lacks_something:
-            found += refit(start.model, shortlist(ranked, effects), forms)
+            found += refit(start.model, shortlist(ranked, effects), forms, asked)
     borrowed = {n: why for c in found for n, why in borrowed_in(c, asked).items()}
     kept = [c for c in found if not borrowed_in(c, asked)]
     return distinct(sorted(kept, key=lambda c: c.model.chi2)), tuple(ranking), borrowed
@@ -319,8 +319,11 @@ def shortlist(ranking: Sequence[Ranked], effects: int = SHORTLIST) -> list[Ranke
     return [r for r in ranking if r.name in names[:effects]]
 
 
-def refit(model: Model, ranked: Sequence[Ranked], forms: int = FORMS) -> list[Candidate]:
-    """Each effect ranked, in the best of so many of its forms, fitted fully; the best first."""
+def refit(
+    model: Model, ranked: Sequence[Ranked], forms: int = FORMS, asked: Excitation | None = None
+) -> list[Candidate]:
+    """Each effect ranked, in the best of so many of its forms, fitted fully; the best first.  asked: forms
+    that may be nothing but the command come after those that may not."""
     best: dict[str, Model] = {}
     tried: dict[str, int] = {}
     for r in ranked:
@@ -328,10 +331,15 @@ def refit(model: Model, ranked: Sequence[Ranked], forms: int = FORMS) -> list[Ca
         if r.drop <= 0.0 or tried[r.name] > forms:
             continue
         m = fitted_with(model, r)
-        if r.name not in best or m.chi2 < best[r.name].chi2:
+        if r.name not in best or rank(m, r.name, asked) < rank(best[r.name], r.name, asked):
             best[r.name] = m
     order = sorted(best.values(), key=lambda m: m.chi2)
     return sorted((Candidate(m.fitted(20, ROUGH)) for m in order[:3]), key=lambda c: c.model.chi2)
+
+
+def rank(model: Model, name: str, asked: Excitation | None) -> tuple[bool, float]:
+    """By what forms of an effect are ordered, the best first."""
+    return asked is not None and name in borrowed_in(Candidate(model), asked), model.chi2
 
 
 def from_command(now: Candidate) -> Candidate:
