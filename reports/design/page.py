@@ -45,7 +45,7 @@ def design_page(study: DesignStudy, made: Made, drawn: "dict[str, Figure]") -> s
         "design.html", made=made, title=words.title(study),
         kind=f"design for {' and '.join(m.motion for m in study.motions)}", sections=SECTIONS,
         summary=words.summary(study), remarks=words.remarks(study),
-        decision=card(rows, shown("step", step_caption(rows))),
+        decision=card(rows, shown("step", step_caption(rows))), controllers=words.controllers(study),
         price=tables.price_table(study), prices=shown("prices", words.price_caption(study)),
         alternatives=words.alternatives(study),
     )  # fmt: skip

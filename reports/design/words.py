@@ -28,6 +28,11 @@ def title(study: DesignStudy) -> str:
     return f"Recommended: {words}" if study.holds else f"No gains meet every limit; the nearest: {words}"
 
 
+def controllers(study: DesignStudy) -> str:
+    """The title of the table of gains."""
+    return "Recommended controllers." if study.holds else "Nearest controllers; a limit is broken."
+
+
 def summary(study: DesignStudy) -> list[str]:
     """Three sentences, of at most 20 words each: what holds, under what, what is proved."""
     samples = sum(m.evidence["samples"]["total"] for m in study.motions)

@@ -18,6 +18,7 @@ from reports.design import tables
 from reports.design.words import (
     cascade_words,
     controller_words,
+    controllers,
     feedforward_words,
     last_line,
     lqi_words,
@@ -73,6 +74,8 @@ def test_three_sentences_of_at_most_twenty_words(broken, proved, count):
 def test_what_does_not_hold_is_said_first_and_which_guarantee_would_have_to_go():
     bad = study(7, "open", 2)
     assert title(bad).startswith("No gains meet every limit")
+    assert controllers(bad).startswith("Nearest")
+    assert controllers(study(0, "open", 2)).startswith("Recommended")
     assert "without the dead time" in last_line(bad)
     good = study(0, "open", 2)
     assert "meet every limit with up to 50 ms" in last_line(good)
