@@ -45,13 +45,13 @@ draw_fit(fit)
 # *What to see: the fitted loop is near the measured one, but the error swings with every period of the sine:
 # it is no noise.*
 
-# %% tags=["varies"]
+# %%
 first = turn(rig, folder, 1, fit.fitted, fit.validate_rmse["angle_deg"])
 print(first.said)
 
 # %% [markdown]
-# The log is outside the envelope of the samples, and a later command explains about half of what the check
-# finds.
+# The log is outside the envelope of the samples, and no single change of the plant explains what the check
+# finds: it has both, a dead time and a ripple.
 #
 # ## Turn 2: the traced model
 #
