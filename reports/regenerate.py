@@ -7,8 +7,8 @@
 Run from the project's root.  The comparison plays what build/examples/design holds, and robustness is
 shown of the gains that the design has left in reports/examples, so the design comes first.  Where it finds
 other gains, commit them and make these two again: a page names the commit.  A design that other sources
-made is judged anew by the comparison, on a tenth of the samples: make it again first.  The check leaves out the
-perturbed plants of the comparison and the MPC of the design, which take minutes.
+made is judged anew by the comparison, on a tenth of the samples: make it again first.  The check leaves out
+the perturbed plants of the comparison and the MPC of the design, which take minutes.
 """
 
 import argparse
