@@ -40,7 +40,6 @@ def at_rest(wrist: "Wrist", start: Start = "virgin", angle: Number = 0.0) -> Sta
     ``line2``: arrived in the plus, the minus direction.  ``inside``: half-way in
     pressure between the two lines, as after a reversal.  Effects have come to
     rest too: what creeps has crept, the supply is full, no work has been done.
-    A loop whose angle is counted from elsewhere has no virgin rest at 0: it is ``inside`` there.
     An angle that effects keep the wrist from gets a state that does not last:
     `obstacle` says so.  Raises ValueError for an unknown start or a virgin wrist away from 0.
     """
@@ -48,9 +47,6 @@ def at_rest(wrist: "Wrist", start: Start = "virgin", angle: Number = 0.0) -> Sta
     if start not in STARTS:
         raise ValueError(f"unknown start {start!r}; one of {', '.join(STARTS)}")
     virgin = start == "virgin"
-    if virgin and loop.origin:
-        # Its initial curve begins where the loop was fitted from; at 0 it is half-way between the lines.
-        return at_rest(wrist, "inside", angle)
     if virgin and np.any(np.asarray(angle) != 0.0):
         raise ValueError("a virgin wrist rests at angle 0; start on line1, line2 or inside")
     if virgin:
@@ -178,7 +174,7 @@ def obstacle(wrist: "Wrist", start: Start, angle: float) -> str | None:
 def _held_angle(wrist: "Wrist", h: Number) -> Number:
     """The angle [deg] at which the effects let a wrist rest whose loop is at h [deg]; stops left out."""
     c = wrist.sampled()
-    s = effects_at_rest(wrist, wrist.hysteresis.origin_pressure, h, "static", sampled=c)
+    s = effects_at_rest(wrist, wrist.hysteresis.rest_pressure, h, "static", sampled=c)
     after = h
     for i, effect in c.at("static"):
         _, _, after = effect(s[i], h, after, Around())
@@ -197,7 +193,7 @@ def static_angle(wrist: "Wrist", angle: Number, against: bool = True) -> Number:
         # A joint that rests against a stop: the lag pulls it on and the stop pushes it back.
         moved = lag.step(angle, static, static, wrist.sampled().lag)
         for i, effect in stops:
-            moved = effect(effects_at_rest(wrist, wrist.hysteresis.origin_pressure, h, "stop")[i], moved)
+            moved = effect(effects_at_rest(wrist, wrist.hysteresis.rest_pressure, h, "stop")[i], moved)
         return moved - angle
 
     h0 = np.asarray(angle, float)

@@ -196,8 +196,8 @@ def _traced(
     path = folder / f"plant-{motion}.toml"
 
     def work() -> dict[str, Any]:
-        trace = trace_campaign(data, start, seed, _at("trace", tell))
-        dump(trace.for_design, path)
+        trace = trace_campaign(data, start, seed, _at("trace", tell), either_way=True)
+        dump(trace.revised, path)
         return {
             "verdict": trace.verdict, "before": trace.before, "after": trace.after, "noise": trace.noise,
             "effects": [{"name": e.name, "form": e.form, "stage": e.stage} for e in trace.effects],

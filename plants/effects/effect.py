@@ -240,10 +240,6 @@ class Effect(ABC):
         """
         return Nothing()
 
-    def counted_from(self, angle: Number) -> "Effect":
-        """The same effect of a wrist whose joint's angle is counted from `angle` [deg]."""
-        return self
-
     def beside(self, wrist: Any, pressure: Number) -> Number:
         """Angle [deg] that it adds to the loop's, at rest at a pressure [kPa]."""
         return 0.0

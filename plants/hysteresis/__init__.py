@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from plants.hysteresis.four_segment import FourSegment, Memory
-from plants.hysteresis.law import ORIGIN, SIDES, STARTS, Bend, HysteresisLaw, Role, Side, Start
+from plants.hysteresis.law import SIDES, STARTS, Bend, HysteresisLaw, Role, Side, Start
 from plants.hysteresis.prandtl_ishlinskii import PlayMemory, PrandtlIshlinskii
 
 LAWS: dict[str, type[HysteresisLaw]] = {
@@ -21,7 +21,7 @@ LAWS: dict[str, type[HysteresisLaw]] = {
 """The laws by name; the first is the paper's."""
 
 __all__ = [
-    "LAWS", "ORIGIN", "SIDES", "STARTS", "Bend", "FourSegment", "HysteresisLaw", "Memory", "PlayMemory",
+    "LAWS", "SIDES", "STARTS", "Bend", "FourSegment", "HysteresisLaw", "Memory", "PlayMemory",
     "PrandtlIshlinskii", "Role", "Side", "Start",
     "law_of", "register", "with_values",
 ]  # fmt: skip
@@ -33,7 +33,7 @@ def register(law: type[HysteresisLaw]) -> None:
     Raises ValueError for a name, or a name of a parameter, that another law has.
     """
     for other in LAWS.values():
-        shared = (set(law.kinds()) & set(other.kinds())) - {"rest_pressure", *ORIGIN}
+        shared = (set(law.kinds()) & set(other.kinds())) - {"rest_pressure"}
         if law.NAME == other.NAME or shared:
             raise ValueError(
                 f"hysteresis law {law.NAME!r}: shares {sorted(shared) or 'its name'} with {other.NAME!r}"

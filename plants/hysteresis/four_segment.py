@@ -25,12 +25,12 @@ memory; the general theory is Krasnosel'skii & Pokrovskii, Systems with Hysteres
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Origin, Role, Side, Start
+from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Role, Side, Start
 from plants.hysteresis.play import kept
 from plants.meanings import remembers
 from plants.parameters.spec import Kind
@@ -90,7 +90,6 @@ class FourSegment(HysteresisLaw):
             "w2": Kind("deg", "offset of line 2 above the origin", -60.0, 60.0),
             "s": Kind("deg/kPa", "slope of the transit between the lines", 0.0, 5.0),
             "rest_pressure": REST_PRESSURE,
-            **cls._origin_kinds(names),
         }
 
     @classmethod
@@ -134,18 +133,9 @@ class FourSegment(HysteresisLaw):
         lines, offsets = (slope - apart, slope + apart), (0.25 * width, 4.0 * width)
         return {"a1": lines, "a2": lines, "w1": offsets, "w2": offsets, "s": (0.0, 0.99 * (slope - apart))}
 
-    def counted_from(self, rest: float, angle: float) -> "FourSegment":
-        """The offsets of the lines take up both."""
-        by = rest - self.rest_pressure
-        before = self.origin or Origin(0.0, 0.0)
-        return replace(
-            self, w1=self.w1 - self.a1 * by + angle, w2=self.w2 + self.a2 * by - angle, rest_pressure=rest,
-            origin=Origin(before.pressure - by, before.angle + angle),
-        )  # fmt: skip
-
     def initial(self) -> Memory:
-        """At 0 on the virgin curve, which begins where the loop was fitted from and nowhere else."""
-        return Memory(0.0, 0.0 if self.origin else 1.0)
+        """At 0 on the virgin curve."""
+        return Memory(0.0, 1.0)
 
     def step(self, memory: Memory, before: Number, after: Number, bend: Bend | None = None) -> Memory:
         """Along the transit, and kept between the lines."""
@@ -174,15 +164,12 @@ class FourSegment(HysteresisLaw):
 
     def rise(self, pressure: Number) -> tuple[Number, Number]:
         """The lines without their offsets."""
-        x = pressure - self.origin_pressure
+        x = pressure - self.rest_pressure
         return self.a1 * x, self.a2 * x
 
     def halves(self, pressure: Number) -> tuple[Number, Number]:
-        """The offsets where the loop was fitted from, the same at every pressure."""
-        if not self.origin:
-            return self.w1, self.w2
-        x, angle = self.origin
-        return self.w1 - self.a1 * x - angle, self.w2 + self.a2 * x + angle
+        """The offsets, the same at every pressure."""
+        return self.w1, self.w2
 
     @property
     def steepness(self) -> tuple[Number, Number]:
@@ -202,7 +189,7 @@ class FourSegment(HysteresisLaw):
         self, start: Start, angle: Number, pressure: Number, low: Number = 0.0, high: Number = 0.0
     ) -> Memory:
         """The angle is all there is to remember."""
-        return Memory(angle, float(start == "virgin" and not self.origin))
+        return Memory(angle, float(start == "virgin"))
 
     def recalled(self, angle: Number, pressure: Number) -> Memory:
         """The angle, kept between the lines."""

@@ -18,7 +18,7 @@ monotone move is cut into, the result is the same.
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -37,20 +37,6 @@ SIDES: tuple[Side, ...] = ("ascending", "descending", "inner")
 """Sides of a loop: its two outer branches, and what lies between them."""
 
 REST_PRESSURE = Kind("kPa", "pressure at which the wrist starts and h = 0", -50.0, 500.0)
-
-ORIGIN = {
-    "origin_pressure": Kind("kPa", "from rest to where the loop was fitted from", -1000.0, 1000.0),
-    "origin_angle": Kind("deg", "angle of the loop that is counted as 0", -1000.0, 1000.0),
-}
-"""Parameters of a loop whose angle is counted from elsewhere than where it was fitted; see `Origin`."""
-
-
-class Origin(NamedTuple):
-    """Where a loop whose angle is counted anew was counted from: pressure from its rest pressure [kPa], and
-    the angle [deg] that is 0 now.  Curves bend, and slopes soften, about there still."""
-
-    pressure: Number
-    angle: Number
 
 
 class Bend(NamedTuple):
@@ -72,8 +58,7 @@ class HysteresisLaw(ABC):
     the loop as a whole, so that it is fitted where a recording need not start there.  MONOTONE: whether a
     pressure signal that is never below another gives an angle that is never below either, from ordered
     memories; a play does, and the performance bound (`design.limit`) holds for such laws only.  NEUTRAL: of
-    parameters that a law can do without, by name, the value at which they change nothing.  origin: an
-    `Origin`, for a law that can be `counted_from` another angle and was.
+    parameters that a law can do without, by name, the value at which they change nothing.
     """
 
     NAME: ClassVar[str]
@@ -87,19 +72,6 @@ class HysteresisLaw(ABC):
         @property
         def rest_pressure(self) -> Number:
             """A field of every law [kPa]."""
-
-    origin: Any = field(default=(), kw_only=True)
-
-    @property
-    def origin_pressure(self) -> Number:
-        """Pressure [kPa] from which effects count how far a pressure is away: where the loop was fitted
-        from."""
-        return self.rest_pressure + self.origin.pressure if self.origin else self.rest_pressure
-
-    def counted_from(self, rest: float, angle: float) -> "HysteresisLaw | None":
-        """The same loop with another rest pressure [kPa] and an angle [deg] counted as 0; None for a law that
-        cannot tell."""
-        return None
 
     @classmethod
     @abstractmethod
@@ -115,26 +87,12 @@ class HysteresisLaw(ABC):
     @property
     def values(self) -> dict[str, Number]:
         """The parameters by name, flat."""
-        return {f.name: getattr(self, f.name) for f in fields(self) if f.name != "origin"} | self._of_origin
+        return {f.name: getattr(self, f.name) for f in fields(self)}
 
     @classmethod
     def from_values(cls, values: Mapping[str, Number]) -> "HysteresisLaw":
         """The law with the parameters that `values` has of it."""
-        own = {f.name: values[f.name] for f in fields(cls) if f.name != "origin"}
-        return cls(**own, origin=cls._origin_in(values))
-
-    @property
-    def _of_origin(self) -> dict[str, Number]:
-        return dict(zip(ORIGIN, self.origin, strict=True)) if self.origin else {}
-
-    @staticmethod
-    def _origin_in(values: Mapping[str, Number]) -> Any:
-        return Origin(*(values[n] for n in ORIGIN)) if any(n in values for n in ORIGIN) else ()
-
-    @staticmethod
-    def _origin_kinds(names: Iterable[str]) -> dict[str, Kind]:
-        """The parameters of the origin, where a set with these names has some."""
-        return ORIGIN if any(n in ORIGIN for n in names) else {}
+        return cls(**{f.name: values[f.name] for f in fields(cls)})
 
     @classmethod
     @abstractmethod
@@ -186,7 +144,6 @@ class HysteresisLaw(ABC):
         """What the ascending and the descending branch have of the angle [deg] without the loop's width;
         effects that soften a plant act on it."""
         middle = 0.5 * (self.ascending(pressure) + self.descending(pressure))
-        middle = middle + self.origin.angle if self.origin else middle
         return middle, middle
 
     def halves(self, pressure: Number) -> tuple[Number, Number]:

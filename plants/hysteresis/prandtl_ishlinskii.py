@@ -1,7 +1,6 @@
 """Modified Prandtl-Ishlinskii hysteresis: a sum of plays, seen through a monotone output curve.
 
-With x = P - rest_pressure (or origin_pressure, where the angle is counted from elsewhere), n plays p_i of
-thresholds r_i = reach i / n and weights v_i >= 0,
+With x = P - rest_pressure, n plays p_i of thresholds r_i = reach i / n and weights v_i >= 0,
 
     u = v0 x + sum_i v_i p_i,        p_i+ = min(max(p_i, x - r_i), x + r_i),        h = C(u),
 
@@ -19,14 +18,14 @@ the way down.  The pressure is then the least (largest) of the n + 1 straight pi
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import accumulate, pairwise
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Origin, Role, Start
+from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Role, Start
 from plants.hysteresis.play import kept, play
 from plants.meanings import remembers
 from plants.parameters.spec import Kind
@@ -96,7 +95,6 @@ class PrandtlIshlinskii(HysteresisLaw):
             "c1": Kind("1", f"{slope}from span to 2 span", 0.05, 20.0),
             "c2": Kind("1", f"{slope}above 2 span", 0.05, 20.0),
             "rest_pressure": REST_PRESSURE,
-            **cls._origin_kinds(names),
         }
 
     @property
@@ -104,20 +102,14 @@ class PrandtlIshlinskii(HysteresisLaw):
         """The weights as v0, v1, ... vn."""
         own = {f"v{i}": v for i, v in enumerate(self.v, start=1)}
         rest = {n: getattr(self, n) for n in ("reach", *CURVE, "rest_pressure")}
-        return {"v0": self.v0, **own, **rest, **self._of_origin}
+        return {"v0": self.v0, **own, **rest}
 
     @classmethod
     def from_values(cls, values: Mapping[str, Number]) -> "PrandtlIshlinskii":
         """With as many plays as `values` has weights."""
         names = [n for n in cls.kinds(values) if n[0] == "v" and n != "v0"]
         rest = {n: values[n] for n in ("reach", *CURVE, "rest_pressure")}
-        return cls(values["v0"], tuple(values[n] for n in names), **rest, origin=cls._origin_in(values))
-
-    def counted_from(self, rest: float, angle: float) -> "PrandtlIshlinskii":
-        """The plays and the curve stay where they are."""
-        before = self.origin or Origin(0.0, 0.0)
-        moved = Origin(before.pressure - (rest - self.rest_pressure), before.angle + angle)
-        return replace(self, rest_pressure=rest, origin=moved)
+        return cls(values["v0"], tuple(values[n] for n in names), **rest)
 
     @classmethod
     def roles(cls, names: Iterable[str]) -> dict[Role, tuple[str, ...]]:
@@ -150,22 +142,18 @@ class PrandtlIshlinskii(HysteresisLaw):
         s = self.span
         up = self.c1 * (kept(u, s, 2.0 * s) - s) + self.c2 * (np.maximum(u, 2.0 * s) - 2.0 * s)
         down = self.b1 * (kept(u, -2.0 * s, -s) + s) + self.b2 * (np.minimum(u, -2.0 * s) + 2.0 * s)
-        seen = kept(u, -s, s) + up + down
-        return seen - self.origin.angle if self.origin else seen
+        return kept(u, -s, s) + up + down
 
     def uncurved(self, angle: Number) -> Number:
         """The inverse of the output curve, in closed form: it is piecewise linear."""
         s = self.span
-        angle = angle + self.origin.angle if self.origin else angle
         high, low = s * (1.0 + self.c1), -s * (1.0 + self.b1)
         up = (kept(angle, s, high) - s) / self.c1 + (np.maximum(angle, high) - high) / self.c2
         down = (kept(angle, low, -s) + s) / self.b1 + (np.minimum(angle, low) - low) / self.b2
         return kept(angle, -s, s) + up + down
 
     def initial(self) -> PlayMemory:
-        """All plays in the middle of their gaps."""
-        if self.origin:
-            return self._spread(0.0, 0.0, self.rest_pressure)
+        """All plays at 0."""
         return PlayMemory(0.0, (0.0,) * len(self.v))
 
     def _summed(self, x: Number, plays: Iterable[Number]) -> Number:
@@ -174,7 +162,7 @@ class PrandtlIshlinskii(HysteresisLaw):
     def step(self, memory: PlayMemory, before: Number, after: Number, bend: Bend | None = None) -> PlayMemory:
         """Every play by itself.  A bend shifts the angle by what it does to the two outer branches, in
         proportion to where between them it lies; the slope between them follows."""
-        x = after - self.origin_pressure
+        x = after - self.rest_pressure
         plays = tuple(play(p, x, r) for p, r in zip(memory.plays, self.thresholds, strict=True))
         h = self.curve(self._summed(x, plays))
         if bend is not None:
@@ -194,19 +182,19 @@ class PrandtlIshlinskii(HysteresisLaw):
 
     def ascending(self, pressure: Number) -> Number:
         """All plays carried along by rising pressure."""
-        return self.curve(self._outer * (pressure - self.origin_pressure) - self._width)
+        return self.curve(self._outer * (pressure - self.rest_pressure) - self._width)
 
     def descending(self, pressure: Number) -> Number:
         """All plays carried along by falling pressure."""
-        return self.curve(self._outer * (pressure - self.origin_pressure) + self._width)
+        return self.curve(self._outer * (pressure - self.rest_pressure) + self._width)
 
     def ascending_pressure(self, angle: Number) -> Number:
         """In closed form."""
-        return self.origin_pressure + (self.uncurved(angle) + self._width) / self._outer
+        return self.rest_pressure + (self.uncurved(angle) + self._width) / self._outer
 
     def descending_pressure(self, angle: Number) -> Number:
         """In closed form."""
-        return self.origin_pressure + (self.uncurved(angle) - self._width) / self._outer
+        return self.rest_pressure + (self.uncurved(angle) - self._width) / self._outer
 
     @property
     def steepness(self) -> tuple[Number, Number]:
@@ -220,7 +208,7 @@ class PrandtlIshlinskii(HysteresisLaw):
 
     def _spread(self, angle: Number, share: Number, pressure: Number) -> PlayMemory:
         """Plays at a share (-1 ascending, 1 descending) of their thresholds from the pressure [kPa]."""
-        x = pressure - self.origin_pressure
+        x = pressure - self.rest_pressure
         return PlayMemory(angle, tuple(x + share * r for r in self.thresholds))
 
     def resting(
@@ -240,13 +228,13 @@ class PrandtlIshlinskii(HysteresisLaw):
     def recalled(self, angle: Number, pressure: Number) -> PlayMemory:
         """Every play at the same share of its threshold."""
         inside = kept(angle, self.ascending(pressure), self.descending(pressure))
-        x = pressure - self.origin_pressure
+        x = pressure - self.rest_pressure
         share = (self.uncurved(inside) - self._outer * x) / np.maximum(self._width, LEVEL)
         return self._spread(inside, kept(share, -1.0, 1.0), pressure)
 
     def moved(self, memory: PlayMemory, shift: Number, pressure: Number) -> PlayMemory:
         """All plays moved alike, each as far as its gap allows."""
-        x = pressure - self.origin_pressure
+        x = pressure - self.rest_pressure
         aim = self.uncurved(memory.h + shift) - self.uncurved(memory.h)
         by = aim / np.maximum(sum(self.v), LEVEL)
         plays = tuple(play(p + by, x, r) for p, r in zip(memory.plays, self.thresholds, strict=True))
@@ -273,7 +261,7 @@ class PrandtlIshlinskii(HysteresisLaw):
             best = pieces[0]
             for piece in pieces[1:]:
                 best = np.minimum(best, piece) if sign > 0 else np.maximum(best, piece)
-            ends.append(self.origin_pressure + best)
+            ends.append(self.rest_pressure + best)
         moved = np.where(angle > memory.h, ends[0], ends[1])
         return np.where(angle == memory.h, before, moved)
 
@@ -290,7 +278,7 @@ class PrandtlIshlinskii(HysteresisLaw):
         """With no play engaged and with all of them, on the flattest and on the steepest piece of the curve
         that these pressures reach; what some of the plays make lies between, and so needs no name."""
         outer, width = float(self._outer), float(self._width)
-        ends = [outer * (p - float(self.origin_pressure)) + w for p in (low, high) for w in (-width, width)]
+        ends = [outer * (p - float(self.rest_pressure)) + w for p in (low, high) for w in (-width, width)]
         s = float(self.span)
         knots = (-np.inf, -2.0 * s, -s, s, 2.0 * s, np.inf)
         slopes = (self.b2, self.b1, 1.0, self.c1, self.c2)

@@ -87,6 +87,11 @@ class Remark:
                     "only renewed values count, with straight lines between them."
                 )
             case "counted from":
+                if name == "angle":
+                    return (
+                        f"The angle goes to one side; it is counted from {self.value:.4g} {self.unit}, in "
+                        "the middle of its range, so that steps go either way. The revised plant keeps this."
+                    )
                 return (
                     f"The pressure is {self.value:.4g} kPa where the command is zero; it is counted from "
                     "there. The revised plant keeps this."
@@ -307,7 +312,7 @@ def counted_from(campaign: Campaign, zero: Zero) -> Campaign:
 def zero_of(remarks: Sequence[Remark]) -> Zero:
     """What a log is counted from after all that was said of it.
 
-    >>> zero_of([Remark("far", "angle_deg", 26.0, "deg", ("steps.csv",))])
+    >>> zero_of([Remark("counted from", "angle_deg", 26.0, "deg", ("steps.csv",))])
     Zero(pressure=0.0, angle=26.0, reversed=False)
     """
     found = {r.channel: r.value for r in remarks if r.habit in ("counted from", "far")}

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from plants.hysteresis import ORIGIN, HysteresisLaw, law_of
+from plants.hysteresis import HysteresisLaw, law_of
 from plants.parameters.correlation import Pairs
 from plants.parameters.remainder import RemainderSize
 from plants.parameters.spec import Kind
@@ -124,14 +124,12 @@ def loop_names(names: Iterable[str], from_rest: bool = True) -> tuple[str, ...]:
     """The parameters of hysteresis law and joint that can be fitted, of a set with these names.
 
     The rest pressure is where a recording starts, and is not fitted; where recordings start anywhere
-    (`from_rest` false) it is, if nothing else moves the loop as a whole.  Where the angle is counted from is
-    nothing to fit.
+    (`from_rest` false) it is, if nothing else moves the loop as a whole.
     """
     given = tuple(names)
     law = law_of(given)
     shifts = law.SHIFTS and not from_rest
-    fixed = {*ORIGIN, *(() if shifts else ("rest_pressure",))}
-    return tuple(n for n in (*law.kinds(given), *JOINT) if n not in fixed)
+    return tuple(n for n in (*law.kinds(given), *JOINT) if n != "rest_pressure" or shifts)
 
 
 @dataclass(frozen=True)

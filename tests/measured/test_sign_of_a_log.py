@@ -9,7 +9,6 @@ from design.export.catalogue import counted
 from plants.errors import InputError
 from plants.measured.campaign import load_campaign
 from plants.measured.logger import counted_from
-from plants.measured.trace.counting.middle import about_middle
 from plants.measured.trace.counting.sign import rising
 from plants.measured.trace.start import starting
 from plants.parameters.files import built_in, dump, load
@@ -44,12 +43,12 @@ def test_so_it_is_from_the_command_alone(falling):
 
 def test_a_later_log_is_read_as_the_one_that_was_traced(falling):
     """Sign and middle of the range, one after the other, are what the zero of the rig says at once."""
-    begun = starting(falling)
-    zero = about_middle(begun.parameters, begun.campaign).rig.zero
+    begun = starting(falling, either_way=True)
+    zero = begun.parameters.rig.zero
     assert zero.reversed
     assert zero.angle == pytest.approx(-26.0, abs=2.0)
     for r, logged in zip(begun.campaign.fit, falling.fit, strict=True):
-        off = r.angle - logged.counted_from(zero).angle + zero.angle
+        off = r.angle - logged.counted_from(zero).angle
         assert np.ptp(off) < 1e-9  # but for an offset of the recording
         assert abs(off[0]) < 0.5
 

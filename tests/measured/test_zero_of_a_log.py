@@ -12,7 +12,7 @@ from plants.errors import InputError
 from plants.measured.campaign import load_campaign
 from plants.measured.guess.rig import guessed_rig
 from plants.measured.logger import counted_from
-from plants.measured.trace.counting.middle import about_middle, near_zero
+from plants.measured.trace.counting.middle import centred, near_zero
 from plants.measured.trace.start import starting
 from plants.parameters.files import built_in, dump, load
 from plants.rig import Zero, built_in_rig
@@ -20,11 +20,29 @@ from plants.wrist import Wrist
 
 
 def test_only_for_a_design_the_angle_is_counted_from_the_middle(folder):
-    begun = starting(load_campaign(folder))
-    assert begun.parameters.rig.zero.angle == 0.0
-    assert begun.parameters.rig.zero.pressure == pytest.approx(3.0, abs=0.1)
-    zero = about_middle(begun.parameters, begun.campaign).rig.zero
-    assert zero.angle == pytest.approx(26.0, abs=3.0)
+    campaign = load_campaign(folder)
+    plain, begun = starting(campaign), starting(campaign, either_way=True)
+    assert plain.parameters.rig.zero.angle == 0.0
+    assert plain.parameters.rig.zero.pressure == pytest.approx(3.0, abs=0.1)
+    angles = np.concatenate([r.angle for r in (*begun.campaign.fit, *begun.campaign.validate)])
+    assert angles.max() == pytest.approx(-angles.min(), rel=0.1)
+    assert begun.parameters.rig.zero.angle == pytest.approx(26.0, abs=2.0)
+    assert any("counted from 26 deg" in str(r) for r in begun.instrument)
+
+
+def test_a_rig_that_bends_to_both_sides_keeps_its_zero(folder):
+    campaign = load_campaign(folder)
+    both = counted_from(campaign, Zero(angle=26.0))
+    assert centred(both) == (both, ())
+    assert centred(campaign)[0].start == "unknown"
+
+
+@pytest.mark.parametrize("far", [1200.0, -1200.0])
+def test_the_middle_is_found_however_far_from_zero_the_angles_lie(folder, far):
+    campaign = counted_from(load_campaign(folder), Zero(angle=far))
+    moved, (remark,) = centred(campaign)
+    assert remark.value == pytest.approx(26.0 - far, abs=2.0)
+    assert centred(moved) == (moved, ())
 
 
 @pytest.mark.parametrize("far", [170.0, -170.0])
@@ -38,6 +56,12 @@ def test_an_angle_far_from_zero_is_counted_from_the_lower_end_of_its_range(folde
     assert near_zero(moved) == (moved, ())
     begun = starting(campaign)
     assert begun.parameters.rig.zero.angle == remark.value
+
+
+def test_recordings_that_start_at_rest_at_the_end_of_the_range_start_anywhere(folder):
+    resting = replace(load_campaign(folder), start="rest")
+    assert centred(resting)[0].start == "unknown"
+    assert starting(resting).campaign.start == "rest"
 
 
 def test_the_file_of_a_plant_keeps_the_zero_for_any_log(folder, tmp_path):

@@ -40,7 +40,7 @@ def main() -> None:
     warnings.simplefilter("ignore")
     ratios, kept = [], []
     for seed in range(asked.seed, asked.seed + asked.count):
-        trace = _traced(seed)
+        trace = _traced(seed, asked.gains)
         if trace is None:
             continue
         ratios.append(trace.after["angle_deg"] / trace.before["angle_deg"])
@@ -54,14 +54,14 @@ def main() -> None:
         print(f"{len(found)} of {len(kept)} get gains, {sum(found)} hold on the actuator, late too")
 
 
-def _traced(seed: int) -> Trace | None:
+def _traced(seed: int, either_way: bool) -> Trace | None:
     """A line of one actuator, and its trace; None where it was refused."""
     began = time.process_time()
     with tempfile.TemporaryDirectory() as root:
         folder = Path(root) / "rig"
         soft_actuator(seed).write(folder, recordings(seed), ("check",))
         try:
-            trace = trace_campaign(load_campaign(folder))
+            trace = trace_campaign(load_campaign(folder), either_way=either_way)
         except InputError as wrong:
             print(f"{seed:4d} refused: {wrong}", flush=True)
             return None
@@ -77,10 +77,9 @@ def _traced(seed: int) -> Trace | None:
 
 def _tuned(seed: int, trace: Trace) -> bool | None:
     """A line of the gains of one actuator; whether they hold on it, None where none hold in the model."""
-    plant = trace.for_design
-    tuned = tune_candidates(required_of(designed(plant), Taken())).best
+    tuned = tune_candidates(required_of(designed(trace.revised), Taken())).best
     gains = tuned.final.gains
-    seen = held(soft_actuator(seed), gains, plant)
+    seen = held(soft_actuator(seed), gains, trace.revised)
     said = ", ".join(f"{k} {v:.3g}" for k, v in gains.items())
     print(f"     {said} ({'held' if tuned.holds else tuned.ended} in the model); {seen}", flush=True)
     return seen.kept if tuned.holds else None

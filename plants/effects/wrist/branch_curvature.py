@@ -15,7 +15,7 @@ pressure from rest."""
 
 def _from_rest(wrist: Any, reach: tuple[float, float]) -> Any:
     """Pressures from rest, in units of half the range, (201,), where slopes are looked at."""
-    return (np.linspace(*reach, 201) - wrist.hysteresis.origin_pressure) / wrist.rig.half_range
+    return (np.linspace(*reach, 201) - wrist.hysteresis.rest_pressure) / wrist.rig.half_range
 
 
 def _least_and_largest(slope: Any) -> tuple[float, float]:
@@ -63,7 +63,7 @@ class Polynomial(_Curved):
     cubic: Number = parameter("1", "share of the cubic term", -0.33, 2.0, 0.0, (-0.15, 0.15))
 
     def sampled(self, wrist: Any, dt: float) -> SampledWarp:
-        return SampledWarp(wrist.hysteresis.origin_pressure, wrist.rig.half_range, self.quadratic, self.cubic)
+        return SampledWarp(wrist.hysteresis.rest_pressure, wrist.rig.half_range, self.quadratic, self.cubic)
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         x = _from_rest(wrist, reach)
@@ -97,7 +97,7 @@ class Saturation(_Curved):
     range: Number = parameter("kPa", "pressure at which the response saturates", 40.0, 1e6, 1e6, (150.0,))
 
     def sampled(self, wrist: Any, dt: float) -> SampledSaturation:
-        return SampledSaturation(wrist.hysteresis.origin_pressure, 1.0 / np.asarray(self.range, float))
+        return SampledSaturation(wrist.hysteresis.rest_pressure, 1.0 / np.asarray(self.range, float))
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         slope = _least_and_largest(
@@ -138,7 +138,7 @@ class Bow(_Curved):
 
     def sampled(self, wrist: Any, dt: float) -> SampledBow:
         return SampledBow(
-            wrist.hysteresis.origin_pressure, wrist.rig.half_range, self.bow1, self.bow2, self.cubic
+            wrist.hysteresis.rest_pressure, wrist.rig.half_range, self.bow1, self.bow2, self.cubic
         )
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
@@ -190,7 +190,7 @@ class SmoothCurve(_Curved):
 
     def sampled(self, wrist: Any, dt: float) -> SampledCurve:
         shares = (self.t2, self.t3, self.t4, self.t5, self.t6, self.t7)
-        return SampledCurve(wrist.hysteresis.origin_pressure, wrist.rig.half_range, shares)
+        return SampledCurve(wrist.hysteresis.rest_pressure, wrist.rig.half_range, shares)
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         shares = [0.0, 0.0, self.t2, self.t3, self.t4, self.t5, self.t6, self.t7]

@@ -1,7 +1,7 @@
 """End stop: the joint meets a mechanical stop, hard or with a little give."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -110,9 +110,6 @@ class _Stop(Effect):
         rest = {n: v for n, v in next(cls.trials(log.rig)).items() if n not in ("low", "high")}
         for a, b in list(product(lows, highs))[1:]:
             yield {**rest, "low": float(a), "high": float(b)}
-
-    def counted_from(self, angle: Number) -> "_Stop":
-        return replace(self, low=self.low - angle, high=self.high - angle)
 
     def obstacle(self, pressure: float, angle: float) -> str | None:
         beyond = float(np.clip(angle, self.low, self.high))

@@ -163,7 +163,7 @@ class StiffeningInertia(_Inert):
     def sampled(self, wrist: Any, dt: float) -> SampledStiffening:
         return SampledStiffening(
             _transient(self.inertia, wrist, dt),
-            wrist.hysteresis.origin_pressure,
+            wrist.hysteresis.rest_pressure,
             self.stiffening / wrist.rig.half_range,
         )
 

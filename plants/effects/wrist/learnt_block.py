@@ -157,7 +157,7 @@ class LearntBlock(Effect):
         return self._with(wrist, share)
 
     def _with(self, wrist: Any, share: Number) -> SampledLearntBlock:
-        (static, turning, slow), rest = self.parts, wrist.hysteresis.origin_pressure
+        (static, turning, slow), rest = self.parts, wrist.hysteresis.rest_pressure
         half = 0.5 * (self.high - self.low)
         at_rest = curve(static, (rest - self.low) / half)
         return SampledLearntBlock(

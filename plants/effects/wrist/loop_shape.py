@@ -137,7 +137,7 @@ class _Plays(_Shape):
         return Beside((0.0 * pressure,) * len(self.weights), added, added)
 
     def beside(self, wrist: Any, pressure: Number) -> Number:
-        return sum(self.weights) * (pressure - wrist.hysteresis.origin_pressure)
+        return sum(self.weights) * (pressure - wrist.hysteresis.rest_pressure)
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         """Between none of the plays engaged and all of them, whatever the signs of their weights."""
@@ -167,7 +167,7 @@ class OneMorePlay(_Plays):
         return (self.weight,)
 
     def sampled(self, wrist: Any, dt: float) -> SampledPlays:
-        return SampledPlays((self.weight,), (self.reach,), wrist.hysteresis.origin_pressure)
+        return SampledPlays((self.weight,), (self.reach,), wrist.hysteresis.rest_pressure)
 
 
 @dataclass(frozen=True)
@@ -187,7 +187,7 @@ class SmoothLoop(_Plays):
         return (self.weight,)
 
     def sampled(self, wrist: Any, dt: float) -> SampledSmooth:
-        return SampledSmooth(self.weight, self.reach, self.exponent, wrist.hysteresis.origin_pressure)
+        return SampledSmooth(self.weight, self.reach, self.exponent, wrist.hysteresis.rest_pressure)
 
 
 @dataclass(frozen=True)
@@ -207,7 +207,7 @@ class SeveralPlays(_Plays):
 
     def sampled(self, wrist: Any, dt: float) -> SampledPlays:
         thresholds = (self.reach / 4.0, self.reach / 2.0, self.reach)
-        return SampledPlays(self.weights, thresholds, wrist.hysteresis.origin_pressure)
+        return SampledPlays(self.weights, thresholds, wrist.hysteresis.rest_pressure)
 
 
 @dataclass(frozen=True)

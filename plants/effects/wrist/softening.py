@@ -64,7 +64,7 @@ class SampledByLargest(_Softening):
     def bend(
         self, s: Worked, before: Number, after: Number, loop: Any, around: Around
     ) -> tuple[Worked, Number, Number, Number]:
-        return self._bent(np.maximum(s.amount, np.abs(after - loop.origin_pressure)), after, loop)
+        return self._bent(np.maximum(s.amount, np.abs(after - loop.rest_pressure)), after, loop)
 
 
 _DEPTH = parameter("1", "change of the slopes in the end, as a share", -0.6, 1.0, 0.0, (-0.1, 0.1))

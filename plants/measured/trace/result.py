@@ -10,7 +10,6 @@ from plants.measured.free_run import FreeRun
 from plants.measured.logger import Remark
 from plants.measured.residual.examine import Examination
 from plants.measured.stage import Stage
-from plants.measured.trace.counting.middle import about_middle
 from plants.measured.trace.law import LawChoice
 from plants.measured.trace.search.choose import Candidate, EffectSearch
 from plants.measured.trace.search.description import Description
@@ -121,12 +120,6 @@ class Trace:
         """The learnt block of the revised plant."""
         found = [e for e in Wrist.of(self.revised).effects if isinstance(e, LearntBlock)]
         return found[0] if found else None
-
-    @property
-    def for_design(self) -> ParameterSet:
-        """The revised plant as a design takes it, whose tasks go either way from zero: that of a rig that
-        nobody declared and that bends to one side is counted from the middle of its range."""
-        return self.revised if self.law is None else about_middle(self.revised, self.campaign)
 
     @property
     def remainder(self) -> dict[str, RemainderSize | None]:

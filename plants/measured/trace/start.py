@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from plants.measured.campaign import Campaign
 from plants.measured.guess.rig import guessed_set
 from plants.measured.logger import Remark, corrected, zero_of
-from plants.measured.trace.counting.middle import near_zero
+from plants.measured.trace.counting.middle import centred, near_zero
 from plants.measured.trace.counting.sign import rising
 from plants.measured.trace.counting.zero import counted
 from plants.parameters.files import built_in
@@ -32,8 +32,9 @@ class Start:
         return FROM_GUESS if self.guessed else STARTS
 
 
-def starting(campaign: Campaign, given: ParameterSet | None = None) -> Start:
-    """The start of a campaign; given: the set that the user gave.
+def starting(campaign: Campaign, given: ParameterSet | None = None, either_way: bool = False) -> Start:
+    """The start of a campaign; given: the set that the user gave; either_way: whether a guessed rig is to
+    make steps either way from zero (`plants.measured.trace.counting.middle`).
 
     >>> from plants import load_campaign
     >>> starting(load_campaign("plants/measured/examples/flexion")).guessed
@@ -46,7 +47,7 @@ def starting(campaign: Campaign, given: ParameterSet | None = None) -> Start:
         return Start(campaign, instrument, built_in(campaign.axis), False)
     campaign, of_sign = rising(campaign)
     campaign, of_pressure = counted(campaign)
-    campaign, of_angle = near_zero(campaign)
+    campaign, of_angle = (centred if either_way else near_zero)(campaign)
     if of_sign:  # the angle as it is logged
         of_angle = tuple(replace(r, value=-r.value) for r in of_angle)
     remarks, guess = (*instrument, *of_sign, *of_pressure, *of_angle), guessed_set(campaign)

@@ -62,26 +62,29 @@ def trace_campaign(
     seed: int = 0,
     progress: Callable[[str, float], None] | None = None,
     learning: bool = False,
+    either_way: bool = False,
 ) -> Trace:
     """Find the effects that the declared wrist lacks, from recordings of a rig.
 
     `start` gives starting values and bounds of the declared parameters; where it is not given they are those
     of the built-in motion of that name, or, for any other, guessed from the log, and the hysteresis law is
     chosen.  learning: what no effect explains of the angle is learnt, and added to the revised plant where
-    that lowers the error on rows left out.  Raises InputError where the recordings cannot be fitted at all.
+    that lowers the error on rows left out.  either_way: a design follows, so that the angle of a guessed rig
+    that bends to one side is counted from the middle of its range.  Raises InputError where the recordings
+    cannot be fitted at all.
     """
     from threadpoolctl import threadpool_limits
 
     # Small matrices: a second thread of linear algebra would only get in the way of the simulations.
     with threadpool_limits(1):
-        return _trace(campaign, start, seed, progress or (lambda what, share: None), learning)
+        return _trace(campaign, start, seed, progress or (lambda what, share: None), learning, either_way)
 
 
 def _trace(
     campaign: Campaign, given: ParameterSet | None, seed: int, tell: Callable[[str, float], None],
-    learning: bool,
+    learning: bool, either_way: bool,
 ) -> Trace:  # fmt: skip
-    begun = starting(campaign, given)
+    begun = starting(campaign, given, either_way)
     campaign = begun.campaign
     remarks = check(campaign)
     tell("fitting the declared wrist", 0.0)

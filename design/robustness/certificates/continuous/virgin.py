@@ -101,7 +101,7 @@ def time_on_virgin_curve(wrist: Wrist, controller: PI, reference: float) -> Virg
     p, up, size = wrist.hysteresis, reference >= 0.0, abs(reference)
     gain, rest = float(wrist.regulator.gain), float(p.rest_pressure)
     meets = (p.ascending_pressure if up else p.descending_pressure)(0.0)
-    threshold = abs(float(meets) - rest) if p.DEAD_ZONE and not p.origin else 0.0
+    threshold = abs(float(meets) - rest) if p.DEAD_ZONE else 0.0
     end = gain * controller.high - rest if up else rest - gain * controller.low
     ratio, b = gain / controller.gain, float(getattr(controller, "b", 1.0))
     ramp = _Ramp(ratio * b * controller.Kp * size, ratio * controller.Ki * size, float(end))
