@@ -59,7 +59,7 @@ class _Creeping(Effect):
     @property
     @abstractmethod
     def slowest(self) -> Number:
-        """The longest of its time constants [s]."""
+        """The time constant [s] that the longest recording has to hold for creep to be told from a drift."""
 
     def borrowed(self, asked: ExcitationHints) -> str | None:
         """What creeps for longer than any recording lasts is a drift in all of them."""
