@@ -21,6 +21,7 @@ from plants.equilibrium import beside, effects_at_rest, static_angle
 from plants.kernel.batches import in_turn_or_side_by_side
 from plants.kernel.templates import LANES
 from plants.measured.begin import Begin, measured
+from plants.measured.blocks import blocks, judged_blocks
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.parameters.quantities import REGULATOR_NAMES
@@ -31,11 +32,6 @@ from plants.wrist import State, Wrist
 Array = NDArray[np.float64]
 Name = Literal["regulator", "wrist", "whole"]
 Form = type[Effect]
-BLOCK, LEAST_BLOCKS = 10.0, 12
-"""Length [s] of the blocks that are left out in turn, long against every memory but the slowest; but short
-recordings make at least so many: were a fold one block or two, a fit to the others would be judged on nothing
-but a range that it never met."""
-
 STRIDES = (1, 2, 5)
 """Steps of ms that a driven wrist may take between rows.  Its loop does not depend on the rate and
 its lag is exact for a pressure that moves linearly, so that fewer steps do as well."""
@@ -103,24 +99,12 @@ class Stage:
 
     @cached_property
     def left_out_blocks(self) -> NDArray[np.intp]:
-        """Number of the block, of those that are left out in turn, that each row falls in.
+        """Number of the block, of those that are left out in turn, that each row falls in."""
+        return judged_blocks([p.recording.time for p in self.playbacks])
 
-        Each counts as much as any, so that what is left at the end of a recording, below half a block, is
-        part of the last one.
-        """
-        return self.blocks(min(BLOCK, self.duration / LEAST_BLOCKS), least=0.5)
-
-    def blocks(self, length: float, least: float = 0.0) -> NDArray[np.intp]:
-        """Number of the block of a length [s] that each row falls in; none spans two recordings.
-
-        least: share of a block that what is left at the end of a recording needs to be one of its own.
-        """
-        numbers = []
-        for i, p in enumerate(self.playbacks):
-            since = p.recording.time - p.recording.time[0]
-            last = max(np.floor(float(since[-1]) / length + 1.0 - least), 1.0) - 1.0
-            numbers.append(1e6 * i + np.minimum(np.floor(since / length), last))
-        return np.unique(np.concatenate(numbers), return_inverse=True)[1]
+    def blocks(self, length: float) -> NDArray[np.intp]:
+        """Number of the block of a length [s] that each row falls in; none spans two recordings."""
+        return blocks([p.recording.time for p in self.playbacks], length)
 
     def simulate(self, values: Mapping[str, Any], forms: Sequence[Form] = ()) -> Array:
         """The channel of wrists with effects, shape (rows, lanes); leaves of `values` floats or (lanes,)."""

@@ -3,9 +3,9 @@
 import numpy as np
 
 from design.synthesis.retune import Control
+from plants.measured.blocks import BLOCK
 from plants.measured.free_run import rmse
 from plants.measured.residual.examine import Examination
-from plants.measured.stage import BLOCK
 from plants.measured.trace.search.choose import SHARE, TRIFLE, WORTH
 from plants.measured.trace.trace import StageTrace, Trace
 from reports.shared.figures.fit import LOOP_SECONDS

@@ -90,6 +90,32 @@ def test_offsets_where_recordings_start_anywhere(tmp_path):
         assert abs(np.mean(a.angle - b.angle)) < 1.5
 
 
+def test_offsets_of_two_recordings_are_read_from_their_first_rows(tmp_path):
+    off, none = written(tmp_path / "off", offset=2.0), written(tmp_path / "none", offset=0.0)
+    off, none = replace(off, fit=off.fit[:2]), replace(none, fit=none.fit[:2])
+    # The logs have the same noise: they differ by the offsets and by rounding.
+    made = {a.name: np.mean(a.angle - b.angle) for a, b in zip(off.fit, none.fit, strict=True)}
+    assert np.ptp(list(made.values())) < 0.01 * np.ptp(off.fit[0].angle)
+    middle = np.median(list(made.values()))
+    found = offsets_between(off)
+    assert {n: found[n] for n in made} == pytest.approx({n: v - middle for n, v in made.items()}, abs=0.05)
+    # The held-out one begins at another pressure: it is known less well.
+    (held_out,) = (np.mean(a.angle - b.angle) for a, b in zip(off.validate, none.validate, strict=True))
+    assert found[off.validate[0].name] == pytest.approx(held_out - middle, abs=0.3)
+    assert offsets_between(none) == {}
+
+
+def test_what_a_joint_remembers_until_its_first_stroke_is_no_offset(tmp_path):
+    campaign = written(tmp_path, offset=0.0)
+    first, *others = campaign.fit
+    forgotten = 1.0 - np.clip((first.pressure - first.pressure[0]) / (0.5 * np.ptp(first.pressure)), 0.0, 1.0)
+    remembered = 2.0 * np.minimum.accumulate(forgotten)
+    moved = replace(campaign, fit=(replace(first, angle=first.angle + remembered), *others))
+    assert remembered[0] == 2.0
+    assert remembered[-1] == 0.0
+    assert offsets_between(moved) == {}
+
+
 def test_what_campaign_toml_states_is_done_and_not_looked_for(tmp_path, plain):
     stated = StatedHabits({"angle_deg": 0.05}, {"pressure_kPa": {plain.fit[0].name: 2.0}}, {})
     found, remarks = corrected(replace(plain, logger=stated))

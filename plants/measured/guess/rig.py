@@ -66,23 +66,30 @@ def guessed_rig(campaign: Campaign) -> Rig:
     lasts = max(base.task.duration, _rounded(OF_TASK * tau))
     slower = lasts / base.task.duration
     task = replace(
-        base.task, step=step, reaction=(middle, middle + 0.25 * (most - least)), duration=lasts,
+        base.task, reaction=(middle, middle + 0.25 * (most - least)), duration=lasts,
         hold=slower * base.task.hold,
     )  # fmt: skip
     per_volt = (high - low) / (base.command_range[1] - base.command_range[0])
     factors = {"total_variation_V": per_volt, "settling_time_s": slower}
     limits = {n: v * factors.get(n, 1.0) for n, v in base.limits.items()}
     uncertainty = replace(
-        base.uncertainty, load=base.uncertainty.load * step / base.task.step,
+        base.uncertainty,
         noise=float(np.median([noise_floor(a) for a in fresh])) if angles else base.uncertainty.noise,
         resolution=min(map(resolution, fresh), default=base.uncertainty.resolution),
     )  # fmt: skip
-    return replace(
+    rig = replace(
         base, name=campaign.axis, title=f"Rig of {campaign.name}", motions=(campaign.axis,),
         command_range=(low, high), pressure_range=(least, most), task=task, limits=limits,
         sample_time=_loop_time(campaign.sample_time, tau),
         log_time=campaign.sample_time, uncertainty=uncertainty,
     )  # fmt: skip
+    return with_step(rig, step)
+
+
+def with_step(rig: Rig, step: float) -> Rig:
+    """The rig with another step of its task [deg], and a load in proportion to it."""
+    load = rig.uncertainty.load * step / rig.task.step
+    return replace(rig, task=replace(rig.task, step=step), uncertainty=replace(rig.uncertainty, load=load))
 
 
 def guessed_set(

@@ -1,70 +1,122 @@
 """Angles that are counted from another zero in each recording, where recordings start anywhere.
 
-A first guess of the loop is fitted to all recordings with a constant of its own for each.  A constant is
-taken for the sensor's offset only if the first rows of the recordings say the same: then it can be told of a
-recording that was held out, too, from where it begins.
+Under one pressure, as at rest, a rig starts at one angle, but for what its joint remembers and for a sensor
+that is zeroed anew.  What it remembers is forgotten once the pressure has crossed its range; an offset stays.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.blocks import judged_blocks, lower
 from plants.measured.campaign import Campaign
-from plants.measured.guess.rough_models import LoopGuess, lagged, loop_guess, static_guess
+from plants.measured.guess.regressors import Regressors, left_by, smooth_pressure
+from plants.measured.guess.rough_models import JOINT_LAGS, ROWS, extent
+from plants.measured.noise import noise_floor, resolution
 from plants.measured.recording import Recording
 
 Array = NDArray[np.float64]
-ROUNDS = 4
-"""How often loop and constants are found in turn."""
+FIRST, STILL, RESTS = 3, 0.005, 1.0
+"""Rows whose median is where a recording begins: so many at least, or all of the first second [s] in which
+the command has moved by no more than a share of its range."""
 
-BETTER = 0.7
-"""Share of the error that constants must leave, at most, of what is left without them."""
+TOGETHER = 0.02
+"""Share of the range of the pressure within which recordings begin at one pressure."""
 
-AGREE = 0.35
-"""Spread of what recordings' first rows say less their constants, over the spread of the constants."""
+CROSSED = 0.6
+"""Share of that range that the pressure has to cross until what was before is forgotten."""
+
+FEWEST = 200
+"""Rows past the first strokes that are needed."""
+
+LOUD, STEPS = 3.0, 2.0
+"""First angles are offset if they differ by more than these times the noise and the resolution of the
+angle."""
 
 
 def offsets_between(campaign: Campaign) -> dict[str, float]:
     """Offset of the angle [deg] of each recording, by name, about their median; empty where there are none
-    for certain."""
-    runs = [r for r in campaign.fit if r.pressure is not None and r.angle is not None]
-    if len(runs) < 3 or any(len(r.time) < 50 for r in runs):
+    for certain.
+
+    The offset of a recording is read off its first rows, that of one held out as well.  Readings are taken
+    for offsets only if a regression of the angle on the pressure, in what follows the first stroke of each
+    recording that may be fitted on, leaves less with them taken off, for certain over blocks
+    (`blocks.lower`).
+    """
+    runs, held_out = (
+        [r for r in recordings if r.pressure is not None and r.angle is not None]
+        for recordings in (campaign.fit, campaign.validate)
+    )
+    if len(runs) < 2 or any(len(r.time) < 50 for r in runs):
         return {}
-    plain = loop_guess(runs, _drives(runs))
-    at = dict.fromkeys((r.name for r in runs), 0.0)
-    loop = plain
-    for _ in range(ROUNDS):
-        loop = loop_guess([_less(r, at[r.name]) for r in runs], _drives(runs))
-        at = {r.name: float(np.mean(_over(loop, r))) for r in runs}
-        middle = float(np.median(list(at.values())))
-        at = {n: v - middle for n, v in at.items()}
-    loop = loop_guess([_less(r, at[r.name]) for r in runs], _drives(runs))
-    spread = float(np.std(list(at.values())))
-    first = [float(np.median(_over(loop, r)[:3])) - at[r.name] for r in runs]
-    if loop.rms > BETTER * plain.rms or float(np.std(first)) > AGREE * spread:
+    readings = _readings([*runs, *held_out])
+    readings -= float(np.median(readings[: len(runs)]))
+    own = readings[: len(runs)]
+    if float(np.ptp(own)) <= max(map(_told, runs)) or not _persist(runs, own):
         return {}
-    begin = float(np.median(first))
-    for r in campaign.validate:
-        if r.pressure is not None and r.angle is not None:
-            at[r.name] = float(np.median(_over(loop, r)[:3])) - begin
-    return at
+    return dict(zip((r.name for r in (*runs, *held_out)), map(float, readings), strict=True))
 
 
-def _drives(runs: Sequence[Recording]) -> list[Array]:
-    return [r.pressure for r in runs if r.pressure is not None]
+def _persist(runs: Sequence[Recording], offsets: Array) -> bool:
+    """Whether a regression of the angle on the pressure leaves less after the first strokes with offsets
+    (recordings,) taken off, for certain over blocks."""
+    kept = [_past_first_stroke(runs, r) for r in runs]
+    thin = max(1, sum(map(np.size, kept)) // ROWS)
+    rows = [own[::thin] for own in kept]
+    number = np.repeat(np.arange(len(runs)), list(map(len, rows)))
+    if len(number) < FEWEST:
+        return False
+    angles = np.concatenate([_angle(r)[own] for r, own in zip(runs, rows, strict=True)])
+    first = np.cumsum([0, *(len(r.time) for r in runs[:-1])])
+    blocks = judged_blocks([r.time for r in runs])[np.concatenate([*map(np.add, rows, first)])]
+    found = []
+    for regressors in (Regressors.of(runs, lag) for lag in JOINT_LAGS):
+        columns = np.concatenate([regressors.over(r)[own] for r, own in zip(runs, rows, strict=True)])
+        found.append((left_by(columns, angles), left_by(columns, angles - offsets[number])))
+    as_logged, without = min(found, key=lambda left: float(np.mean(left[0] ** 2)))
+    return lower(as_logged, without, np.unique(blocks, return_inverse=True)[1])
 
 
-def _less(r: Recording, offset: float) -> Recording:
+def _past_first_stroke(runs: Sequence[Recording], r: Recording) -> NDArray[np.intp]:
+    """Rows in which the angle was measured after the pressure has crossed its range."""
+    span = float(np.ptp(extent([smooth_pressure(other) for other in runs])))
+    pressure = smooth_pressure(r)
+    crossed = np.maximum.accumulate(pressure) - np.minimum.accumulate(pressure)
+    return np.flatnonzero((crossed >= CROSSED * span) & r.fresh("angle_deg"))
+
+
+def _readings(runs: Sequence[Recording]) -> Array:
+    """First angles of recordings [deg]; where one begins at another pressure than the others, without what
+    the slope of the whole stroke makes of that."""
+    rows = [_first_rows(r) for r in runs]
+    first, angles = (
+        np.array([float(np.median(of(r)[:n])) for r, n in zip(runs, rows, strict=True)])
+        for of in (_pressure, _angle)
+    )
+    ends = [np.ptp(extent(list(map(of, runs)))) for of in (_angle, _pressure)]
+    away = first - float(np.median(first))
+    return angles - np.where(np.abs(away) < TOGETHER * ends[1], 0.0, away * ends[0] / ends[1])
+
+
+def _first_rows(r: Recording) -> int:
+    """How many rows tell where a recording begins."""
+    moved = np.abs(r.command - r.command[0]) > STILL * float(np.ptp(r.command))
+    still = len(r.time) if not moved.any() else int(np.argmax(moved))
+    return max(FIRST, min(still, int(np.searchsorted(r.time - r.time[0], RESTS))))
+
+
+def _told(r: Recording) -> float:
+    """Least difference of angles [deg] that is more than noise and steps of the sensor."""
+    angle = _angle(r)[r.fresh("angle_deg")]
+    return max(LOUD * noise_floor(angle), STEPS * resolution(angle))
+
+
+def _angle(r: Recording) -> Array:
     assert r.angle is not None
-    return replace(r, angle=r.angle - offset)
+    return r.angle
 
 
-def _over(loop: LoopGuess, r: Recording) -> Array:
-    """By how much the angle of a recording lies above what a loop makes of its pressure [deg]."""
-    assert r.angle is not None
-    (static,) = static_guess(loop, _drives([r]))
-    dt = float(np.median(np.diff(r.time)))
-    over: Array = r.angle - lagged(static, dt, loop.lag, 0.0) + loop.outer * loop.rest
-    return over
+def _pressure(r: Recording) -> Array:
+    assert r.pressure is not None
+    return r.pressure

@@ -19,6 +19,7 @@ from plants.measured.free_run import FreeRun, rmse
 from plants.measured.logger import Remark
 from plants.measured.playback import Playback
 from plants.measured.stage import begun
+from plants.measured.trace.counting.middle import with_reachable_step
 from plants.measured.trace.declared import LOWER, base_fit, begin_of, declared_model, stages_of
 from plants.measured.trace.errors import intervals
 from plants.measured.trace.experiments import sentence, separate
@@ -248,6 +249,8 @@ def _result(
     said = "explained" if effects or changed else "nothing-missing"
     together = tuple(correlations) if values else fit.correlations
     revised = replace(revised, remainder=remainders_of(runs, fit.noise), correlation=all_pairs(together))
+    if law is not None:
+        revised = with_reachable_step(revised)
     return Trace(
         campaign, fit, said if whole else "unexplained", stages, effects, revised, runs, before, after,
         intervals(runs, before=True), intervals(runs),

@@ -8,11 +8,16 @@ from the middle of what the log shows.
 from dataclasses import replace
 from math import floor, log10
 
+import numpy as np
+
+from plants.equilibrium import at_pressure
 from plants.measured.campaign import Campaign
-from plants.measured.guess.rig import guessed_rig
+from plants.measured.guess.rig import guessed_rig, with_step
 from plants.measured.guess.rough_models import extent
 from plants.measured.logger import Remark, counted_from
+from plants.parameters.quantities import ParameterSet
 from plants.rig import Zero
+from plants.wrist import Wrist
 
 ROOM = 1.1
 """Steps of the task that the range must have on either side of zero."""
@@ -51,6 +56,23 @@ def centred(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     names = tuple(r.name for r in recordings)
     moved = counted_from(replace(campaign, start="unknown"), Zero(angle=middle))
     return moved, (Remark("counted from", "angle_deg", middle, "deg", names),)
+
+
+def with_reachable_step(plant: ParameterSet) -> ParameterSet:
+    """The plant of a guessed rig with a step of the task that it holds either way from zero whatever it did
+    before: at most a third of the angles from the descending branch at the least pressure to the ascending
+    one at the largest.  A step that is guessed from the log is a third of what was reached on any branch.
+
+    `plant` itself where that step is no shorter, and where zero is not within these angles.
+    """
+    wrist, rig = Wrist.of(plant), plant.rig
+    ends = [wrist.regulator.gain * v for v in rig.command_range]
+    low, high = (float(np.clip(p, min(ends), max(ends))) for p in rig.pressure_range)
+    least, most = (float(at_pressure(wrist, *end).angle) for end in (("line2", low), ("line1", high)))
+    step = min((most - least) / 3.0, min(-least, most) / ROOM)
+    if not 0.0 < step < rig.task.step:
+        return plant
+    return replace(plant, rig=with_step(rig, float(f"{step:.2g}")))
 
 
 def _rounded(middle: float, step: float) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.effects import EFFECTS
+from plants.measured.blocks import lower
 from plants.measured.residual.examine import Examination, examine
 from plants.measured.trace.search.excitation import Excitation, excitation
 from plants.measured.trace.search.likelihood import demanded, log_likelihood
@@ -56,9 +57,6 @@ the noise: of many pairs some fit nearly anything by half."""
 FOLDS = 4
 """Parts that the blocks are dealt to in turn, each left out of one fit: with two, a fit to the other half
 need not have met the ranges that it is judged on."""
-
-CERTAIN = 0.9
-"""Confidence that the error on rows left out falls."""
 
 PARTIAL_FIT = (8, 1e-4)
 """Evaluations and tolerance of fits to parts of the rows: they begin at the fit to all of them."""
@@ -143,32 +141,8 @@ def left_out(model: Model) -> LeftOut:
 
 
 def falls(before: Candidate, after: Candidate) -> bool:
-    """Whether the error of a free run from the command falls on rows left out: in total over all recordings,
-    and for certain: the lower bound of that total (Student's, one-sided) from its scatter over blocks is
-    above zero, or that of its share in each block (`lower`)."""
+    """Whether the error of a free run from the command falls on rows left out, for certain (`lower`)."""
     return lower(before.left_out.free, after.left_out.free, before.model.stage.left_out_blocks)
-
-
-def lower(before: Array, after: Array, blocks: NDArray[np.intp]) -> bool:
-    """Whether residuals (rows,) of rows left out are smaller than others for certain; see `falls`.
-
-    Or in total, and for certain in the mean of the gains over their blocks' sums: where a fit to the other
-    rows runs away on one block, the scatter of the gains themselves is that block's.
-    """
-    from scipy.stats import t
-
-    gain = np.asarray(np.bincount(blocks, before**2 - after**2), float)
-    size = np.asarray(np.bincount(blocks, before**2 + after**2), float)
-    n = len(gain)
-    if n < 2:
-        return float(gain.sum()) > 0.0
-    share = gain / np.maximum(size, 1e-300)
-
-    def certain(values: Array) -> bool:
-        bound = float(t.ppf(CERTAIN, n - 1)) * float(np.std(values, ddof=1)) * n**0.5
-        return bool(values.sum() > bound)
-
-    return certain(gain) or (float(gain.sum()) > 0.0 and certain(share))
 
 
 def search(

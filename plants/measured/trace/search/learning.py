@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from plants.effects.wrist.learnt_block import LearntBlock
+from plants.measured.blocks import lower
 from plants.measured.estimate import jacobian
-from plants.measured.trace.search.choose import FOLDS, PARTIAL_FIT, SHARE, Candidate, lower
+from plants.measured.trace.search.choose import FOLDS, PARTIAL_FIT, SHARE, Candidate
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import remainders
 
@@ -42,7 +43,7 @@ ENDS = (f"{LearntBlock.NAME}.low", f"{LearntBlock.NAME}.high")
 
 def learn(now: Candidate) -> Candidate | None:
     """The model with a learnt block; None where it does not lower the error of a free run from the command on
-    rows left out, by more than its uncertainty (`choose.lower`) and by the share of what is above the noise
+    rows left out, by more than its uncertainty (`blocks.lower`) and by the share of what is above the noise
     that an effect must take away (`choose.SHARE`).
 
     Each part of the rows is judged by a block that was learnt from nothing on the others: one that was
