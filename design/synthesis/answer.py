@@ -5,10 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from design.controllers.reference_model import reachable
 from design.evaluation.cases import hindrance
 from design.synthesis.evaluate import adverse_values, out_of_range, simulated
 from design.synthesis.requirements import COSTS, Problem
 from design.synthesis.tuning import Tuning, nearest_limit
+from plants.wrist import Wrist
 
 UNITS = {"Kp": "kPa/deg", "Ki": "kPa/(deg s)"}
 """Units of the gains."""
@@ -20,11 +22,13 @@ NOMINAL = ("settling_time_s", "overshoot_percent", "iae_deg_s", "itae_deg_s2", "
 @dataclass(frozen=True)
 class OutOfReach:
     """No gains help: the scenario, by name, whose reference no command holds, since an `obstacle` stands in
-    the way (in words), or, where that is None, since the command range is `volts` [V] too small."""
+    the way (in words), or, where that is None, since the command range is `volts` [V] too small; one_sided:
+    whether the step would be in reach either way from the middle of the range, where zero is not."""
 
     scenario: str
     obstacle: str | None
     volts: float
+    one_sided: bool = False
 
 
 @dataclass(frozen=True)
@@ -95,7 +99,13 @@ def out_of_reach(problem: Problem) -> OutOfReach | None:
     if lack is None:
         return None
     scenario, volts = lack
-    return OutOfReach(scenario.name, hindrance(scenario), float(volts))
+    return OutOfReach(scenario.name, hindrance(scenario), float(volts), bends_to_one_side(scenario.wrist))
+
+
+def bends_to_one_side(wrist: Wrist) -> bool:
+    """Whether a wrist reaches two steps of its task whatever its memory, but not one either way from zero."""
+    (low, high), step = reachable(wrist), wrist.rig.task.step
+    return min(-low, high) < step and 2.0 * step <= high - low
 
 
 def refusal(found: Tuning) -> Refusal | None:

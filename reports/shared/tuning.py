@@ -8,6 +8,11 @@ from design.synthesis.answer import UNITS, Answer, OutOfReach, Refusal
 from design.synthesis.requirements import COSTS, LIMIT_UNITS
 from design.synthesis.tuning import Tuning
 
+ONE_SIDED = (
+    "; the rig bends to one side: run `wrist design` on its log, which counts the angle from the middle of "
+    "its range"
+)
+
 
 def refused(no: Refusal) -> str:
     """Why the limits cannot be met, in one line.
@@ -16,9 +21,10 @@ def refused(no: Refusal) -> str:
     'no: the command range is 0.123 V too small to hold 0 to +15 deg from virgin, nominal plant'
     """
     if isinstance(no, OutOfReach):
+        advice = ONE_SIDED if no.one_sided else ""
         if no.obstacle is not None:
-            return f"no: {no.obstacle} keeps the wrist from holding {no.scenario}"
-        return f"no: the command range is {no.volts:.3g} V too small to hold {no.scenario}"
+            return f"no: {no.obstacle} keeps the wrist from holding {no.scenario}{advice}"
+        return f"no: the command range is {no.volts:.3g} V too small to hold {no.scenario}{advice}"
     unit = "" if LIMIT_UNITS[no.limit] == "1" else f" {LIMIT_UNITS[no.limit]}"
     broken = f"{no.limit} is {no.value:.4g}{unit} against {no.bound:g} on {no.place}"
     if no.given:

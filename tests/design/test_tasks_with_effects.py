@@ -6,7 +6,7 @@ import pytest
 from design.evaluation.cases import Case, hindrance, stack, unreachable
 from design.evaluation.scenarios import tuning_scenarios, within_reach
 from design.evaluation.tasks import Task
-from design.synthesis.answer import OutOfReach, refusal
+from design.synthesis.answer import OutOfReach, bends_to_one_side, out_of_reach, refusal
 from design.synthesis.evaluate import out_of_range, rollouts
 from design.synthesis.requirements import Limits, Problem, default_problem
 from design.synthesis.tuning import Region, tune
@@ -49,6 +49,17 @@ def test_the_command_that_lacks_is_the_one_that_a_simulation_finds(effect, refer
     lack = unreachable(scenario, volts + 0.1, volts - 0.1)  # an empty range: both ends lack 0.1 V
     assert lack == pytest.approx(0.1, abs=1e-3)
     assert unreachable(scenario, volts - 0.01, volts + 0.01) == 0.0
+
+
+@pytest.mark.parametrize(("rest", "aside"), [(0.0, True), (100.0, False)])
+def test_a_rig_that_bends_to_one_side_is_sent_to_where_its_angle_is_counted_from_the_middle(rest, aside):
+    w = WRIST.with_values(rest_pressure=rest)
+    assert bends_to_one_side(w) == aside
+    said = out_of_reach(Problem.of(w, [Case(Task("virgin", 0.0, (-15.0,)), w)], duration=1.0))
+    assert (said is not None) == aside
+    if said is not None:
+        assert said.one_sided
+        assert "`wrist design` on its log" in refused(said)
 
 
 @pytest.mark.parametrize(

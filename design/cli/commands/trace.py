@@ -100,9 +100,18 @@ def command(
         said.print(f"plant in {save}", soft_wrap=True)
     if out is not None:
         said.print(f"page in {_write_page(out, trace, control, seed)}", soft_wrap=True)
-    revised = ("tune", "--plant", save) if save is not None else ("design", campaign)
-    following(said, "wrist", *revised)
+    following(said, "wrist", *_next(trace, campaign, save))
     write_json(json, trace_record(trace, control_record(control) if retune else None))
+
+
+def _next(trace: "Trace", campaign: Path, save: Path | None) -> tuple[str | Path, ...]:
+    """The command that makes gains of what was found: tasks go either way from zero, which a rig that bends
+    to one side does only as `wrist design` counts its angle."""
+    from design.synthesis.answer import bends_to_one_side
+    from plants.wrist import Wrist
+
+    aside = trace.campaign.stage == "wrist" and bends_to_one_side(Wrist.of(trace.revised))
+    return ("design", campaign) if save is None or aside else ("tune", "--plant", save)
 
 
 def _retuned(trace: "Trace", seed: int, jobs: int | None) -> "Control | None":
