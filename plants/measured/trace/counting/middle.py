@@ -10,7 +10,7 @@ from math import floor, log10
 
 import numpy as np
 
-from plants.equilibrium import at_pressure
+from plants.equilibrium import at_pressure, at_rest, obstacle
 from plants.measured.campaign import Campaign
 from plants.measured.guess.rig import guessed_rig, with_step
 from plants.measured.guess.rough_models import extent
@@ -22,6 +22,9 @@ from plants.wrist import Wrist
 ROOM = 1.1
 """Steps of the task that the range must have on either side of zero."""
 
+
+SHORTER = np.linspace(1.0, 0.4, 13)
+"""Shares of a step that are tried where the whole of it is not held."""
 
 FAR = 1.0
 """Ranges of the angle by which it lies from zero at least to be far from it."""
@@ -61,18 +64,25 @@ def centred(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
 def with_reachable_step(plant: ParameterSet) -> ParameterSet:
     """The plant of a guessed rig with a step of the task that it holds either way from zero whatever it did
     before: at most a third of the angles from the descending branch at the least pressure to the ascending
-    one at the largest.  A step that is guessed from the log is a third of what was reached on any branch.
+    one at the largest, and short of what stops the joint.  A step that is guessed from the log is a third of
+    what was reached on any branch.
 
-    `plant` itself where that step is no shorter, and where zero is not within these angles.
+    `plant` itself where that step is no shorter, and where there is none, as on a rig that bends to one side
+    and is counted from there.
     """
     wrist, rig = Wrist.of(plant), plant.rig
     ends = [wrist.regulator.gain * v for v in rig.command_range]
     low, high = (float(np.clip(p, min(ends), max(ends))) for p in rig.pressure_range)
     least, most = (float(at_pressure(wrist, *end).angle) for end in (("line2", low), ("line1", high)))
-    step = min((most - least) / 3.0, min(-least, most) / ROOM)
-    if not 0.0 < step < rig.task.step:
-        return plant
-    return replace(plant, rig=with_step(rig, float(f"{step:.2g}")))
+
+    def held(angle: float) -> bool:
+        up, down = at_rest(wrist, "line1", angle).pressure, at_rest(wrist, "line2", -angle).pressure
+        stopped = obstacle(wrist, "line1", angle) or obstacle(wrist, "line2", -angle)
+        return bool(low <= down and up <= high) and not stopped
+
+    tried = min((most - least) / 3.0, rig.task.step) * SHORTER
+    step = next((float(s) for s in tried if s > 0.0 and held(ROOM * s)), rig.task.step)
+    return plant if step >= rig.task.step else replace(plant, rig=with_step(rig, float(f"{step:.2g}")))
 
 
 def _rounded(middle: float, step: float) -> float:
