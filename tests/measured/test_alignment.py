@@ -105,6 +105,12 @@ def test_offsets_of_two_recordings_are_read_from_their_first_rows(tmp_path):
     assert offsets_between(none) == {}
 
 
+def test_a_pressure_that_never_moves_tells_no_offsets(tmp_path):
+    campaign = written(tmp_path, offset=2.0)
+    still = replace(campaign, fit=tuple(replace(r, pressure=np.full(len(r.time), 3.0)) for r in campaign.fit))
+    assert offsets_between(still) == {}
+
+
 def test_what_a_joint_remembers_until_its_first_stroke_is_no_offset(tmp_path):
     campaign = written(tmp_path, offset=0.0)
     first, *others = campaign.fit

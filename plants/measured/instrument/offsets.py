@@ -50,6 +50,9 @@ def offsets_between(campaign: Campaign) -> dict[str, float]:
     )
     if len(runs) < 2 or any(len(r.time) < 50 for r in runs):
         return {}
+    low, high = extent(list(map(_pressure, runs)))
+    if high == low:
+        return {}
     readings = _readings([*runs, *held_out])
     readings -= float(np.median(readings[: len(runs)]))
     own = readings[: len(runs)]
