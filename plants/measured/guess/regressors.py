@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.guess.rough_models import REACHES, extent, lagged, median_step, plays
+from plants.measured.guess.rough_models import REACHES, extent, lagged, median_step, plays, smoothed
 from plants.measured.recording import Recording
 
 Array = NDArray[np.float64]
@@ -53,12 +53,9 @@ class Regressors:
 
 
 def smooth_pressure(recording: Recording) -> Array:
-    """The pressure of a recording without most of its noise, which would work the plays."""
-    from scipy.signal import savgol_filter
-
+    """The pressure of a recording, smoothed."""
     assert recording.pressure is not None
-    found: Array = recording.pressure
-    return savgol_filter(found, 9, 2) if len(found) > 9 else found
+    return smoothed(recording.pressure)
 
 
 def left_by(columns: Array, values: Array) -> Array:

@@ -33,6 +33,9 @@ REACHED = (0.1, 0.15, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9)
 BENT = 0.7
 """Share of the error that is left by a line that ends there, below which it is taken to end."""
 
+SMOOTHED = 9
+"""Rows over which a measured pressure is smoothed."""
+
 PLAYS = 4
 REACHES = (0.02, 0.04, 0.07, 0.12, 0.2, 0.3, 0.45)
 """Largest thresholds of the plays that are tried, as shares of the range of the pressure."""
@@ -166,9 +169,8 @@ def _decay(runs: Sequence[tuple[Array, Array, float]], tau: float) -> Lagged:
 def loop_guess(runs: Sequence[Recording], drives: Sequence[Array]) -> LoopGuess:
     """Plays of the pressure that take it to the angle with least squares, weights not negative."""
     from scipy.optimize import nnls
-    from scipy.signal import savgol_filter
 
-    smooth = [savgol_filter(d, 9, 2) if len(d) > 9 else d for d in drives]
+    smooth = list(map(smoothed, drives))
     span = float(np.ptp(extent(smooth)))
     thresholds = np.array([reach * span * (i + 1) / PLAYS for reach in REACHES for i in range(PLAYS)])
     played = [np.column_stack([d, plays(d, thresholds)]) for d in smooth]
@@ -195,6 +197,14 @@ def loop_guess(runs: Sequence[Recording], drives: Sequence[Array]) -> LoopGuess:
             best = found if best is None or found.rms < best.rms else best
     # An angle that does not rise with the pressure at all: a loop as flat as can be, for the fit to find out.
     return best or LoopGuess(0.0, (1e-3,) * PLAYS, 0.1 * span, float(smooth[0][0]), 0.1, float(np.std(y)))
+
+
+def smoothed(pressure: Array) -> Array:
+    """A measured pressure [kPa] (n,) without most of its noise, which would work the plays."""
+    from scipy.signal import savgol_filter
+
+    found: Array = savgol_filter(pressure, SMOOTHED, 2) if len(pressure) > SMOOTHED else pressure
+    return found
 
 
 def plays(x: Array, thresholds: Array, start: float = 0.0) -> Array:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from plants.hysteresis import LAWS
 from plants.measured.campaign import Campaign
 from plants.measured.fit import Fit, fit_campaign
+from plants.measured.guess.regressors import smooth_pressure
 from plants.measured.guess.rig import guessed_set
 from plants.measured.playback import Playback
 from plants.measured.stage import Stage
@@ -30,9 +31,6 @@ STARTS = 4
 
 BEGUN, ENDED = 10, 2
 """Evaluations after which these are compared, and how many of them are followed to the end."""
-
-SMOOTHED = 9
-"""Rows over which the measured pressure is smoothed, since its noise would work the loop."""
 
 
 @dataclass(frozen=True)
@@ -146,11 +144,7 @@ def _model(campaign: Campaign, fit: Fit, start: ParameterSet) -> Model:
 
 def _measured(playback: Playback) -> Array:
     """The measured pressure [kPa] at every sample of the model."""
-    from scipy.signal import savgol_filter
-
-    pressure = playback.recording.pressure
-    assert pressure is not None
-    smooth = savgol_filter(pressure, SMOOTHED, 2) if len(pressure) > SMOOTHED else pressure
+    smooth = smooth_pressure(playback.recording)
     return np.interp(np.arange(playback.rows[-1] + 1), playback.rows, smooth)
 
 
