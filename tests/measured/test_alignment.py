@@ -7,6 +7,7 @@ import pytest
 
 from plants.errors import InputError
 from plants.measured.campaign import load_campaign, load_recording, parse_declaration
+from plants.measured.instrument import offsets
 from plants.measured.instrument.alignment import delay_between, in_step
 from plants.measured.instrument.offsets import offsets_between
 from plants.measured.instrument.stated import StatedHabits
@@ -111,15 +112,19 @@ def test_a_pressure_that_never_moves_tells_no_offsets(tmp_path):
     assert offsets_between(still) == {}
 
 
-def test_what_a_joint_remembers_until_its_first_stroke_is_no_offset(tmp_path):
+def test_what_a_joint_remembers_until_its_first_stroke_is_no_offset(tmp_path, monkeypatch):
     campaign = written(tmp_path, offset=0.0)
-    first, *others = campaign.fit
-    forgotten = 1.0 - np.clip((first.pressure - first.pressure[0]) / (0.5 * np.ptp(first.pressure)), 0.0, 1.0)
-    remembered = 2.0 * np.minimum.accumulate(forgotten)
-    moved = replace(campaign, fit=(replace(first, angle=first.angle + remembered), *others))
-    assert remembered[0] == 2.0
-    assert remembered[-1] == 0.0
+    other, _, wave = campaign.fit
+    stroke = (wave.pressure - wave.pressure[0]) / np.ptp(wave.pressure)
+    remembered = 4.0 * (np.maximum.accumulate(stroke) < 0.49)
+    assert remembered[0] == 4.0
+    begun = replace(wave, angle=wave.angle + remembered).until(0.3 * wave.time[-1])
+    moved = replace(campaign, fit=(begun, other))
     assert offsets_between(moved) == {}
+    # Where the first stroke counts as well, it is taken for one.
+    monkeypatch.setattr(offsets, "CROSSED", 0.0)
+    taken = offsets_between(moved)
+    assert taken[wave.name] - taken[other.name] == pytest.approx(4.0, abs=0.5)
 
 
 def test_what_campaign_toml_states_is_done_and_not_looked_for(tmp_path, plain):
