@@ -147,14 +147,27 @@ def commanded(wrist: "Wrist", pressure: Number) -> Number:
 
 def at_pressure(wrist: "Wrist", start: Start, pressure: float) -> State:
     """The state of a wrist that holds still on ``line1`` or ``line2`` at a pressure [kPa]."""
-    line = {"line1": 0, "line2": 1}[start]
-    loop = wrist.hysteresis
+    h, held = (float(angle) for angle in angles_at(wrist, start, pressure))
     if not wrist.effects:
-        return at_rest(wrist, start, (loop.ascending, loop.descending)[line](pressure))
-    h = float(_line_angle(wrist, wrist.sampled(), line, pressure, 0.0))
-    memory = _memory(wrist, start, h, pressure)
-    held = float(_held_angle(wrist, h) + beside(wrist, pressure))
-    return State(pressure, memory, held, effects_at_rest(wrist, pressure, h))
+        return at_rest(wrist, start, held)
+    return State(pressure, _memory(wrist, start, h, pressure), held, effects_at_rest(wrist, pressure, h))
+
+
+def angles_at(wrist: "Wrist", start: Start, pressure: Number) -> tuple[Number, Number]:
+    """Angles [deg] of the loop and of the joint of a wrist that holds still on ``line1`` or ``line2`` at
+    pressures [kPa], stops left out."""
+    line, loop = {"line1": 0, "line2": 1}[start], wrist.hysteresis
+    if not wrist.effects:
+        h = (loop.ascending, loop.descending)[line](pressure)
+        return h, h
+    h = _line_angle(wrist, wrist.sampled(), line, pressure, 0.0)
+    return h, _held_angle(wrist, h) + beside(wrist, pressure)
+
+
+def driving_pressure(wrist: "Wrist", pressure: Number) -> Number:
+    """The pressure [kPa] that drives the loop of a wrist that holds still at a pressure [kPa]: another where
+    effects come between the two."""
+    return _bent(wrist, wrist.sampled(), pressure, 0.0)[0]
 
 
 def obstacle(wrist: "Wrist", start: Start, angle: float) -> str | None:

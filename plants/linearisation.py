@@ -6,7 +6,7 @@ response all the same: `responses` multiplies it together from its parts.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import product
+from itertools import pairwise, product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +16,8 @@ from plants import lag
 from plants.actuator import regulator
 from plants.actuator.regulator import Regulator
 from plants.dynamics import step
+from plants.effects.effect import Linear
+from plants.equilibrium import angles_at, driving_pressure
 from plants.hysteresis import Side
 from plants.kernel import pytrees as tree
 from plants.kernel.graphs import jacobians
@@ -25,6 +27,12 @@ if TYPE_CHECKING:
 
 RATES = ("slow", "fast")
 """The two ends of the regulator's rate: near to and far from the commanded pressure."""
+
+GRID = 201
+"""Pressures over the range of the command among which those of the task are found."""
+
+PIECES = 24
+"""Pieces of a range of pressures in which slopes are looked at."""
 
 
 def nlsys(wrist: "Wrist") -> Any:
@@ -72,6 +80,24 @@ def wrist_x0(wrist: "Wrist") -> Any:
     return np.array(tree.leaves(wrist.rest()), float)
 
 
+def task_pressures(wrist: "Wrist") -> tuple[float, float]:
+    """Pressures [kPa] between which a wrist rests while it does its rig's task: steps either way from zero,
+    with the overshoot that the rig allows and a load on top, on either outer branch; to the next of
+    `GRID` pressures outside, within the range of the command.
+
+    >>> from plants import Wrist
+    >>> [round(p, 1) for p in task_pressures(Wrist.flexion())]
+    [36.6, 164.0]
+    """
+    rig, pressures = wrist.rig, np.linspace(*wrist.reach, GRID)
+    most = rig.task.step * (1.0 + 0.01 * rig.limits.get("overshoot_percent", 0.0)) + rig.uncertainty.load
+    least_above = np.flatnonzero(angles_at(wrist, "line2", pressures)[1] > -most)
+    most_below = np.flatnonzero(angles_at(wrist, "line1", pressures)[1] < most)
+    if not least_above.size or not most_below.size:
+        return float(pressures[0]), float(pressures[-1])
+    return float(pressures[max(least_above[0] - 1, 0)]), float(pressures[min(most_below[-1] + 1, GRID - 1)])
+
+
 def branch_slope(wrist: "Wrist", branch: str) -> float:
     """Slope [deg/kPa] of a branch of the wrist's hysteresis law, such as ``transit``, ``line1`` or ``line2``.
 
@@ -83,14 +109,17 @@ def branch_slope(wrist: "Wrist", branch: str) -> float:
     return slopes[branch]
 
 
-def branch_slopes(wrist: "Wrist") -> dict[str, float]:
-    """Slopes [deg/kPa] of the branches on which the closed loop can work, within the range of the command.
+def branch_slopes(wrist: "Wrist", pressures: tuple[float, float] | None = None) -> dict[str, float]:
+    """Slopes [deg/kPa] of the branches on which the closed loop can work between two pressures [kPa], those
+    of the rig's task (`task_pressures`) where not given.
+
+    What is proved of every motion asks for all pressures that the command can give, `Wrist.reach`.
 
     >>> from plants import Wrist
     >>> branch_slopes(Wrist.flexion())
     {'transit': 0.0803, 'line1': 0.36, 'line2': 0.36}
     """
-    low, high = (wrist.regulator.gain * v for v in wrist.rig.command_range)
+    low, high = task_pressures(wrist) if pressures is None else pressures
     return {name: float(slope) for name, slope in wrist.hysteresis.branches(low, high).items()}
 
 
@@ -181,33 +210,59 @@ def responses(wrist: "Wrist", omega: Any) -> list[FrequencyResponse]:
     outside the wrist (load, sinusoid, drift, the other motion) takes no part, nor what
     only acts beyond a threshold (dead band, end stop, supply) or on large motions
     (the loop's widening with the rate, drag); all else is what `Effect.linear`
-    says.  Curved branches come with the least and the largest slope within the
-    command range, soft ones fresh and fully worked, the regulator with the rates
-    of filling and exhausting at both ends of the range.  Of several effects the
-    extremes are multiplied, so that the list holds more than what can occur at once.
+    says.  Curved branches come with the least and the largest slope at the pressures
+    of the rig's task (`task_pressures`), soft ones fresh and fully worked, the
+    regulator with the rates of filling and exhausting at both ends of these.  Of several
+    effects the extremes at about the same pressure are taken together, so that the list
+    holds more than what can occur at once.
     """
     z = np.exp(1j * np.asarray(omega, float) * wrist.rig.sample_time)
     p = wrist.regulator
-    reach = (p.gain * wrist.rig.command_range[0], p.gain * wrist.rig.command_range[1])
-    parts = [e.linear(wrist, z, wrist.rig.sample_time, reach) for e in wrist.effects]
+    pressures = task_pressures(wrist)
+    parts = _parts(wrist, z, pressures)
     c = lag.sampled(wrist.Tw, wrist.rig.sample_time)
     joint = next((x.joint for x in parts if x.joint is not None), (c.before + c.after * z) / (z - c.keep))
     before, after = np.full(z.shape, p.gain, complex), joint
     for part in parts:
         before, after = before * part.command, after * part.static
     speeds = _products([x.rates for x in parts])
+    straight, unit = branch_slopes(wrist, pressures), wrist.rig.unit("deg/kPa")
     found = []
-    for branch, straight in branch_slopes(wrist).items():
-        sides = wrist.hysteresis.sides(branch)
-        slopes = _products([slope_factors(x.slopes, sides) for x in parts])
-        for slope, rate, speed in product(sorted({min(slopes), max(slopes)}), RATES, speeds):
+    for branch, slopes in slopes_with_effects(wrist, pressures).items():
+        for slope, rate, speed in product(slopes, RATES, speeds):
             share = -np.expm1(-speed * (p.k_fast if rate == "fast" else p.k_slow) * wrist.rig.sample_time)
             pressure = before * (share / (z - 1.0 + share))
-            bent = "" if len(set(slopes)) == 1 else f", slope x {slope:.3g}"
+            bent = "" if slopes == (straight.get(branch),) else f", slope {slope:.3g} {unit}"
             quick = rate if speed == 1.0 else f"{rate} x {speed:.3g}"
-            angle = pressure * after * (slope * straight)
-            found.append(FrequencyResponse(branch + bent, quick, angle, pressure))
+            found.append(FrequencyResponse(branch + bent, quick, pressure * after * slope, pressure))
     return found
+
+
+def _parts(wrist: "Wrist", z: Any, pressures: tuple[float, float]) -> list[Linear]:
+    """What is linear of each effect between two pressures [kPa]."""
+    return [e.linear(wrist, z, wrist.rig.sample_time, pressures) for e in wrist.effects]
+
+
+def slopes_with_effects(wrist: "Wrist", pressures: tuple[float, float]) -> dict[str, tuple[float, ...]]:
+    """Least and largest slope [deg/kPa] of each branch between two pressures [kPa], with what effects do to
+    it; one where they are the same.
+
+    Where a curve of the law is steep an effect may make it flat again: only what meets at one pressure is
+    multiplied, so that the range is looked at in pieces.
+    """
+    found: dict[str, list[float]] = {}
+    edges, still = np.linspace(*pressures, PIECES + 1), np.ones(1)
+    driving = np.broadcast_to(driving_pressure(wrist, edges), edges.shape)
+    for piece, driven in zip(pairwise(edges.tolist()), pairwise(driving.tolist()), strict=True):
+        parts = _parts(wrist, still, piece)
+        for branch, straight in branch_slopes(wrist, (min(driven), max(driven))).items():
+            sides = wrist.hysteresis.sides(branch)
+            bent = [straight * x for x in _products([slope_factors(x.slopes, sides) for x in parts])]
+            added = [[x.added[side] for x in parts if side in x.added] for side in sides]
+            least = min(sum(low for low, _ in ends) for ends in added)
+            most = max(sum(high for _, high in ends) for ends in added)
+            found.setdefault(branch, []).extend((min(bent) + least, max(bent) + most))
+    return {branch: tuple(sorted({float(min(s)), float(max(s))})) for branch, s in found.items()}
 
 
 def slope_factors(slopes: Mapping[Side, tuple[float, float]], sides: tuple[Side, ...]) -> tuple[float, ...]:

@@ -116,6 +116,16 @@ class Wrist:
         """The forms of the wrist's effects."""
         return tuple(type(e) for e in self.effects)
 
+    @property
+    def reach(self) -> tuple[Number, Number]:
+        """Pressures [kPa] between which the range of the command takes the regulator.
+
+        >>> Wrist.flexion().reach
+        (0.0, 197.6)
+        """
+        low, high = self.rig.command_range
+        return self.regulator.gain * low, self.regulator.gain * high
+
     def with_values(self, **changes: Number) -> "Wrist":
         """The same wrist with some parameters changed.
 

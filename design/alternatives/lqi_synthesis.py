@@ -90,7 +90,7 @@ class Feedback:
 def vertices(wrist: Wrist) -> list[tuple[float, float]]:
     """Slope [deg/kPa] and rate [1/s] at every vertex, without repetition."""
     p = wrist.regulator
-    slopes = dict.fromkeys(branch_slopes(wrist).values())
+    slopes = dict.fromkeys(branch_slopes(wrist, wrist.reach).values())
     return [(s, float(k)) for s in slopes for k in dict.fromkeys((p.k_slow, p.k_fast))]
 
 

@@ -117,7 +117,7 @@ def no_inverse(plant: Wrist) -> str | None:
     if stubborn:
         words = f"the effect{'s' * (len(stubborn) > 1)} {', '.join(stubborn)}"
         return f"no inverse of {words}: invert the wrist without it (replace effects by ()), or use a PI"
-    problem = plant.hysteresis.problem(*(v * plant.regulator.gain for v in plant.rig.command_range))
+    problem = plant.hysteresis.problem(*plant.reach)
     if problem:
         return f"no inverse of the loop: {problem}; correct the parameters, or use a PI"
     return None
@@ -129,8 +129,7 @@ def reachable(plant: Wrist) -> tuple[float, float]:
     >>> [round(angle, 2) for angle in reachable(Wrist.flexion())]
     [-30.0, 29.14]
     """
-    low, high = (v * plant.regulator.gain for v in plant.rig.command_range)
-    found = plant.hysteresis.reachable(low, high)
+    found = plant.hysteresis.reachable(*plant.reach)
     return float(found[0]), float(found[1])
 
 

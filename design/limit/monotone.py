@@ -86,7 +86,7 @@ def claimed(wrist: Wrist) -> int | None:
 
 def _pressures(wrist: Wrist, state: State) -> Any:
     """Pressures [kPa] that the wrist may come to, (POINTS,)."""
-    ends = [wrist.regulator.gain * v for v in wrist.rig.command_range] + [float(state.pressure)]
+    ends = [*wrist.reach, float(state.pressure)]
     return np.linspace(min(ends), max(ends), POINTS)
 
 

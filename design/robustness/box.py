@@ -183,7 +183,7 @@ class Box:
         >>> [round(s, 3) for s in box_of(built_in("flexion")).slopes("line1")]
         [0.324, 0.396]
         """
-        found = [branch_slopes(wrist)[branch] for wrist in self.loops()]
+        found = [branch_slopes(wrist, wrist.reach)[branch] for wrist in self.loops()]
         share = 0.0 if self.remainder is None else float(self.remainder.steepest)
         return (1.0 - share) * min(found), (1.0 + share) * max(found)
 

@@ -72,7 +72,7 @@ class LoopModel:
         return cls(
             ratio * float(controller.Kp),
             ratio * float(controller.Ki),
-            branch_slopes(wrist),
+            branch_slopes(wrist, wrist.reach),
             float(wrist.regulator.k_slow),
             float(wrist.regulator.k_fast),
             float(wrist.Tw),

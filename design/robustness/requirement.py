@@ -104,7 +104,7 @@ class Requirement:
         moved = []
         for i in range(middle.size):
             ends = [_stacked(self.box.at(_with(middle, i, share))) for share in (0.0, 1.0)]
-            moved.append(max(float(np.abs(e / before - 1.0).max()) for e in ends))
+            moved.append(max(_moved(before, e) for e in ends))
         order = np.argsort(moved)[::-1]
         chosen = [int(i) for i in order if moved[i] > 1e-9][:MOST_CORNERS]
         found = []
@@ -227,6 +227,11 @@ def _with(shares: Array, i: int, share: float) -> Array:
     found = shares.copy()
     found[i] = share
     return found
+
+
+def _moved(before: NDArray[np.complex128], after: NDArray[np.complex128]) -> float:
+    """By what share responses change at most; without bound where other branches occur."""
+    return float(np.abs(after / before - 1.0).max()) if before.shape == after.shape else float("inf")
 
 
 def _stacked(wrist: Wrist) -> NDArray[np.complex128]:

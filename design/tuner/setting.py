@@ -125,5 +125,4 @@ def trouble(wrist: Wrist) -> str | None:
     >>> trouble(plant(Wrist.flexion(), Setting(lines=0.5, transit=3.0)))
     'transit slope s = 0.2409 is not below a1 = 0.18, so the loop runs backwards'
     """
-    low, high = (wrist.regulator.gain * v for v in wrist.rig.command_range)
-    return wrist.hysteresis.problem(low, high)
+    return wrist.hysteresis.problem(*wrist.reach)

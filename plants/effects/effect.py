@@ -48,7 +48,8 @@ class Linear:
     command, static: frequency responses, shape of z, in the commanded pressure and in the
     static angle; joint: that from the static angle to the angle, in place of the lag's;
     rates: factors of the regulator's rate that occur; slopes: least and largest factor
-    of the slope on each side of the loop where it is changed.
+    of the slope on each side of the loop where it is changed; added: least and largest slope [deg/kPa]
+    that is added on each side where one is.
     """
 
     command: Any = 1.0
@@ -56,6 +57,7 @@ class Linear:
     joint: Any = None
     rates: tuple[float, ...] = (1.0,)
     slopes: Mapping[Side, tuple[float, float]] = field(default_factory=dict)
+    added: Mapping[Side, tuple[float, float]] = field(default_factory=dict)
 
 
 class Nothing(NamedTuple):
@@ -245,7 +247,8 @@ class Effect(ABC):
         return 0.0
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
-        """What is linear of the effect at points z = exp(j omega dt), within pressures `reach` [kPa]."""
+        """What is linear of the effect at points z = exp(j omega dt), within pressures `reach` [kPa], which
+        may be a small part of those that occur."""
         return Linear()
 
     @property

@@ -200,7 +200,7 @@ class HysteresisLaw(ABC):
     @abstractmethod
     def branches(self, low: float, high: float) -> dict[str, float]:
         """Slopes [deg/kPa] of the branches on which a loop can work between two pressures [kPa], by name; all
-        that occur lie between the least and the largest."""
+        that occur lie between the least and the largest.  Names do not depend on the pressures."""
 
     def straight(self) -> bool:
         """Whether the two outer branches are straight lines."""

@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Role, Start
+from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Role, Side, Start
 from plants.hysteresis.play import kept, play
 from plants.meanings import remembers
 from plants.parameters.spec import Kind
@@ -40,6 +40,9 @@ PLAYS = 4
 """Plays of a set that does not say how many."""
 
 CURVE = ("span", "b2", "b1", "c1", "c2")
+
+REVERSED = "after a reversal"
+"""The branch on which no play is engaged."""
 
 
 @remembers(
@@ -276,7 +279,8 @@ class PrandtlIshlinskii(HysteresisLaw):
 
     def branches(self, low: float, high: float) -> dict[str, float]:
         """With no play engaged and with all of them, on the flattest and on the steepest piece of the curve
-        that these pressures reach; what some of the plays make lies between, and so needs no name."""
+        that these pressures reach; what some of the plays make lies between, and so needs no name.  A law
+        with a curve has all three names, even where its pieces there have one slope."""
         outer, width = float(self._outer), float(self._width)
         ends = [outer * (p - float(self.rest_pressure)) + w for p in (low, high) for w in (-width, width)]
         s = float(self.span)
@@ -288,6 +292,10 @@ class PrandtlIshlinskii(HysteresisLaw):
             if a < max(ends) and b > min(ends)
         ]
         first, least, most = float(self.v0) * min(reached), outer * min(reached), outer * max(reached)
-        if least == most:
-            return {"after a reversal": first, "outer branch": most}
-        return {"after a reversal": first, "outer branch, flattest": least, "outer branch, steepest": most}
+        if len(set(slopes)) == 1:
+            return {REVERSED: first, "outer branch": most}
+        return {REVERSED: first, "outer branch, flattest": least, "outer branch, steepest": most}
+
+    def sides(self, branch: str) -> tuple[Side, ...]:
+        """Between the outer branches, or on them."""
+        return ("inner",) if branch == REVERSED else ("ascending", "descending")

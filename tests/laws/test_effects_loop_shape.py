@@ -103,9 +103,8 @@ def test_a_recording_that_begins_elsewhere_begins_at_the_angle_that_was_seen():
 
 
 def test_slopes_lie_between_none_of_the_plays_engaged_and_all():
-    slopes = (WRIST + SEVERAL).effects[0].linear(WRIST, 1.0, 0.001, (0.0, 200.0)).slopes
-    a1 = WRIST.hysteresis.a1
-    assert slopes["ascending"] == pytest.approx((1.0, 1.0 + 0.15 / a1))
+    added = (WRIST + SEVERAL).effects[0].linear(WRIST, 1.0, 0.001, (0.0, 200.0)).added
+    assert added["ascending"] == added["inner"] == pytest.approx((0.0, 0.15))
     curved = CurvedTransit(1.0).linear(WRIST, 1.0, 0.001, (0.0, 200.0)).slopes
     assert list(curved) == ["inner"]
     steepest = max(map(float, WRIST.hysteresis.steepness)) / WRIST.hysteresis.s

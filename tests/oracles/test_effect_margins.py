@@ -1,5 +1,6 @@
 """Margins of wrists with effects: responses as simulated, stability as poles and python-control say."""
 
+from dataclasses import replace
 from itertools import product
 
 import control
@@ -9,7 +10,7 @@ import pytest
 from design.controllers.pi import PI
 from design.margins import branch_responses, margins, winds_not
 from design.open_loops import by_python_control
-from plants import Wrist
+from plants import PrandtlIshlinskii, Wrist
 from plants.effects import (
     Bow,
     Creep,
@@ -33,7 +34,15 @@ from plants.effects import (
     Viscous,
 )
 from plants.equilibrium import at_pressure
-from plants.linearisation import RATES, branch_slope, branch_slopes, branch_ss, nlsys, responses
+from plants.linearisation import (
+    RATES,
+    branch_slope,
+    branch_slopes,
+    branch_ss,
+    nlsys,
+    responses,
+    task_pressures,
+)
 
 BRANCHES = tuple(branch_slopes(Wrist.flexion()))
 
@@ -96,7 +105,7 @@ def sloped(w, pressure, line):
 )
 def test_a_curved_branch_has_the_least_and_the_largest_of_its_slopes(effect):
     w, omega = WRIST + effect, np.array([1.0])
-    grid = np.linspace(0.0, 4.0 * w.regulator.gain, 100)
+    grid = np.linspace(*task_pressures(w), 100)
     plain = {
         b: control.frequency_response(branch_ss(WRIST, b, "slow"), omega).complex.ravel()[0] for b in BRANCHES
     }
@@ -123,11 +132,16 @@ def test_softening_counts_fresh_and_fully_worked():
 @pytest.mark.parametrize(
     ("effect", "factors"),
     [
-        (TwoRates(1.4), {1.0, 1.4}),
-        (PressureDependentRates(1.4, -0.3, 0.4), {1.3, 1 - 0.3 * 0.976, 1.4 * 0.6, 1.4 * (1 + 0.4 * 0.976)}),
+        (TwoRates(1.4), lambda low, high: {1.0, 1.4}),
+        (
+            PressureDependentRates(1.4, -0.3, 0.4),
+            lambda low, high: {1 - 0.3 * low, 1 - 0.3 * high, 1.4 * (1 + 0.4 * low), 1.4 * (1 + 0.4 * high)},
+        ),
     ],
 )
 def test_unequal_valves_add_rates(effect, factors):
+    half = WRIST.rig.half_range
+    factors = factors(*(p / half - 1.0 for p in task_pressures(WRIST)))
     found = responses(WRIST + effect, np.array([0.01]))
     assert len(found) == len(BRANCHES) * len(RATES) * len(factors)
     # A lag of rate k has the phase -omega / k: that of the slow rate tells them apart.
@@ -193,6 +207,42 @@ def test_a_loop_that_circles_the_point_is_not_stable():
     for gain, stable in ((0.5, True), (0.99, True), (1.01, False), (5.0, False)):  # 8 / (s + 1)^3 at its edge
         loop = gain * 8.0 / (1j * omega + 1.0) ** 3
         assert bool(winds_not(loop[None])[0]) is stable
+
+
+def test_a_plant_of_negative_gain_is_unstable_under_an_integrator():
+    omega = np.geomspace(0.01, 3000.0, 2000)
+    for gain, Kp, Ki in product((-0.2, -0.01, 0.01, 0.2), (0.0, 1.0), (0.5, 5.0)):
+        loop = control.tf([Kp, Ki], [1.0, 0.0]) * control.tf([gain], [0.1, 1.0])
+        stable = bool(np.all(control.feedback(loop).poles().real < 0.0))
+        assert stable is (gain > 0.0)
+        assert bool(winds_not(loop(1j * omega)[None])[0]) is stable
+
+
+@pytest.mark.parametrize("effect", [Bow(0.0, 0.0, -0.2), Polynomial(0.0, -0.15), Saturation(120.0)])
+def test_what_a_law_and_an_effect_do_to_the_slope_is_taken_together_where_it_meets(effect):
+    # A curve that is steep where the effect is flat: the product of their extremes occurs nowhere.
+    law = PrandtlIshlinskii(0.08, (0.1, 0.18), 12.0, span=8.0, b2=2.0, b1=1.5, c1=1.5, c2=2.0)
+    w, omega = replace(WRIST, hysteresis=law) + effect, np.array([1e-3])
+    grid = np.linspace(*task_pressures(w), 400)
+    slopes = [sloped(w, p, line) for p in grid for line in ("line1", "line2")]
+    outer = [r.response[0].real for r in responses(w, omega) if r.branch.startswith("outer branch")]
+    found = np.array([min(outer), max(outer)]) / w.regulator.gain
+    assert found[0] <= 1.002 * min(slopes)
+    assert found[1] >= 0.998 * max(slopes)
+    assert found == pytest.approx([min(slopes), max(slopes)], rel=0.15)
+
+
+def test_the_pressures_of_the_task_hold_its_steps_with_overshoot_and_load_and_little_more():
+    w = WRIST + Polynomial(0.1, 0.1)
+    rig = w.rig
+    most = 1.05 * rig.task.step + rig.uncertainty.load
+    ends = w.rest("line2", -most).pressure, w.rest("line1", most).pressure
+    low, high = task_pressures(w)
+    spacing = np.ptp(w.reach) / 200.0
+    assert ends[0] - spacing <= low <= ends[0]
+    assert ends[1] <= high <= ends[1] + spacing
+    narrow = replace(w, rig=replace(rig, command_range=(1.5, 2.5)))
+    assert task_pressures(narrow) == pytest.approx(narrow.reach)
 
 
 def test_what_python_control_cannot_hold_is_refused_in_one_line():

@@ -55,9 +55,8 @@ def parts(wrist: Wrist, controller: PI, omega: Any) -> Parts:
     """The linear parts of the sampled loop at frequencies [rad/s]."""
     z = np.exp(1j * np.asarray(omega, float) * wrist.rig.sample_time)
     p, c = wrist.regulator, lag.sampled(wrist.Tw, wrist.rig.sample_time)
-    reach = (p.gain * wrist.rig.command_range[0], p.gain * wrist.rig.command_range[1])
     command, joint = np.ones_like(z), (c.before + c.after * z) / (z - c.keep)
-    for part in (e.linear(wrist, z, wrist.rig.sample_time, reach) for e in wrist.effects):
+    for part in (e.linear(wrist, z, wrist.rig.sample_time, wrist.reach) for e in wrist.effects):
         command, joint = command * part.command, (joint if part.joint is None else part.joint) * part.static
     known = np.asarray(controller.transfer(z, wrist.rig.sample_time) * p.gain, complex)
     return Parts(z, known, command, joint)

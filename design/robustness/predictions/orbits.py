@@ -127,7 +127,7 @@ def on_orbit(
 def large_swings(wrist: Wrist, controller: PI, reference: float = 0.0, duration: float = 120.0) -> Swings:
     """What is left after a duration [s] of swings from far off: pressures over nine tenths of the range, on
     both lines, with the integrator holding them and with it far on the other side."""
-    low, high = (wrist.regulator.gain * v for v in wrist.rig.command_range)
+    low, high = wrist.reach
     starts: list[Any] = []
     held: list[Any] = []
     for share in (0.05, 0.25, 0.75, 0.95):

@@ -142,13 +142,11 @@ class Bow(_Curved):
         )
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
-        x, slopes = _from_rest(wrist, reach), {}
-        for side, bow, straight in zip(
-            OUTER, (self.bow1, self.bow2), wrist.hysteresis.steepness, strict=True
-        ):
+        x, added = _from_rest(wrist, reach), {}
+        for side, bow in zip(OUTER, (self.bow1, self.bow2), strict=True):
             bend = x * (2.0 * bow + 3.0 * self.cubic * x) / wrist.rig.half_range  # deg/kPa
-            slopes[side] = _least_and_largest(1.0 + bend / straight)
-        return Linear(slopes=slopes)
+            added[side] = _least_and_largest(bend)
+        return Linear(added=added)
 
 
 class SampledCurve(NamedTuple):

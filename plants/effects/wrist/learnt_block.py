@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plants.effects.effect import Around, Effect, Linear, Number, parameter
-from plants.effects.wrist.beside_loop import between
+from plants.hysteresis.law import SIDES
 from plants.hysteresis.play import kept
 from plants.meanings import remembers
 
@@ -174,9 +174,9 @@ class LearntBlock(Effect):
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         """Slopes between the least and the largest that any direction and any distance from the slow pressure
-        within the range make, turning or not."""
+        within the range of the command make, turning or not."""
         block, p = self._with(wrist, 0.0), np.linspace(*reach, 2001)
-        step, span = p[1] - p[0], float(p[-1] - p[0]) / wrist.rig.half_range
+        step, span = p[1] - p[0], float(np.ptp(wrist.reach)) / wrist.rig.half_range
         static = np.gradient(block.added(p, 0.0, 0.0), step)
         turning = block.added(p, 1.0, 0.0) - block.added(p, 0.0, 0.0)
         slow = block.added(p, 0.0, 1.0) - block.added(p, 0.0, 0.0)
@@ -184,4 +184,4 @@ class LearntBlock(Effect):
         engaged, moved = turning / float(self.turn), slow / wrist.rig.half_range
         least = float(np.min(static - swing + np.minimum(engaged, 0.0) + np.minimum(moved, 0.0)))
         most = float(np.max(static + swing + np.maximum(engaged, 0.0) + np.maximum(moved, 0.0)))
-        return between(wrist.hysteresis, least, most)
+        return Linear(added=dict.fromkeys(SIDES, (least, most)))

@@ -9,15 +9,19 @@ Sprekels, Hysteresis and Phase Transitions, 1996).
 
 from abc import abstractmethod
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from plants.effects.effect import Around, Effect, ExcitationHints, Linear, Nothing, Number, parameter
-from plants.effects.wrist.beside_loop import FLAT, between
 from plants.hysteresis.law import SIDES
 from plants.hysteresis.play import kept
 from plants.meanings import remembers
+
+FLAT = 1e-6
+"""Least slope of a branch [deg/kPa] and least gap between two [deg]; flatter and narrower ones count as
+these."""
 
 
 @remembers(
@@ -140,10 +144,9 @@ class _Plays(_Shape):
         return sum(self.weights) * (pressure - wrist.hysteresis.rest_pressure)
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
-        """Between none of the plays engaged and all of them, whatever the signs of their weights."""
-        weights = [float(w) for w in self.weights]
-        least, most = sum(w for w in weights if w < 0.0), sum(w for w in weights if w > 0.0)
-        return between(wrist.hysteresis, least, most)
+        """Between none of the plays engaged and all of them, which they do one after the other."""
+        engaged = [0.0, *accumulate(float(w) for w in self.weights)]
+        return Linear(added=dict.fromkeys(SIDES, (min(engaged), max(engaged))))
 
 
 def _weight(trials: tuple[float, ...]) -> Any:

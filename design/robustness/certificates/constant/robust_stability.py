@@ -131,7 +131,7 @@ def robust_stability(
     >>> row.certified, row.holds, bool(3.5 < row.growth < 1 / row.lower < 3.6)
     (True, True, True)
     """
-    branches = tuple(branch_slopes(box.wrist))
+    branches = tuple(branch_slopes(box.wrist, box.wrist.reach))
     if branch not in branches or rate not in RATES:
         raise InputError(
             f"robustness: no branch {branch!r} at rate {rate!r}; {branches} at {RATES} there are"
@@ -197,7 +197,7 @@ def robust_stability_everywhere(
     Branches whose parameters are the same share one computation.  Raises InputError as that does.
     """
     found: list[RobustStability] = []
-    for branch, rate in product(branch_slopes(box.wrist), RATES):
+    for branch, rate in product(branch_slopes(box.wrist, box.wrist.reach), RATES):
         own = UncertainLoop.of(box, controller, branch, rate)
         same = next((r for r in found if _same(r.loop, own)), None)
         if same is None:

@@ -97,9 +97,10 @@ def plants_of(box: Box, controller: PI) -> Plants:
     """
     gain = float(box.wrist.regulator.gain)
     low, high = box.bounds("gain")
+    branches = branch_slopes(box.wrist, box.wrist.reach)
     return Plants(
-        {branch: box.slopes(branch) for branch in branch_slopes(box.wrist)}, box.bounds("k_slow"),
-        box.bounds("k_fast"), box.bounds("Tw"), (low / gain, high / gain),
+        {branch: box.slopes(branch) for branch in branches}, box.bounds("k_slow"), box.bounds("k_fast"),
+        box.bounds("Tw"), (low / gain, high / gain),
     )  # fmt: skip
 
 

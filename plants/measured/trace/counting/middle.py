@@ -71,8 +71,7 @@ def with_reachable_step(plant: ParameterSet) -> ParameterSet:
     and is counted from there.
     """
     wrist, rig = Wrist.of(plant), plant.rig
-    ends = [wrist.regulator.gain * v for v in rig.command_range]
-    low, high = (float(np.clip(p, min(ends), max(ends))) for p in rig.pressure_range)
+    low, high = (float(np.clip(p, *wrist.reach)) for p in rig.pressure_range)
     least, most = (float(at_pressure(wrist, *end).angle) for end in (("line2", low), ("line1", high)))
 
     def held(angle: float) -> bool:
