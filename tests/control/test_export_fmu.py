@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from design.export.catalogue import part
-from design.export.formats.fmu import sources, unit
+from design.export.formats.fmu import _platform, sources, unit
 from design.export.formats.folder import contents
 from design.export.vectors import vector
 from plants import Wrist
@@ -80,3 +80,18 @@ def test_the_same_law_is_the_same_unit():
     names = zipfile.ZipFile(io.BytesIO(first)).namelist()
     assert any(n.startswith("binaries/") for n in names)
     assert np.all([".." not in n for n in names])
+
+
+@pytest.mark.parametrize(
+    ("system", "machine", "folders"),
+    [
+        ("linux", "x86_64", {"2.0": "linux64", "3.0": "x86_64-linux"}),
+        ("darwin", "arm64", {"2.0": "darwin64", "3.0": "aarch64-darwin"}),
+        ("win32", "AMD64", {"2.0": "win64", "3.0": "x86_64-windows"}),
+    ],
+)
+def test_folders_of_binaries_have_the_names_of_the_standard(monkeypatch, system, machine, folders):
+    """FMI 2.0.4, section 2.3: win64, linux64, darwin64; FMI 3.0.1, section 2.5.1.4.1: architecture-system."""
+    monkeypatch.setattr("sys.platform", system)
+    monkeypatch.setattr("platform.machine", lambda: machine)
+    assert {fmi: _platform(fmi) for fmi in folders} == folders

@@ -71,3 +71,11 @@ def test_what_a_vector_shows_is_the_law_sample_by_sample(wrist):
     assert head.count(",") == found.given.shape[1] + 1
     table = np.array([[float(x) for x in line.split(",")] for line in lines])
     np.testing.assert_array_equal(table, np.column_stack([found.given, found.shown]))
+
+
+@pytest.mark.parametrize("wrist", [WRIST, FROM_50_kPa])
+def test_a_target_may_be_off_by_a_billionth_of_what_angle_and_pressure_range_over(wrist):
+    first, last = wrist.rig.pressure_range
+    low, high = wrist.hysteresis.reachable(first, last)
+    told = of_plant("plant", "a wrist", wrist).tolerance
+    assert told == pytest.approx((1e-9 * float(high - low), 1e-9 * (last - first)))

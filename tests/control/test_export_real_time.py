@@ -1,5 +1,6 @@
 """The C of the MPC by real-time iteration: slopes and QP are those of Python, and what fails is told."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -179,3 +180,17 @@ def test_what_is_exported_is_the_problem_that_was_given():
     assert part.settings["horizon"] == 7
     assert part.settings["weight move"] == problem.weights.move
     assert {f.name: f.size for f in part.state}["plan"] == 7
+
+
+@needs_compiler
+def test_the_stack_that_is_told_is_about_what_the_compiler_gives_its_functions():
+    made, folder = exported("mpc-real-time")
+    said = run(CC, "-std=c99", "-O2", "-fstack-usage", "-c", f"{made.name}.c", "-o", "usage.o", folder=folder)
+    usage = [*folder.glob("*usage*.su"), *folder.glob(f"{made.name}*.su")]
+    if said.returncode or not usage:
+        pytest.skip("this compiler tells no stack")
+    sizes = [int(line.split("\t")[1]) for line in usage[0].read_text().splitlines()]
+    told = re.search(r"about\s+(\d+)\s+kB\s+of\s+stack", (folder / "README.md").read_text())
+    assert told is not None
+    # The large ones stand in one chain of calls: a step, an attempt, and the solver or the slopes.
+    assert float(told[1]) == pytest.approx(sum(s for s in sizes if s > 500) / 1000.0, rel=0.15)

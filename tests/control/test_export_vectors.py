@@ -9,8 +9,10 @@ from design.export.vectors import (
     LOST,
     NOISE_DEG,
     SPIKES,
+    TargetReplay,
     _open_loop,
     apart,
+    by_hand,
     csv,
     references,
     spoiled,
@@ -48,6 +50,20 @@ def test_references_are_jumps_a_chirp_ramps_and_jumps_again():
     assert np.flatnonzero(np.diff(slow[:100]))[0] == 59  # held for 60 samples at least
 
 
+def test_what_is_out_of_reach_is_nine_tenths_of_the_widest_reference_that_is_believed(monkeypatch):
+    asked = []
+
+    def noted(steps, period, far, draw):
+        asked.append((steps, period, far))
+        return references(steps, period, far, draw)
+
+    monkeypatch.setattr("design.export.vectors.references", noted)
+    vector(PI, WRIST, 60)
+    widest = PI.sensors.angle
+    assert asked == [(60, PI.period, pytest.approx((0.9 * widest.high, 0.9 * widest.low)))]
+    assert asked[0][2][0] > WRIST.hysteresis.ascending(4.0 * WRIST.regulator.gain)  # what 4 V come to
+
+
 def test_readings_are_lost_and_spoiled_as_often_as_it_says(made):
     assert LOST == 12
     assert len(set(SPIKES)) == 6
@@ -66,6 +82,33 @@ def test_readings_are_lost_and_spoiled_as_often_as_it_says(made):
             assert value == pytest.approx(0.3 * (channel.high - channel.low))  # a jump within the range
     for value in SPIKES:
         assert value in made.rows[:, :3]
+
+
+def test_by_hand_commands_lie_in_the_range_and_a_fifth_beyond_and_are_lost_now_and_then():
+    handed = part("pi", "flexion", WRIST, (3.1, 10.4), by_hand=True)
+    turns, told = np.array(by_hand(handed, 8000, np.random.default_rng(2))).T
+    assert np.count_nonzero(np.isnan(turns)) == 20
+    assert np.count_nonzero(np.isnan(told)) == 80
+    assert set(turns[np.isfinite(turns)]) == {0.0, 1.0}
+    for values, held in ((turns, 60), (told, 40)):
+        of = np.append(values, np.full(-len(values) % held, np.nan)).reshape(-1, held)
+        assert np.nanmax(np.nanmax(of, axis=1) - np.nanmin(of, axis=1)) == 0.0
+    known = told[np.isfinite(told)]
+    assert -0.8 <= known.min() < -0.6  # of a range from 0 to 4 V
+    assert 4.6 < known.max() <= 4.8
+    assert by_hand(PI, 3, np.random.default_rng(2)) == [[], [], []]
+
+
+@pytest.mark.parametrize("start", ["line1", "line2"])
+def test_a_law_with_a_delay_begins_with_the_line_full_of_where_it_rests(start):
+    """Held at its reference it goes on with the command that it began with."""
+    law = TargetReplay(part("feedforward-pi", "flexion", WRIST, (1.2, 2.2, 0.0305)))
+    rest = WRIST.rest(start, 9.0)
+    pressure, angle = float(rest.pressure), float(rest.angle)
+    begun = law.begin(pressure, angle)
+    assert begun == pytest.approx(pressure / WRIST.regulator.gain)
+    sent = [law.step(law.part.seen(angle, angle, pressure)) for _ in range(60)]
+    np.testing.assert_allclose(sent, begun, atol=1e-9)
 
 
 def test_the_angle_comes_in_steps_and_with_noise(made):

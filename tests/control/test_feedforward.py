@@ -246,3 +246,31 @@ def test_the_model_starts_from_the_wrist_where_a_held_reference_is_left_and_goes
     assert (one[3:] == other[3:]) is not held
     if held:
         assert other[3] - one[3] > 2.0
+
+
+@pytest.mark.parametrize("end", [1.0, 3.0])
+def test_lines_may_cross_beyond_the_pressures_that_its_range_comes_to_and_not_within(end):
+    """Of a range from 1 to 3 V: a gap of the lines that closes a little before an end, or a little beyond."""
+    wrist = Wrist.flexion()
+    p, gain = wrist.hysteresis, wrist.regulator.gain
+    for beyond, refused in ((0.97, True), (1.03, False)):
+        way = (gain * end - p.rest_pressure) * beyond
+        crossed = wrist.with_values(a2=float(p.a1 - (p.w1 + p.w2) / way))
+        if refused:
+            with pytest.raises(ValueError, match="line 1 lies above line 2"):
+                FeedforwardPI(crossed, low=1.0, high=3.0)
+        else:
+            assert FeedforwardPI(crossed, low=1.0, high=3.0).high == 3.0
+
+
+def test_a_pi_without_gains_leaves_the_feedforward_alone_whatever_the_wrist_does():
+    wrist, commands = WRISTS["flexion"], []
+    for controller in (Feedforward.of(wrist), FeedforwardPI.of(wrist)):
+        c, state, sent = controller.sampled(), controller.holding(wrist.rest().pressure), []
+        for k in range(300):
+            angle = 2.0 * np.sin(k / 40.0)  # nothing that the model does
+            state, command = c.act(state, Measured(8.0 - angle, angle, 100.0 + k / 10.0))
+            sent.append(float(command))
+        commands.append(sent)
+    assert commands[0] == commands[1]
+    assert FeedforwardPI.of(wrist).dead_time == 0.0

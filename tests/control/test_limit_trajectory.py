@@ -1,5 +1,6 @@
 """Trajectories by optimal control come within 5 % of the bound, as the simulator, not the optimiser, says."""
 
+import casadi
 import numpy as np
 import pytest
 from scipy.optimize import fsolve
@@ -9,7 +10,7 @@ from design.evaluation.cases import Case
 from design.evaluation.steps import run
 from design.evaluation.tasks import Task
 from design.limit import bound, limit, limits_of, optimal, ratios, replay
-from design.limit.optimal import TimeOptimalProblem, _guess
+from design.limit.optimal import CORNER, HOLD, WEIGHT, TimeOptimalProblem, _guess, _solve
 from plants import Wrist
 from plants.effects.regulator.dead_time import DeadTime
 from tests.control.limit_plant import iae, lanes, of_state, settled_at
@@ -120,3 +121,73 @@ def test_the_search_begins_with_throttle_that_is_turned_and_then_holds(angle, tu
         found[sign] = sign * (volts - 2.0), sign * (nodes - [98.8, 0.0])
     np.testing.assert_allclose(found[1.0][0], found[-1.0][0], atol=1e-9)
     np.testing.assert_allclose(found[1.0][1], found[-1.0][1], atol=1e-9)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("start", ["virgin", "line1", "line2", "inside"])
+def test_static_angles_before_and_after_the_turn_are_those_of_the_loop(start, sign):
+    """One monotone move from the start, and one back: `FourSegment.step`, with its corners rounded."""
+    wrist = Wrist.deviation()
+    loop, state = wrist.hysteresis, wrist.rest(start, 0.0 if start == "virgin" else 2.0)
+    problem = TimeOptimalProblem(wrist, state, 15.0 * sign, sign, 100)
+    ways = np.array([0.0, 3.0, 20.0, 45.0, 90.0])
+    for turn in float(state.pressure) + sign * ways:
+        there = loop.step(state.memory, state.pressure, turn)
+        assert float(problem.ahead(turn)) == pytest.approx(float(there.h), abs=CORNER)
+        for pressure in turn - sign * ways:
+            back = loop.step(there._replace(virgin=0.0), turn, pressure)
+            assert float(problem.braking(pressure, turn)) == pytest.approx(float(back.h), abs=2.0 * CORNER)
+
+
+@pytest.mark.parametrize(("start", "reference"), [("line1", 10.0), ("line2", -10.0)])
+def test_what_the_optimiser_sees_is_what_the_simulator_does(start, reference):
+    """Commands in the range, each held; the pressure turns once; at the end the loop is at the reference."""
+    wrist, turn = Wrist.flexion(), 36
+    state, sign = wrist.rest(start), float(np.sign(reference))
+    problem = TimeOptimalProblem(wrist, state, reference, sign, 170)
+    volts, pressures, angles = _solve(problem, turn, "iae")
+    assert (volts >= -1e-6).all()
+    assert (volts <= 4.0 + 1e-6).all()
+    assert (sign * np.diff(pressures[:turn]) >= -1e-6).all()
+    assert (sign * np.diff(pressures[turn - 1 :]) <= 1e-6).all()
+    simulated, there = state, []
+    for v in volts:
+        simulated = wrist.simulate([v] * HOLD, simulated).state
+        there.append((float(simulated.pressure), float(simulated.angle), float(simulated.memory.h)))
+    np.testing.assert_allclose(pressures, [p for p, _, _ in there], atol=1e-4)
+    np.testing.assert_allclose(angles, [a for _, a, _ in there], atol=5.0 * CORNER)
+    assert there[-1][2] == pytest.approx(reference, abs=5.0 * CORNER)
+    assert there[-1][1] == pytest.approx(reference, abs=problem.band)
+
+
+@pytest.mark.parametrize("goal", ["iae", "settling"])
+def test_the_goal_is_the_integral_of_the_error_and_what_the_lag_leaves_at_the_end(monkeypatch, goal):
+    """At the guess, whose nodes the simulator comes to; beyond the bound the band is paid for."""
+    wrist, made = Wrist.flexion(), {}
+    problem = TimeOptimalProblem(wrist, wrist.rest("line1"), 10.0, 1.0, 170)
+    plain = casadi.nlpsol
+
+    def noted(name, solver, nlp, options):
+        made.update(nlp)
+        return plain(name, solver, nlp, options | {"ipopt": options["ipopt"] | {"max_iter": 0}})
+
+    monkeypatch.setattr(casadi, "nlpsol", noted)
+    _solve(problem, 36, goal)
+    n, guess = problem.nodes, _guess(problem, 36)
+    response = wrist.simulate(np.repeat(guess[:n], HOLD), problem.state)
+    left = np.abs(response.angle[1:] - 10.0)
+    expected = 0.001 * left.sum() + wrist.Tw * abs(guess[-1] - 10.0)
+    late = np.linspace(0.0, 0.3, n * HOLD - 170 + 1) if goal == "settling" else np.zeros(0)
+    w = np.concatenate([guess, late])
+    cost, broken = casadi.Function("made", [made["x"]], [made["f"], made["g"]])(w)
+    assert float(cost) == pytest.approx(expected + WEIGHT * late.sum(), rel=5e-3)
+    rows = np.array(broken).ravel()
+    assert np.abs(rows[: 2 * n]).max() < 1e-9  # each hold leads from node to node
+    assert (rows[2 * n : 2 * n + 36] >= -1e-9).all()  # ahead
+    assert (rows[2 * n + 36 : 3 * n] <= 1e-9).all()  # and back
+    if goal == "settling":
+        np.testing.assert_allclose(
+            rows[3 * n + 1 :][: n * HOLD], 10.0 - response.angle[1:], atol=5.0 * CORNER
+        )
+        inside = (10.0 - response.angle[170:]) - late
+        np.testing.assert_allclose(rows[3 * n + 1 + n * HOLD :], inside, atol=5.0 * CORNER)

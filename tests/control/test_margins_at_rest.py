@@ -11,7 +11,7 @@ import pytest
 
 from design.controllers.pi import PI
 from design.mpc.linear import linear_mpc
-from design.mpc.margins_at_rest import PERIODS, PULSE, margins_at_rest, pulse_response, straight
+from design.mpc.margins_at_rest import PERIODS, PULSE, _margins, margins_at_rest, pulse_response, straight
 from design.mpc.problem import nominal
 from plants import Wrist
 from plants.effects.regulator.dead_time import DeadTime
@@ -44,18 +44,42 @@ class PeriodicPI:
         return after, float(command), None
 
 
-@pytest.mark.parametrize(("branch", "rate"), [("line1", "fast"), ("transit", "slow")])
-def test_the_pulse_response_is_that_of_the_sensitivity_of_python_control(branch, rate):
+def sensitivity_of_python_control(branch, rate, late=0):
+    """Of the loop of the PI and the plant held for a period, whose commands arrive so many periods late."""
     a, b = branch_matrices(WRIST, branch, rate)
-    pi = PeriodicPI.made(straight(WRIST, branch_slopes(WRIST)[branch], rate))
-    found = np.array(list(pulse_response(pi, a, b)))
     held = np.linalg.matrix_power(a, 20), sum(np.linalg.matrix_power(a, i) @ b for i in range(20))
     plant = control.ss(*held, [[0.0, 1.0]], 0.0, PERIOD)
     law = control.tf([1.5, 5.0 * PERIOD - 1.5], [1.0, -1.0], PERIOD) / WRIST.regulator.gain
-    omega = np.geomspace(0.5, 0.99 * np.pi / PERIOD, 300)
-    expected = control.feedback(1, control.ss(law) * plant)(np.exp(1j * omega * PERIOD))
-    told = 1.0 + np.exp(-1j * np.outer(omega * PERIOD, np.arange(found.size))) @ found
-    assert np.abs(told - expected).max() < 2e-3
+    waits = control.tf([1.0], [1.0] + [0.0] * late, PERIOD)
+    return control.feedback(1, control.ss(law) * plant * control.ss(waits)), law * control.tf(plant) * waits
+
+
+@pytest.mark.parametrize("late", [0, 2])
+@pytest.mark.parametrize(("branch", "rate"), [("line1", "fast"), ("transit", "slow")])
+def test_the_pulse_response_is_that_of_the_sensitivity_of_python_control(branch, rate, late):
+    a, b = branch_matrices(WRIST, branch, rate)
+    pi = PeriodicPI.made(straight(WRIST, branch_slopes(WRIST)[branch], rate))
+    found = np.array(list(pulse_response(pi, a, b, 20 * late) if late else pulse_response(pi, a, b)))
+    pulse = np.eye(found.size)[0]
+    expected, _ = sensitivity_of_python_control(branch, rate, late)
+    told = control.forced_response(expected, np.arange(found.size) * PERIOD, pulse).outputs
+    np.testing.assert_allclose(pulse + found, told, atol=1e-6)
+
+
+@pytest.mark.parametrize(("branch", "rate"), [("line1", "fast"), ("transit", "slow")])
+def test_margins_are_those_of_python_control(branch, rate):
+    a, b = branch_matrices(WRIST, branch, rate)
+    pi = PeriodicPI.made(straight(WRIST, branch_slopes(WRIST)[branch], rate))
+    told = _margins(np.array(list(pulse_response(pi, a, b))), PERIOD)
+    sensitivity, loop = sensitivity_of_python_control(branch, rate)
+    omega = np.geomspace(0.01, 0.999 * np.pi / PERIOD, 5000)
+    size = np.abs(sensitivity(np.exp(1j * omega * PERIOD)))
+    complementary = np.abs(1.0 - sensitivity(np.exp(1j * omega * PERIOD)))
+    assert told.Ms == pytest.approx(size.max(), rel=2e-3)
+    assert told.Mt == pytest.approx(complementary.max(), rel=2e-3)
+    sampled = control.frd(loop(np.exp(1j * omega * PERIOD)), omega, smooth=True)
+    _, phase, _, crossing = control.margin(sampled)
+    assert told.delay_margin_s == pytest.approx(np.deg2rad(phase) / crossing, rel=1e-2)
 
 
 def test_a_loop_is_unstable_beyond_its_delay_margin_and_stable_below():

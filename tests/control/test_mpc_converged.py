@@ -1,13 +1,15 @@
 """The converged MPC's plan is a minimum of the exact step: no plan that was tried costs less, the one page's
 gradient says so, and a short horizon agrees with a search of all commands."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from benchmarks.mpc import closed_loop_cost
 from design.controllers.controller import Measured
 from design.mpc import linear, observer
-from design.mpc.converged import converged_mpc
+from design.mpc.converged import DESCENTS, converged_mpc
 from design.mpc.fallback import SHIFTED, SOLVED
 from design.mpc.loop import run
 from design.mpc.nlp import converger, within
@@ -100,7 +102,40 @@ def test_a_short_horizon_agrees_with_a_search_of_all_commands(start, reference):
     assert best.cost > 0.5 * found
 
 
-def test_ipopt_comes_to_the_same_from_a_poor_start():
+def test_it_starts_from_the_command_held_from_the_linear_plan_and_from_the_best_throttles():
+    problem = MPCProblem(FLEXION, horizon=10)
+    controller, planner = converged_mpc(problem), linear.planner(problem, coefficients(FLEXION))
+    believed, reference = observer.begin(0.0, float(FLEXION.rest("line1").pressure), FLEXION), 6.0
+    before = float(believed.plant.pressure / FLEXION.regulator.gain)
+    held, followed, *throttled = controller.starts(believed, before, reference)
+    assert held.tolist() == [before] * 10
+    angles, _ = linear.plan(planner, believed, before, reference, np.zeros(20, dtype=np.int32))
+    np.testing.assert_allclose(followed, linear.follow(planner, believed, before, angles))
+    assert len(throttled) == DESCENTS
+    costs = [controller.inner.cost(believed, plan, before, reference) for plan in throttled]
+    assert costs == sorted(costs)
+    every = [plan for family in controller._throttled(believed, before, reference) for plan in family]
+    assert costs[0] == min(controller.inner.cost(believed, plan, before, reference) for plan in every)
+    np.testing.assert_allclose(within(problem, np.array(every), before), every)
+
+
+def test_a_descent_from_a_minimum_ends_with_the_step_that_gains_nothing():
+    problem = MPCProblem(FLEXION, horizon=8)
+    best, believed, state = solved(problem, "line1", 5.0)
+    controller, asked = converged_mpc(problem), []
+
+    def counted(*given):
+        asked.append(given)
+        return controller.inner.solve(*given)
+
+    counting = replace(controller, inner=replace(controller.inner, solve=counted))
+    found = counting.descend(believed, best.commands, state.command, 5.0)
+    assert found.cost <= best.cost
+    assert len(asked) <= 3
+    assert {(active.shape, active.any()) for *_, active in asked} == {((16,), False)}  # a mark for each bound
+
+
+def test_ipopt_comes_to_the_same_from_a_poor_start(capfd):
     """Where the minimum lies on a bend of the problem, IPOPT finds it without being able to say so."""
     problem = MPCProblem(FLEXION)
     best, believed, state = solved(problem, "line1", 15.0)
@@ -110,6 +145,21 @@ def test_ipopt_comes_to_the_same_from_a_poor_start():
     cost = problem.cost(ends, answer.commands, state.command, 15.0)
     assert answer.status in ("Solve_Succeeded", "Maximum_Iterations_Exceeded")
     assert cost == pytest.approx(best.cost, rel=1e-9)
+    assert capfd.readouterr().out == ""  # and without a word
+
+
+def test_a_lack_of_pressure_is_so_many_volts_more_to_ipopt():
+    """Range and commands moved by it, the problem is the same one."""
+    lack, gain = -9.88, FLEXION.regulator.gain
+    volts = -lack / gain
+    believed = observer.begin(0.0, float(FLEXION.rest("line1").pressure), FLEXION)
+    before, plan = float(believed.plant.pressure) / gain, np.linspace(2.2, 2.6, 5)
+    plain = converger(MPCProblem(FLEXION, horizon=5))(believed, plan, before, 2.0)
+    moved = MPCProblem(FLEXION, horizon=5, low=volts, high=4.0 + volts)
+    lacking = converger(moved)(believed._replace(lack=lack), plan + volts, before + volts, 2.0)
+    np.testing.assert_allclose(lacking.commands, plain.commands + volts, atol=1e-6)
+    shifted = converger(moved)(believed._replace(lack=lack, shift=1.5), plan + volts, before + volts, 3.5)
+    np.testing.assert_allclose(shifted.commands, lacking.commands, atol=1e-6)
 
 
 def test_the_real_time_iteration_costs_no_half_percent_more():

@@ -95,6 +95,17 @@ def test_a_shifted_plan_is_what_was_planned():
         assert command == pytest.approx(ahead[k], abs=1e-12)
 
 
+@pytest.mark.parametrize("patience", [0, 1, 3])
+def test_a_shifted_plan_goes_on_for_as_many_periods_as_there_is_patience(patience):
+    controller = linear_mpc(PROBLEM, Fallback(patience=patience))
+    bad = Broken(controller.planner.solve, 3, 10, FAILURES["infeasible"])
+    failing = replace(controller, planner=controller.planner._replace(solve=bad))
+    rungs = [i.rung for i in run(Wrist.flexion(), failing, 15.0, duration=0.2).periods]
+    assert rungs[:2] == [SOLVED] * 2
+    assert rungs[2 : 2 + patience] == [SHIFTED] * patience
+    assert rungs[2 + patience : 10] == [BY_PI] * (8 - patience)
+
+
 @pytest.mark.parametrize("make", [linear_mpc, real_time_mpc])
 def test_a_late_answer_is_not_used(make):
     slow = count(0, 30_000_000)  # every look at the clock, 30 ms have gone

@@ -5,6 +5,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+import scipy.optimize
 from scipy.integrate import solve_ivp
 from scipy.optimize import linprog
 
@@ -12,7 +13,7 @@ from design.controllers.controller import Measured
 from design.mpc import observer
 from design.mpc.converged import converged_mpc
 from design.mpc.hybrid import Effort, _Milp, cost, solve
-from design.mpc.hybrid_model import piecewise, play, sampled_lag
+from design.mpc.hybrid_model import move, piecewise, play, sampled_lag
 from design.mpc.nlp import within
 from design.mpc.prediction import coefficients, roll, start_of
 from design.mpc.problem import MPCProblem
@@ -193,6 +194,58 @@ def test_lack_and_shift_are_believed():
     lacking = believed._replace(lack=-4.94)
     higher = solve(MPCProblem(FLEXION, period=0.08, horizon=3, low=0.1, high=4.1), lacking, before + 0.1, 5.0)
     assert higher.cost == pytest.approx(plain.cost, rel=5e-3)
+
+
+@pytest.mark.parametrize("norm", ["one", "square"])
+@pytest.mark.parametrize("start", ["virgin", "line1", "line2", "inside"])
+@pytest.mark.parametrize("lack", [-6.0, -40.0])
+@pytest.mark.parametrize("wrist", [FLEXION, DEVIATION, FLEXION.with_values(a2=0.26)])
+def test_of_commands_that_are_given_the_rows_leave_what_the_model_does(wrist, lack, start, norm):
+    """Pressures, static angles and angles of random plans with lack and shift, and what they cost."""
+    horizon, shift, reference = 5, 1.5, 3.0
+    problem = MPCProblem(wrist, period=0.05, horizon=horizon)
+    plant, before = wrist.rest(start), 2.1
+    believed = observer.begin(0.0, 100.0, wrist)._replace(plant=plant, lack=lack, shift=shift)
+    law = piecewise(problem, 240.0, 3)
+    draw = np.random.default_rng([len(start), round(100 * float(wrist.Tw))])
+    given = [draw.uniform(0.0, 4.0, horizon), draw.uniform(0.0, 4.0, horizon), np.zeros(horizon)]
+    for plan in within(problem, np.array(given), before):
+        made = _Milp(problem, wrist.hysteresis, believed, law, norm)
+        made.build(before, reference)
+        # To what the solver takes for an equality, of which fixed numbers leave it nothing.
+        made.low[made.commands], made.high[made.commands] = plan - 1e-6, plan + 1e-6
+        rows = np.array(made.rows)
+        limits = scipy.optimize.LinearConstraint(rows[:, :-1], made.least - rows[:, -1], -rows[:, -1])
+        bounds = scipy.optimize.Bounds(made.low, made.high)
+        found = scipy.optimize.milp(made.price, integrality=made.integral, bounds=bounds, constraints=limits)
+        assert found.x is not None
+        periods, state, virgin = found.x.reshape(horizon, made.width), plant, start == "virgin"
+        for command, columns in zip(plan, periods, strict=True):
+            state = move(problem, law, state, float(command), lack)
+            virgin = virgin and float(state.memory.virgin) > 0.5
+            expected = state.pressure, state.memory.h, state.angle
+            np.testing.assert_allclose(columns[1:4], np.array(expected, float), atol=1e-3)
+            assert columns[7:10].sum() == pytest.approx(1.0)
+            assert (columns[10] > 0.5) == virgin
+        exact = cost(problem, periods[:, 3] + shift, plan, before, reference, norm)
+        assert found.fun <= exact * (1.0 + 1e-4)
+        assert found.fun == pytest.approx(exact, rel=1e-4 if norm == "one" else 0.02, abs=0.1)
+
+
+def test_highs_is_asked_for_the_time_and_the_gap_that_are_told(monkeypatch):
+    """Where nothing is told, a minute and the half percent that the module gives the times for."""
+    problem, asked = MPCProblem(FLEXION, period=0.08, horizon=2), []
+    believed, before = at_rest(FLEXION, "line1")
+    plain = scipy.optimize.milp
+
+    def noted(*given, **settings):
+        asked.append(settings["options"])
+        return plain(*given, **settings)
+
+    monkeypatch.setattr(scipy.optimize, "milp", noted)
+    solve(problem, believed, before, 3.0)
+    solve(problem, believed, before, 3.0, "one", Effort(2, 7.0, 0.03))
+    assert asked == [{"time_limit": 60.0, "mip_rel_gap": 0.005}, {"time_limit": 7.0, "mip_rel_gap": 0.03}]
 
 
 def test_bad_input_is_told():

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from design.mpc.hybrid_model import Piecewise, gained, move, piecewise, sampled_lag
+from design.mpc.hybrid_model import Piecewise, _greedy, gained, move, piecewise, sampled_lag
 from design.mpc.problem import MPCProblem
 from plants import Wrist
 from plants.dynamics import step
@@ -62,6 +62,21 @@ def test_the_knots_miss_little_more_than_the_best_of_as_many_pieces(pieces):
     assert len(law.knots) == pieces + 1
     assert (law.knots[0], law.knots[-1]) == (0.0, most)
     np.testing.assert_allclose(law.values, gained(PROBLEM, law.knots), atol=1e-12)
+
+
+@pytest.mark.parametrize("steps", [1, 2, 7, 30])
+def test_on_a_parabola_pieces_are_as_long_as_the_tolerance_lets_them_be(steps):
+    """The chord of x^2 over a length l misses it by l^2/4 at most: pieces of one length, of so many steps."""
+    grid = np.linspace(0.0, 10.0, 1001)
+    begun = 0.25 * (steps * 0.01) ** 2  # what the longest misses, seen where the middle is on the grid
+    tolerance = begun * 1.01 if steps > 1 else 1e-9
+    found = _greedy(grid, grid**2, tolerance, 1000)
+    lengths = np.diff(found)
+    assert (found[0], found[-1]) == (0, 1000)
+    # An odd number of steps has no middle on the grid, so that one step more may do there.
+    assert set(lengths[:-1].tolist()) <= ({steps} if steps % 2 == 0 or steps == 1 else {steps, steps + 1})
+    assert _greedy(grid, grid**2, tolerance, len(lengths)) == found
+    assert _greedy(grid, grid**2, tolerance, len(lengths) - 1) is None
 
 
 def test_no_piece_is_no_law():

@@ -4,6 +4,7 @@ the one page's wrist to the planned static angles."""
 import control
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 
 from design.controllers.controller import Measured
 from design.mpc import linear, observer
@@ -70,6 +71,17 @@ def test_the_observers_error_has_both_poles_where_they_were_asked_for(bandwidth)
     assert np.abs(poles - np.exp(-bandwidth * problem.period)).max() < 1e-6
 
 
+@pytest.mark.parametrize("wrist", [Wrist.flexion(), Wrist.deviation()])
+def test_by_default_the_shift_is_hardly_noisier_than_the_sensor_that_tells_it(wrist):
+    """Standard deviations, by the Lyapunov equation of the observer's error with white noise of the angle."""
+    problem = MPCProblem(wrist)
+    g, keep = observer.gains(problem), np.exp(-problem.period / wrist.Tw)
+    A, C = np.array([[1.0, 0.0], [1.0 - keep, keep]]), np.array([[0.0, 1.0]])
+    L = np.array([[g.shift], [g.angle]])
+    spread = np.sqrt(control.dlyap((np.eye(2) - L @ C) @ A, L @ L.T)[0, 0])
+    assert 0.5 < spread < 1.5
+
+
 @pytest.mark.parametrize(("rate", "periods"), [(0.05, 12), (0.1, 11), (0.2, 7)])
 def test_from_period_to_period_the_plan_moves_by_the_rate_limit_while_it_is_far_away(rate, periods):
     """What is held of the plan is that of the period before, not a later one."""
@@ -134,3 +146,26 @@ def test_at_rest_the_lack_is_learnt_with_the_share_of_a_slow_regulator():
     )
     share = 1.0 - np.exp(-wrist.regulator.k_slow * problem.period)
     assert found.lack == pytest.approx(g.lack * 0.1 * share / (share**2 + observer.LEAST_SHARE**2), rel=1e-6)
+
+
+def test_on_a_line_the_plan_is_the_best_of_the_problem_in_volts():
+    """Lines of one slope and no bound met: the QP finds the minimum of the cost in commands."""
+    wrist = Wrist.flexion().with_values(a1=0.2, a2=0.2)
+    problem = MPCProblem(wrist, horizon=8, rate=50.0, low=-100.0, high=100.0)
+    of, p, gain = linear.planner(problem, coefficients(wrist)), wrist.hysteresis, wrist.regulator.gain
+    k, rest = wrist.regulator.k_fast, wrist.rest("line1")
+    before, reference = float(rest.pressure / gain), float(rest.angle) + 3.0
+    believed = observer.begin(0.0, 100.0, wrist)._replace(plant=rest)
+    _, found = linear.plan(of, believed, before, reference, np.zeros(16, dtype=np.int32))
+    poles = [[-k, 0], [1 / wrist.Tw, -1 / wrist.Tw]]
+    system = control.c2d(control.ss(poles, [[k], [0]], [[0, 1]], 0), problem.period)
+    line = lambda v: p.a1 * (gain * v - p.rest_pressure) - p.w1  # noqa: E731
+
+    def cost(commands):
+        inputs, time = np.append(line(commands), 0.0), np.arange(9) * problem.period
+        angles = control.forced_response(system, time, inputs, [rest.memory.h, rest.angle]).outputs[1:]
+        return problem.cost(angles, commands, before, reference)
+
+    least = minimize(cost, np.full(8, before), method="BFGS", options={"gtol": 1e-6})
+    np.testing.assert_allclose(found.x, line(least.x), atol=1e-4)
+    assert of.rate == pytest.approx(line(before + problem.rate) - line(before))

@@ -131,3 +131,9 @@ def test_it_becomes_c():
 def test_settings_that_make_no_sense_are_refused(bad):
     with pytest.raises(ValueError, match="b and Tf"):
         TwoDofPI(1.0, 1.0, **bad)
+
+
+@pytest.mark.parametrize("gains", [(np.inf, 1.0), (1.0, np.inf), (np.nan, 1.0), (1.0, -1e-9)])
+def test_gains_of_a_pi_are_finite_and_not_negative(gains):
+    with pytest.raises(ValueError, match="finite and not negative"):
+        PI(*gains)

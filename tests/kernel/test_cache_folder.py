@@ -24,6 +24,13 @@ def test_a_new_folder_is_the_users_alone(folder):
     assert folder.stat().st_mode & 0o777 == 0o700
 
 
+def test_folders_above_it_are_made_where_there_are_none(tmp_path, monkeypatch):
+    monkeypatch.setattr(platformdirs, "user_cache_dir", lambda name: str(tmp_path / "home" / "cache" / name))
+    made = cache.cache_folder()
+    assert made == tmp_path / "home" / "cache" / "wrist" / "kernels"
+    assert made.is_dir()
+
+
 def test_a_folder_that_others_may_read_is_closed_to_them(folder):
     folder.mkdir()
     folder.chmod(0o755)
@@ -55,6 +62,15 @@ def test_somebody_elses_folder_is_left_alone(folder, monkeypatch):
     owner = os.getuid()
     monkeypatch.setattr(os, "getuid", lambda: owner + 1)
     assert cache.cache_folder() != folder
+
+
+def test_a_private_folder_that_is_gone_already_stops_no_process():
+    cache._private.cache_clear()
+    try:
+        cache._private().rmdir()
+        cache.remove_private()
+    finally:
+        cache._private.cache_clear()
 
 
 def test_the_private_folder_is_gone_after_the_process(tmp_path):

@@ -17,7 +17,8 @@ from plants.effects.sensor.gyro_drift import Drift
 from plants.kernel import pytrees as tree
 from plants.kernel.batches import run_lanes
 from plants.kernel.templates import emit
-from plants.simulation.closed_loop import law
+from plants.simulation.closed_loop import ClosedLoop, SampledClosedLoop, advance, law
+from plants.simulation.reference_profile import ReferenceProfile
 from plants.simulation.sensor import HOLD, Noise, Sensor, sensor
 
 LANES, SECONDS = 21, 3.0
@@ -100,6 +101,16 @@ def test_each_lane_hears_its_own_signal_held_for_so_many_steps(lanes):
             1, ("last",), jobs, {"own": own}, 10,
         )  # fmt: skip
         np.testing.assert_array_equal(rows[0, 1:], 2.0 * np.repeat(own, 10, axis=0)[:65])
+
+
+def test_commands_of_each_lane_have_a_row_for_every_sample():
+    wrist, volts = Wrist.flexion(), np.repeat(DRAW.uniform(0.0, 4.0, (40, 3)), 5, axis=0)
+    c = SampledClosedLoop(wrist.sampled(), (), ReferenceProfile((0.0,)))
+    last, _ = advance(ClosedLoop(wrist.rest()), c, 200, own={"command": volts}, jobs=1)
+    for lane in range(3):
+        alone = wrist.simulate(volts[:, lane]).state
+        np.testing.assert_allclose(last.plant.pressure[lane], alone.pressure, rtol=1e-12)
+        np.testing.assert_allclose(last.plant.angle[lane], alone.angle, rtol=1e-12)
 
 
 def test_a_signal_of_one_lane_is_heard_by_all_and_a_short_one_is_refused():

@@ -179,6 +179,16 @@ def test_a_laminar_leak_sags_exponentially_where_nothing_is_given():
     np.testing.assert_allclose(ours, REST * np.exp(-0.3 * DT * np.arange(2001)), rtol=1e-9)
 
 
+@pytest.mark.parametrize("leak", [LaminarLeak(0.3), PowerLeak(20.0, 0.5), PowerLeak(20.0, 2.0)])
+@pytest.mark.parametrize("pressure", [0.0, -5.0, -80.0])
+def test_a_chamber_without_gauge_pressure_has_nothing_to_lose(leak, pressure):
+    part = leak.sampled(ONE_RATE, 1e-3)
+    _, after = part.supply((), pressure, pressure + 0.25)
+    assert after == pressure + 0.25
+    _, lost = part.supply((), 50.0, 50.0)
+    assert lost < 50.0
+
+
 def test_a_leaking_chamber_rests_where_the_regulator_gives_what_is_lost():
     k = ONE_RATE.regulator.k_fast
     wrist = ONE_RATE + LaminarLeak(0.3)

@@ -108,6 +108,24 @@ def test_slopes_lie_within_what_it_says():
     assert np.max(added) > 0.5 * high
 
 
+@pytest.mark.parametrize("only", ["static", "turning", "slow"])
+def test_each_part_by_itself_reaches_the_slopes_that_it_says(only):
+    coefficients = {n: v for n, v in vars(BLOCK).items() if n.startswith(only)}
+    block = LearntBlock(20.0, 180.0, 15.0, 0.7, **coefficients)
+    said = block.linear(WRIST, np.array([1.0 + 0.0j]), 1e-3, (20.0, 180.0)).added
+    part, p, d = block.sampled(WRIST, 1e-3), np.linspace(20.0, 180.0, 4001), 1e-5
+    farthest = np.ptp(WRIST.reach) / WRIST.rig.half_range
+    seen = [
+        (part.added(p + d, direction + turned, ahead + left) - part.added(p, direction, ahead)) / d
+        for direction in (-1.0, 1.0)
+        for ahead in (-farthest, farthest)
+        for turned in (0.0, d / 15.0)
+        for left in (0.0, d / WRIST.rig.half_range)
+    ]
+    for low, high in said.values():
+        assert (np.min(seen), np.max(seen)) == pytest.approx((low, high), rel=2e-3, abs=1e-9)
+
+
 def test_it_has_no_cause_so_that_no_search_tries_it_unasked():
     assert "learnt" not in EFFECTS
     assert known_effects()["learnt"] == (LearntBlock,)

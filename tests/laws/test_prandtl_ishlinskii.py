@@ -3,13 +3,14 @@
 import control
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from plants import FourSegment, PrandtlIshlinskii, Wrist
 from plants.dynamics import step
 from plants.errors import InputError
 from plants.hysteresis import law_of
+from plants.hysteresis.law import Bend
 from plants.kernel import pytrees
 from plants.linearisation import nlsys, wrist_x0
 from plants.parameters.files import dump, load
@@ -93,6 +94,34 @@ def test_a_far_sweep_ends_on_an_outer_branch(loop, path):
     up, down = walk(loop, [*path, far]).h, walk(loop, [*path, -far]).h
     assert abs(float(up - loop.ascending(far))) < ROUNDING
     assert abs(float(down - loop.descending(-far))) < ROUNDING
+
+
+@given(sums_of_plays(), paths, pressures, between(-3.0, 3.0), between(-3.0, 3.0))
+def test_a_bend_shifts_each_branch_by_its_own_and_between_them_in_proportion(loop, path, after, low, high):
+    memory, before = walk(loop, path), path[-1]
+    plain, bent = loop.step(memory, before, after), loop.step(memory, before, after, Bend(low, high, 1.0))
+    up, down = float(loop.ascending(after)), float(loop.descending(after))
+    share = (float(plain.h) - up) / (down - up)
+    assert float(bent.h) == pytest.approx(float(plain.h) + low + share * (high - low), abs=1e-6)
+    assert bent.plays == plain.plays
+    for start, shift in (("line1", low), ("line2", high)):
+        there = loop.resting(
+            start, float((loop.ascending if start == "line1" else loop.descending)(after)), after
+        )
+        on_line = loop.step(there, after, after, Bend(low, high, 1.0))
+        assert float(on_line.h) == pytest.approx(float(there.h) + shift, abs=1e-6)
+
+
+@given(sums_of_plays(), pressures, between(-1.0, 1.0), between(-1.0, 1.0), between(0.02, 0.98))
+def test_inside_a_bent_loop_it_rests_at_the_angle_where_it_was_put(loop, pressure, low, high, share):
+    bent = float(loop.ascending(pressure)) + low, float(loop.descending(pressure)) + high
+    assume(bent[1] - bent[0] > 0.1)
+    angle = bent[0] + share * (bent[1] - bent[0])
+    memory = loop.resting("inside", angle, pressure, low, high)
+    assert float(memory.h) == angle
+    held = loop.step(memory, pressure, pressure, Bend(low, high, 1.0))
+    assert float(held.h) == pytest.approx(angle, abs=1e-6)
+    np.testing.assert_allclose(held.plays, memory.plays, rtol=0, atol=1e-9)
 
 
 @given(sums_of_plays(), between(-60.0, 60.0))

@@ -115,6 +115,19 @@ def test_a_channel_that_stands_still_has_no_coloured_noise():
     assert noise_of([np.ones(500)]) == 0.0
 
 
+@pytest.mark.parametrize("scale", [2.0**-12, 2.0**12])
+def test_a_channel_in_another_unit_has_the_same_floor_in_that_unit(scale):
+    """To the bit, for powers of 2: of white noise on jumps and a hum, and of noise with a memory."""
+    rng, time = np.random.default_rng(5), np.arange(4000) * DT
+    hum = 0.3 * np.sin(2.0 * np.pi * 7.0 * time) + 0.06 * rng.standard_normal(4000)
+    jumps = hum + 5.0 * np.sign(np.sin(2.0 * np.pi * 1.3 * time))
+    assert noise_of([scale * jumps]) == scale * noise_of([jumps])
+    (made,) = staircase(3, 0.1)
+    whole = noise_of_campaign([made], "angle_deg")
+    assert noise_of_campaign([replace(made, angle=scale * made.angle)], "angle_deg") == scale * whole
+    assert is_coloured([scale * coloured(500, 0.1, np.random.default_rng(2))])
+
+
 def test_of_few_differences_the_four_smaller_count():
     """Of eight values there are five third differences; the largest, of a jump, is left out."""
     third = np.array([1.0, -2.0, 3.0, -4.0, 100.0])
@@ -137,3 +150,19 @@ def test_a_hum_is_taken_out_of_differences_from_forty_times_the_power_around_it(
         found = _without_hum(np.random.default_rng(seed).standard_normal(rows) + wave)
         left.append(abs(np.exp(1j * phase) @ found) ** 2 / rows)
     assert (np.median(left) < 5.0) == taken
+
+
+def test_of_differences_below_four_deviations_a_hum_is_taken_out_by_least_squares():
+    rows, cycles = 4000, 548
+    phase = 2.0 * np.pi * cycles / rows * np.arange(rows)
+    x = np.clip(np.random.default_rng(1).standard_normal(rows), -3.0, 3.0) + 0.6 * np.sin(phase + 0.3)
+    waves = np.column_stack([np.sin(phase), np.cos(phase)])
+    expected = x - waves @ np.linalg.lstsq(waves, x, rcond=None)[0]
+    np.testing.assert_allclose(_without_hum(x), expected, atol=1e-9)
+
+
+def test_jumps_in_step_are_cut_at_four_deviations_and_are_no_hum():
+    """Of 30 deviations, one in 50 rows: cut, they stand 26 times above the noise, at eight deviations 102."""
+    x = np.random.default_rng(3).standard_normal(4000)
+    x[::50] += 30.0
+    np.testing.assert_array_equal(_without_hum(x), x)

@@ -24,7 +24,7 @@ import pytest
 
 from tests.mutants.forked import prepare, pytest_forked
 from tests.mutants.mutate import Mutant, drawn, mutants
-from tests.mutants.reach import Reached, chosen, enclosing, limits, naming, quickest, record
+from tests.mutants.reach import Reached, chosen, enclosing, importing, limits, naming, quickest, record
 
 ROOT = Path(__file__).parents[2]
 EQUIVALENT = Path(__file__).parent / "equivalent.toml"
@@ -32,16 +32,17 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "laws": (
         ("plants/hysteresis", "plants/actuator", "plants/effects", "plants/lag.py", "plants/dynamics.py",
          "plants/wrist.py", "plants/simulation", "plants/equilibrium.py", "design/controllers"),
-        ("laws/*", "oracles/*", "control/test_[fipt]*", "control/test_export_hand*",
-         "control/test_export_second*", "control/test_limit_effects*", "control/test_memory*",
-         "control/test_mpc_loop*", "control/test_registered*", "control/test_spikes*", "design/test_effects*",
-         "design/test_limits*", "design/test_tasks*", "measured/test_guess*", "robustness/test_lqi*",
-         "robustness/test_remainder*", "robustness/test_structures*", "trace/test_excitation*"),
+        ("laws/*", "oracles/*", "control/test_[fipt]*", "control/test_behind*", "control/test_cascade*",
+         "control/test_export_hand*", "control/test_export_second*", "control/test_limit_effects*",
+         "control/test_memory*", "control/test_mpc_loop*", "control/test_registered*", "control/test_spikes*",
+         "design/test_effects*", "design/test_limits*", "design/test_tasks*", "measured/test_guess*",
+         "robustness/test_lqi*", "robustness/test_remainder*", "robustness/test_structures*",
+         "trace/test_excitation*"),
     ),
     "kernels": (
         ("plants/kernel", "design/mpc"),
-        ("kernel/*", "laws/test_k*", "laws/test_l*", "control/test_inverse*", "control/test_mpc*",
-         "control/test_export_[pr]*"),
+        ("kernel/*", "laws/test_k*", "laws/test_l*", "control/test_inverse*", "control/test_margins*",
+         "control/test_mpc*", "control/test_export_[pr]*"),
     ),
     "statistics": (
         ("plants/measured/residual", "plants/measured/noise.py", "design/contest", "design/evaluation"),
@@ -54,6 +55,11 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "export": (("design/export",), ("control/test_export*", "cli/test_export*")),
 }  # fmt: skip
 """Sources, and the tests that are run on them, by what they are of."""
+IMPORTING = (
+    "control", "design", "evaluation", "kernel", "laws", "measured", "oracles", "residual", "robustness",
+)  # fmt: skip
+"""Folders of tests that are of one thing each: what imports a module is run on its faults, whatever its room;
+pages, commands and searches of causes use nearly all, and take long."""
 OF_ALL = ("tests/test_frozen.py",)
 """Tests of how any source is written."""
 
@@ -67,9 +73,12 @@ def sources(room: str) -> list[Path]:
     return [p for p in found if p.name != "__init__.py"]
 
 
-def tests_of(room: str) -> list[str]:
-    """The files of tests of a room."""
-    found = {p for name in ROOMS[room][1] for p in (ROOT / "tests").glob(f"{name}")}
+def files_of(room: str) -> list[str]:
+    """The files of tests of a room, and those in `IMPORTING` that import a module of it."""
+    wanted = importing(p.relative_to(ROOT) for p in sources(room))
+    found = {p for name in ROOMS[room][1] for p in (ROOT / "tests").glob(name)}
+    others = (p for folder in IMPORTING for p in (ROOT / "tests" / folder).glob("test_*.py"))
+    found |= {p for p in others if wanted.search(p.read_text(encoding="utf-8"))}
     return sorted(str(p.relative_to(ROOT)) for p in found if p.name.startswith("test_") and p.suffix == ".py")
 
 
@@ -186,7 +195,7 @@ def main() -> int:
         prepare(Path(folder) / "cache")
         known = equivalents()
         for room in asked.room or ROOMS:
-            reached, unknown = record(copy, tests_of(room), Path("build/reach.json"), asked.most)
+            reached, unknown = record(copy, files_of(room), Path("build/reach.json"), asked.most)
             files = [p for p in sources(room) if asked.only in str(p)]
             for mutant in (
                 survivors(room, asked.again) if asked.again else drawn(files, asked.count, asked.seed)

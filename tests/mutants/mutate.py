@@ -75,7 +75,7 @@ def _is_text(node: ast.BinOp) -> bool:
 
 
 def _passed_over(tree: ast.Module) -> set[int]:
-    """Nodes whose faults nobody could see: of annotations, messages, defaults that name a thing."""
+    """Nodes whose faults nobody could see: of annotations, messages, seeds, defaults that name a thing."""
     found: set[int] = set()
     for node in ast.walk(tree):
         parts: list[ast.AST | None] = []
@@ -84,10 +84,11 @@ def _passed_over(tree: ast.Module) -> set[int]:
         elif isinstance(node, ast.FunctionDef):
             parts = [node.returns, *(a.annotation for a in (*node.args.args, *node.args.kwonlyargs))]
             late = zip(reversed(node.args.args), reversed(node.args.defaults), strict=False)
-            # One seed is as good as another.
             parts += [default for argument, default in late if argument.arg == "seed"]
         elif isinstance(node, ast.Raise | ast.JoinedStr | ast.Assert):
             parts = [node]
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("default_rng"):
+            parts = [*node.args]
         elif isinstance(node, ast.keyword) and node.arg == "strict":  # of zip: an assertion
             parts = [node.value]
         found |= {id(inner) for part in parts if part is not None for inner in ast.walk(part)}

@@ -100,9 +100,14 @@ def naming(copy: Path, files: Iterable[str], path: Path) -> list[str]:
     """The files of tests that name a module, or what it defines."""
     defined = [n.name for n in ast.parse((copy / path).read_text()).body if isinstance(n, DEFINITIONS)]
     public = "|".join(n for n in defined if not n.startswith("_") and len(n) > 4) or "-"
-    package, _, name = ".".join(path.with_suffix("").parts).rpartition(".")
-    wanted = re.compile(rf"{package}\.{name}\b|from {package} import [^\n]*\b{name}\b|\b({public})\b")
+    wanted = re.compile(rf"{importing([path]).pattern}|\b({public})\b")
     return [f for f in files if wanted.search((copy / f).read_text(encoding="utf-8"))]
+
+
+def importing(paths: Iterable[Path]) -> re.Pattern[str]:
+    """What stands in a source that imports one of some modules."""
+    places = [".".join(path.with_suffix("").parts).rpartition(".") for path in paths]
+    return re.compile("|".join(rf"{p}\.{n}\b|from {p} import [^\n]*\b{n}\b" for p, _, n in places))
 
 
 def enclosing(source: str, path: str, line: int) -> list[str]:

@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from tests.mutants.__main__ import ROOMS, ROOT, equivalents, sources, survivors
+from tests.mutants.__main__ import ROOMS, ROOT, equivalents, files_of, sources, survivors
 from tests.mutants.forked import Ended, followed
 from tests.mutants.mutate import drawn, mutants
 from tests.mutants.reach import Reached, chosen, enclosing, limits, quickest
@@ -37,9 +37,26 @@ def test_each_is_a_program_with_one_line_changed(tmp_path):
     assert "return a * b - (min(a, 1))" in after
 
 
+def test_one_seed_is_as_good_as_another(tmp_path):
+    path = tmp_path / "law.py"
+    path.write_text(
+        "def law(steps: int, seed: int = 0):\n    return np.random.default_rng((seed, 2)).random(3)\n"
+    )
+    assert {m.after for m in mutants(path)} == {
+        f"return np.random.default_rng((seed, 2)).random(({n}))" for n in (4, 5)
+    }
+
+
 def test_a_seed_draws_the_same():
     files = sources("export")
     assert drawn(files, 5, 3) == drawn(files, 5, 3) != drawn(files, 5, 4)
+
+
+def test_a_room_has_all_tests_that_import_its_modules():
+    of_certificates, of_laws = "tests/robustness/test_robust_mpc.py", "tests/laws/test_signals.py"
+    assert {of_certificates, of_laws} <= set(files_of("kernels"))
+    assert of_laws not in files_of("certificates")
+    assert "tests/measured/test_zero_of_a_log.py" in files_of("export")
 
 
 def test_survivors_of_an_earlier_run_are_found_again_on_another_line(tmp_path):

@@ -5,15 +5,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.linalg import toeplitz
-from scipy.stats import chi2, norm
+from scipy.stats import chi2, gamma, norm
 
+from plants.measured.residual.battery import make_tests
 from plants.measured.residual.checks.conditional import sums_of, white_sums
 from plants.measured.residual.checks.correlation import correlation
 from plants.measured.residual.checks.evidence import Evidence
 from plants.measured.residual.checks.periodic import line_in, spectrum_of
 from plants.measured.residual.checks.whiteness import autocorrelation, ljung_box
+from plants.measured.residual.curves import curves_of
 from plants.measured.residual.examine import examine
-from plants.measured.residual.series.background import background, first_order, positive_parts
+from plants.measured.residual.series.background import (
+    LOWEST,
+    _bands,
+    background,
+    first_order,
+    positive_parts,
+)
 from plants.measured.residual.series.bins import bins_of, stretches
 from plants.measured.residual.series.design import design_of
 from plants.measured.residual.series.joined import SILENCE, join
@@ -233,6 +241,38 @@ def test_curves_have_bounds_that_noise_respects():
     assert lags.centre == pytest.approx(DT * np.arange(1, len(lags.mean) + 1))
 
 
+def test_bounds_of_curves_are_those_of_white_noise_written_out():
+    """A bound that noise leaves anywhere with 1 %, shared among the points of a curve, on either side."""
+    rows, rng = 20_000, np.random.default_rng(9)
+    x = np.repeat(rng.uniform(-1.0, 1.0, rows // 50), 50)
+    jumps = np.where(rng.random(rows) < 0.05, rng.standard_normal(rows), 0.0)
+    value = 2.0 * rng.standard_normal(rows) + 0.7
+    made = {"x": x, "u_V": np.cumsum(jumps)}
+    battery = make_tests(join([Remainder("r", "wrist", np.arange(rows) * DT, value, 2.0, made)]), 2.0, 0)
+    curves = curves_of(battery)
+    label = next(b for b in battery.bins if b.variable == "x").label[:rows]
+    count = np.bincount(label)
+
+    def beyond(many, p=0.01):
+        return norm.isf(0.5 * p / many)
+
+    found = curves["x"]
+    np.testing.assert_allclose(found.mean, np.bincount(label, value) / count, atol=1e-3)
+    np.testing.assert_allclose(found.centre, np.bincount(label, x) / count, atol=1e-9)
+    allowed = beyond(len(count)) * 2.0 / np.sqrt(count)
+    np.testing.assert_allclose(found.high - value.mean(), allowed, rtol=0.15)
+    np.testing.assert_allclose(value.mean() - found.low, allowed, rtol=0.15)
+    lags = curves["autocorrelation"]
+    np.testing.assert_allclose(lags.high, beyond(len(lags.mean)) / np.sqrt(rows))
+    np.testing.assert_array_equal(lags.low, -lags.high)
+    crossed = curves["correlation with u_V"]
+    np.testing.assert_allclose(crossed.high, beyond(len(crossed.mean)) / np.sqrt(rows), rtol=0.15)
+    np.testing.assert_array_equal(crossed.low, -crossed.high)
+    power = curves["spectrum"]  # of one recording: exponential about 2 dt sigma^2
+    most = -np.log(0.01 / (2.0 * len(power.mean)))
+    assert np.median(power.high) / (2.0 * DT * 4.0) == pytest.approx(most, rel=0.4)
+
+
 @pytest.mark.parametrize("dt", [0.002, 0.02, 0.05])
 def test_other_sample_times(dt):
     rows = round(200.0 / dt)
@@ -317,3 +357,15 @@ def test_the_spectrum_of_differences_is_divided_by_what_they_do_to_it():
         for low, high in ((1.0, 3.0), (10.0, 14.0), (40.0, 49.0)):
             band = (at > low) & (at < high)
             assert np.mean(power[band]) == pytest.approx(np.mean(first_order(at[band], memory, DT)), rel=0.1)
+
+
+def test_bands_of_a_background_begin_at_three_periods_of_the_longest_recording():
+    series = join(short(0.1, (900, 2000)))
+    at, level, count = _bands(series, np.full(len(series.frequencies), 3.0), 2.0)
+    first = max(LOWEST, 3.0 / 20.0)
+    second = max(1.25 * first, first + max(0.08, 6.0 / 29.0))
+    inside = series.frequencies[(series.frequencies >= first) & (series.frequencies < second)]
+    assert at[0] == pytest.approx(np.mean(inside))
+    assert count[0] == len(inside)
+    assert count.sum() == np.count_nonzero(series.frequencies >= first)
+    assert level == pytest.approx(3.0 * 2.0 / gamma.ppf(0.5, 2.0))  # whose median is that power

@@ -4,13 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from scipy.stats import gamma
 
 from plants.measured.residual.checks.correlation import AFTER, BEFORE, correlation
 from plants.measured.residual.checks.events import _baseline
 from plants.measured.residual.checks.evidence import NOTHING
-from plants.measured.residual.checks.periodic import Spectrum, _refined
+from plants.measured.residual.checks.periodic import Spectrum, _refined, line_in, spectrum_of
 from plants.measured.residual.checks.size import BURST, EDGE, Sizes, burst_test, evened, is_rough, sizes_of
+from plants.measured.residual.series.background import first_order
 from plants.measured.residual.series.joined import join
 from plants.measured.residual.series.remainder import Remainder
 from plants.measured.residual.stillness import DISTURBED, MOVED, SETTLED, SHORTEST, still_noise, still_rows
@@ -125,6 +127,40 @@ def test_loud_noise_is_rough_and_a_transient_is_not():
     for made, rough in ((loud, True), (swing, False)):
         series = joined(made)
         assert is_rough(series, series.value, np.ones(len(series.frequencies))) == rough
+
+
+def test_what_is_loud_is_judged_by_what_is_new_in_coloured_noise():
+    """Innovations of first-order noise, five times as large for two seconds: as of the white ones of it."""
+    keep, new = np.exp(-DT / 0.1), white(4000, 9)
+    new[1000:1200] *= 5.0
+    spectrum = first_order(np.fft.rfftfreq(joined(new).length, DT), 0.1, DT)
+    series = joined(lfilter([np.sqrt(1.0 - keep**2)], [1.0, -keep], new))
+    plain, flat = joined(new), np.ones_like(spectrum)
+    assert is_rough(series, series.value, spectrum)
+    assert not is_rough(series, series.value, flat)
+    told = evened(series, series.value, spectrum)[:4000] / series.value[:4000]
+    by_new = evened(plain, plain.value, flat)[:4000] / plain.value[:4000]
+    assert np.mean(np.abs(told / by_new - 1.0) < 0.1) > 0.97
+    assert told[1000:1200].max() < 0.6
+    sizes, of_new = sizes_of(series, series.value, spectrum), sizes_of(plain, plain.value, flat)
+    assert sizes.variance == pytest.approx(of_new.variance, rel=0.15)
+    calm = sizes.value[1300:3900]
+    assert abs(np.corrcoef(calm[1:], calm[:-1])[0, 1]) < 0.1  # where noise is stationary they are unrelated
+
+
+def test_a_line_is_held_against_the_law_of_the_spectrum_around_it():
+    """Of mean 1, its bound that of the spectrum's curve; and white noise keeps to it."""
+    values = []
+    for seed in range(30):
+        series = joined(white(3000, seed), white(2000, seed + 100))
+        spectrum = spectrum_of(series, np.ones(len(series.frequencies)))
+        evidence = line_in(series, spectrum).evidence
+        law = gamma(*evidence.arguments)
+        assert (law.mean(), law.var()) == pytest.approx((1.0, 1.0 / spectrum.shape))
+        np.testing.assert_allclose(spectrum.bound(1e-4), spectrum.level * evidence.bound(1e-4))
+        values.append(evidence.p_value)
+    assert np.mean(np.array(values) < 0.2) < 0.4
+    assert np.median(values) > 0.2
 
 
 def test_the_baseline_follows_a_ramp_and_what_lasts_longer_than_half_of_its_four_seconds():

@@ -7,6 +7,7 @@ import pytest
 
 from design.controllers.pi import PI
 from design.robustness.certificates.continuous import check, lmi, popov, quadratic
+from design.robustness.certificates.continuous.form import Form
 from design.robustness.certificates.continuous.ladder import certifies, certify
 from design.robustness.certificates.continuous.search import search
 from design.robustness.certificates.reasons import NotConfirmed
@@ -83,3 +84,39 @@ def test_a_solver_that_lies_is_not_believed(monkeypatch: pytest.MonkeyPatch) -> 
     assert found.form is None
     assert isinstance(found.reason, NotConfirmed)
     assert no_certificate(found.reason).startswith("not confirmed: LIAR reports one")
+
+
+@pytest.mark.parametrize("k_slow", [0.55, 20.0])
+@pytest.mark.parametrize("order", [0, 3])
+def test_what_the_check_says_of_the_fall_is_the_derivative_written_out(order: int, k_slow: float) -> None:
+    """For a straight law, and parabolas under way, of which three moments tell all (Bessel with equality)."""
+    model, tau, slope = replace(LOOP, k_slow=k_slow), 0.05, 0.2
+    random = np.random.default_rng(order)
+    root = random.normal(size=(3 + order, 3 + order))
+    S, R = (0.7, 0.4) if order else (0.0, 0.0)
+    form = Form(root @ root.T, 0.9, True, 1.7, (0.1, 0.3), (2.0, 5.0), S, R)
+    low, kappa = min(k_slow, model.k_fast), abs(model.k_fast - k_slow)
+    fall = check._fall(form, model, tau, slope, low)
+    at, weights = np.polynomial.legendre.leggauss(12)
+    at, weights = 0.5 * (at + 1.0), 0.5 * weights  # on [0, 1]
+    polynomials = [np.polynomial.legendre.Legendre.basis(k, domain=[0.0, 1.0]) for k in range(order)]
+    for x0, x1, q, share, bend, turn in random.normal(size=(20, 6)) * [3.0, 3.0, 10.0, 1.0, 30.0, 30.0]:
+        sent = model.Ki * x0 - model.Kp * x1 / model.Tw
+        z = np.polynomial.Polynomial([sent, bend, turn])  # z(t - tau s), over s
+        arriving = float(z(1.0)) if order else sent
+        steep = kappa / (1.0 + np.exp(share))
+        psi = steep * q
+        phi, moments = low * q + psi, [float(weights @ (z(at) * p(at))) for p in polynomials]
+        X = np.array([x0, x1, q, *moments])
+        moved = [-float(weights @ (z.deriv()(at) * p(at))) / tau for p in polynomials]
+        dX = np.array([-x1 / model.Tw, -x1 / model.Tw + slope * phi, arriving - phi, *moved])
+        squares = float(weights @ z(at) ** 2)
+        falls = 2.0 * X @ form.P @ dX + 2.0 * form.popov * psi * dX[2]
+        integral = psi * q if k_slow < model.k_fast else 0.5 * kappa * q**2  # no less than that of psi
+        grows = X @ form.P @ X + 2.0 * form.popov * integral
+        if order:
+            falls += ((S + R) * sent**2 - S * arriving**2 - R * squares) / tau
+            grows += (S + R) * squares
+        sector = 2.0 * 3.5 * psi * (kappa * q - psi)  # half-way between the two slopes
+        told = fall(np.array([*X, *([arriving] if order else []), psi])[:, None])
+        assert float(told[0]) == pytest.approx(falls + 2.0 * form.decay * grows + sector, rel=1e-9)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 from design.controllers.pi import PI
 from design.robustness.certificates.memory import programme
@@ -13,6 +14,7 @@ from design.robustness.certificates.memory.loop import FixedLawLoop, growth_of
 from design.robustness.certificates.reasons import NoneOfThisKind, NotConfirmed
 from design.robustness.loop_model import LoopModel
 from plants import Wrist
+from plants.actuator import regulator
 
 LOOP = LoopModel.of(Wrist.flexion(), PI(2.0, 4.0))
 SLOPE = (0.36,)
@@ -138,3 +140,67 @@ def test_what_is_under_way_loses_what_arrives_and_what_time_takes(scale: int) ->
         assert w[kept] @ fall @ w[kept] * dt == pytest.approx(expected, rel=1e-9)
         of_states = w[: loop.states]
         assert of_states @ below(form, loop) @ of_states == pytest.approx(S * dt * squares, rel=1e-9)
+
+
+@pytest.mark.parametrize("samples", [0, 5])
+def test_a_sample_is_the_loop_written_out(samples: int) -> None:
+    """State, moments of what is under way, distance from the line; the growth of a decay is taken out."""
+    loop = FixedLawLoop.of(LOOP, samples)
+    dt, g = LOOP.dt, growth_of(0.4, LOOP.dt)
+    step = replace(loop.steps(SLOPE)[0], gain=1.3)
+    rows, random = loop.rows(step, g), np.random.default_rng(8)
+    e, d, q, F, psi = random.normal(size=5) * [3.0, 3.0, 10.0, 5.0, 40.0]
+    growth, late = float(g), random.normal(size=samples) * 20.0  # under way, the last sent first
+    table = np.asarray(loop.window.table, float)
+
+    def vector(x: list[float], under_way: Any, distance: float) -> list[float]:
+        scaled = [u * growth ** -(i + 1) for i, u in enumerate(under_way)]
+        moments = [float(row[: len(scaled)] @ scaled) / samples for row in table] if samples else []
+        return [*x, *moments, distance]
+
+    phi = float(loop.law.low) * q + dt * psi
+    dy = (1.0 - step.keep) * d + step.after * step.slope * phi
+    sent = 1.3 * (LOOP.Kp * -dy / dt + LOOP.Ki * e)
+    arrives = float(late[-1]) if samples else sent
+    w = np.array([*vector([e, d, q], late, F), psi, *([arrives * growth**-samples] if samples else [])])
+    after = vector(
+        [e - dy, d + step.slope * phi - dy, q - phi + dt * arrives], [sent, *late[:-1]][:samples], F - phi
+    )
+    expected = np.array([growth * x for x in after])
+    np.testing.assert_allclose(np.asarray(rows.now, float) @ w, w[: loop.states + 1], rtol=1e-12)
+    np.testing.assert_allclose(np.asarray(rows.after, float) @ w, expected, rtol=1e-9)
+    assert float(np.asarray(rows.sent, float) @ w) == pytest.approx(sent)
+    assert float(np.asarray(rows.moved, float) @ w) == pytest.approx(arrives - phi / dt)
+    rough = loop.rows(step, g, floats=True)
+    np.testing.assert_allclose(np.asarray(rough.after), np.asarray(rows.after, float), rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("decay", [0.0, 0.7])
+def test_what_the_integral_of_the_law_gains_is_bounded_and_hardly_overstated(decay: float) -> None:
+    """Of g^2 int_0^(q+) psi - int_0^q psi, twice: exact for the steepest straight law but for what the
+    integral so far is overstated by, and never below for the law of the regulator itself."""
+    loop = FixedLawLoop.of(LOOP, 0)
+    made = programme.common(loop, 0.05).form
+    assert made is not None
+    g, dt, law = growth_of(decay, LOOP.dt), LOOP.dt, loop.law
+    form = replace(made.form, P=np.zeros_like(made.form.P), popov=2.0, S=0.0, R=0.0)
+    step = loop.steps(SLOPE)[0]
+    rows = loop.rows(step, g)
+    fall = np.asarray(_fall(form, loop, step, 0.0, decay), float) * dt
+    sector = np.asarray(_fall(form, loop, step, 3.0, decay), float) * dt - fall
+    kept = [k for k in range(loop.size) if k != loop.states]
+    steepest, high = (float(x - law.low) / dt for x in (law.steepest, law.high))
+    c = regulator.sampled(Wrist.flexion().regulator, dt)
+    for e, d, q in np.random.default_rng(9).normal(size=(20, 3)) * [3.0, 3.0, 15.0]:
+        share = float(regulator.share(q, c)) - float(law.low)
+        for psi, of in ((steepest * q, lambda x: steepest * x), (share * q / dt, None)):
+            w = np.array([e, d, q, 0.0, psi])
+            beyond = q + dt * float(np.asarray(rows.moved, float) @ w)
+            psi_of = of or (lambda x: (float(regulator.share(x, c)) - float(law.low)) * x / dt)
+            before, after = (quad(psi_of, 0.0, x)[0] for x in (q, beyond))
+            told, true = w[kept] @ fall @ w[kept], 2.0 * 2.0 * (float(g) ** 2 * after - before)
+            assert told >= true - 1e-9 * abs(true)
+            if of is not None:
+                overstated = 2.0 * (float(g) ** 2 - 1.0) * (2.0 * psi * q - steepest * q**2)
+                assert told - true == pytest.approx(overstated, rel=1e-6, abs=1e-9 * abs(before))
+            assert w[kept] @ sector @ w[kept] == pytest.approx(2.0 * 3.0 * dt * psi * (high * q - psi))

@@ -1,6 +1,7 @@
 """Runs of the tasks come to where the loop decays; where they do not, nothing is said of them."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -11,8 +12,9 @@ from design.evaluation.tasks import comparison_tasks
 from design.robustness.box import box_of
 from design.robustness.certificates.certificate import Certificate
 from design.robustness.certificates.memory.ladder import certify_memory, for_tasks, lines_of
-from design.robustness.certificates.memory.loop import FixedLawLoop, Plants
-from design.robustness.certificates.memory.region import arrivals
+from design.robustness.certificates.memory.loop import FixedLawLoop, Plants, growth_of
+from design.robustness.certificates.memory.programme import line
+from design.robustness.certificates.memory.region import _states, arrivals, level
 from design.robustness.certificates.memory.runs import Runs, run
 from design.robustness.certificates.reasons import NotOnePlay, UnstableMode
 from design.robustness.certificates.statements import of_tasks
@@ -32,6 +34,7 @@ def certified(wrist: Wrist, Kp: float, Ki: float, dead_time: float) -> Certifica
     return certify_memory(LoopModel.of(wrist, pi), wrist, pi, (dead_time,))[1]
 
 
+@cache
 def played(wrist: Wrist, Kp: float, Ki: float, samples: int) -> tuple[FixedLawLoop, Runs]:
     pi = PI.of(wrist, Kp, Ki)
     model = LoopModel.of(wrist, pi)
@@ -87,6 +90,43 @@ def test_runs_are_those_of_the_simulator() -> None:
         assert np.allclose(runs.angle[:samples, lane], went.angle[:, 0], atol=1e-9)
         assert np.allclose(runs.static[:samples, lane], went.static_angle[:, 0], atol=1e-9)
     assert runs.clipped.any(axis=0).all()
+
+
+def test_states_of_runs_and_what_is_under_way_are_those_written_out() -> None:
+    loop, runs = played(WRISTS["flexion"], 2.0, 6.0, 5)
+    dt, N, decay = loop.model.dt, 5, 0.3
+    at, growth = np.array([0, 3, 40, 700]), float(growth_of(decay, dt))
+    w, (squares, weighted) = _states(loop, runs, at, decay)
+    table = np.asarray(loop.window.table, float)
+    for row, k in enumerate(at.tolist()):
+        for lane in (0, 5, len(runs.names) - 1):
+            given = [float(runs.rest[lane])] * (N + 1) + runs.command[: k + 1, lane].tolist()
+            late = [(given[-i] - given[-i - 1]) / dt * growth**-i for i in range(1, N + 1)]
+            angle, reference = runs.angle[k, lane], runs.reference[k, lane]
+            q = given[-N - 1] - runs.pressure[k, lane]
+            moments = [np.dot(of[:N], late) / N for of in table]
+            expected = [reference - angle, runs.static[k, lane] - angle, q, *moments]
+            np.testing.assert_allclose(w[row, lane], expected, rtol=1e-9, atol=1e-12)
+            assert squares[row, lane] == pytest.approx(dt * np.sum(np.square(late)))
+            ages = [(N + 1 - i) * dt for i in range(1, N + 1)]
+            assert weighted[row, lane] == pytest.approx(dt * np.dot(ages, np.square(late)))
+    assert np.count_nonzero(weighted) > 10
+
+
+def test_a_level_is_the_larger_of_two_functions_and_grows_with_what_the_law_may_hold() -> None:
+    loop, runs = played(WRISTS["flexion"], 2.0, 6.0, 5)
+    form = line(loop, (0.36,), 0.1).form
+    assert form is not None
+    w, window = _states(loop, runs, np.array([40, 300]), form.decay)
+    for F in (0.0, 2.0):
+        found = level(form, loop, w, window, np.full(w.shape[:2], F))
+        for k, lane in ((0, 0), (1, 3)):
+            x, values = w[k, lane], []
+            for of in (form.line, form.transit):
+                held = of.S * window[0][k, lane] + of.R * window[1][k, lane]
+                values.append(x @ of.P @ x + held + 2.0 * of.popov * loop.sector * x[2] ** 2)
+            values[0] += 2.0 * F * float(x @ form.cross) - form.gap * F**2
+            assert found[k, lane] == pytest.approx(max(values), rel=1e-9)
 
 
 def test_runs_that_are_clipped_at_first_arrive_too() -> None:

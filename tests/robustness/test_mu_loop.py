@@ -11,6 +11,7 @@ from design.robustness.box import box_of
 from design.robustness.certificates.constant import mu_sweep
 from design.robustness.certificates.constant import robust_stability as whole
 from design.robustness.certificates.constant.robust_stability import (
+    Refuted,
     robust_stability,
     robust_stability_everywhere,
     statements,
@@ -229,6 +230,21 @@ def test_a_certificate_that_the_check_refutes_is_none(monkeypatch):
     r = robust_stability(NARROW, PI(9.0, 27.0), "line1", "slow")
     assert not r.certified
     assert statements([r])[0].status is Status.PREDICTED
+
+
+def test_members_of_a_certified_set_are_looked_at_by_eigenvalues_and_by_slack_each_by_itself(monkeypatch):
+    loop = UncertainLoop.of(WIDE, PI(1.0, 12.0), "line1", "slow")
+    exact = exact_growth(loop)
+    assert whole._refuted(loop, 1.0 / (0.98 * exact)) is None
+    assert whole._refuted(loop, 1.0 / (1.02 * exact)) is Refuted.UNSTABLE_MEMBER
+    with monkeypatch.context() as m:  # where slack says nothing, the eigenvalues do
+        m.setattr(whole, "slack", lambda loop, p: np.ones(np.shape(p)[:-1]))
+        assert whole._refuted(loop, 1.0 / (0.98 * exact)) is None
+        assert whole._refuted(loop, 1.0 / (1.02 * exact)) is Refuted.UNSTABLE_MEMBER
+    late = UncertainLoop.of(NARROW, PI(1.2, 2.2), "line1", "fast", 0.05)
+    assert whole._refuted(late, 1.0) is None
+    monkeypatch.setattr(whole, "pade_error", lambda x: 1e-9)
+    assert whole._refuted(late, 1.0) is Refuted.POOR_APPROXIMANT
 
 
 def test_a_loop_that_only_extra_dead_time_destabilises_is_a_finding():

@@ -7,12 +7,16 @@ from design.robustness.certificates.sampled.lifted import lifted, power, radius_
 from design.robustness.certificates.sampled.switched import (
     Switched,
     best,
+    common_margin,
     common_quadratic,
     continuous,
+    definite,
     discrete,
+    poly_margin,
     poly_quadratic,
     rounded,
     scaled,
+    share_of_least,
 )
 from design.robustness.certificates.sampled.words import search_word
 
@@ -150,3 +154,36 @@ def test_states_of_other_units_change_nothing() -> None:
         even = scaled(each)[0]
         rates.append(best(common_quadratic(even), 1e-4, float(np.min(even.fates)), 16).rate)
     assert rates[0] == pytest.approx(rates[1], rel=1e-3)
+
+
+@pytest.mark.parametrize("dt", [0.0, 0.1])
+def test_the_check_of_a_common_function_ends_where_the_loss_of_a_turning_mode_does(dt: float) -> None:
+    """Of |x|^2 under M = -a + b J a sample loses 2 a - dt (a^2 + b^2), whatever the state."""
+    pair = tuple(np.array([[-a, b], [-b, -a]]) for a, b in ((0.5, 2.0), (0.8, 1.0)))
+    system, exact = Switched(pair, dt), min(2 * 0.5 - dt * 4.25, 2 * 0.8 - dt * 1.64)
+    assert common_margin(system, 3.0 * np.eye(2), exact - 1e-6) > 0.0
+    assert common_margin(system, 3.0 * np.eye(2), exact + 1e-6) < 0.0
+    assert common_margin(system, np.diag([1.0, 0.0]), -9.0) == common_margin(system, -np.eye(2), -9.0) == -1.0
+    hull = Switched((pair[0], np.diag([-0.9, -0.9])), dt)
+    assert common_margin(hull, np.eye(2), 0.9 * exact) > 0.0
+
+
+def test_the_check_of_functions_that_follow_the_mode_ends_at_the_worst_pair() -> None:
+    """Of p_i x^2 under x+ = a_i x a sample loses 1 - p_j a_i^2 / p_i before it goes on with any j."""
+    factors, weights, dt = (0.9, 0.5), (1.0, 1.2), 0.2
+    system = discrete([np.array([[a]]) for a in factors], dt)
+    shapes = tuple(np.array([[p]]) for p in weights)
+    exact = min(1.0 - q * a * a / p for a, p in zip(factors, weights, strict=True) for q in weights) / dt
+    assert poly_margin(system, shapes, exact - 1e-6) > 0.0
+    assert poly_margin(system, shapes, exact + 1e-6) < 0.0
+    assert poly_margin(system, (shapes[0], 0.0 * shapes[1]), -9.0) == -1.0
+
+
+def test_a_margin_is_the_least_eigenvalue_as_a_share_of_the_largest() -> None:
+    turned = np.linalg.qr(np.random.default_rng(6).normal(size=(3, 3)))[0]
+    matrix = turned @ np.diag([-0.5, 1.0, 2.0]) @ turned.T
+    assert [share_of_least(c * matrix) for c in (1.0, 1e9)] == pytest.approx([-0.25, -0.25])
+    assert share_of_least(np.zeros((2, 2))) == 0.0
+    assert definite(np.diag([1e-11, 1.0]))
+    assert not definite(np.diag([1e-13, 1.0]))
+    assert not definite(matrix)
