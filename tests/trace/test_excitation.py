@@ -72,7 +72,8 @@ def test_creep_that_is_slower_than_the_recordings_is_a_drift_in_all_of_them(cree
 
 def test_a_form_that_is_the_commands_comes_after_one_that_is_the_rigs():
     """However much better it fits."""
-    models = [SimpleNamespace(chi2=x, wrist=SimpleNamespace(effects=(c,))) for x, c in
+    stage = SimpleNamespace(name="regulator")  # of which no loop can turn back
+    models = [SimpleNamespace(chi2=x, stage=stage, wrist=SimpleNamespace(effects=(c,))) for x, c in
               ((1.0, Creep(0.1, 209.0)), (2.0, Creep(0.1, 9.0)))]  # fmt: skip
     slow, prompt = (rank(m, "creep", asked(STEPS)) for m in models)
     assert prompt < slow

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from plants.effects import EFFECTS
 from plants.measured.blocks import lower
 from plants.measured.residual.examine import Examination, examine
+from plants.measured.trace.search.backwards import turns_back
 from plants.measured.trace.search.excitation import Excitation, excitation
 from plants.measured.trace.search.likelihood import demanded, log_likelihood
 from plants.measured.trace.search.screening import Ranked, Screen, screen
@@ -207,7 +208,7 @@ def _further(
         if now.lacks_something:
             found += refit(start.model, shortlist(ranked, effects), forms, asked)
     borrowed = {n: why for c in found for n, why in borrowed_in(c, asked).items()}
-    kept = [c for c in found if not borrowed_in(c, asked)]
+    kept = [c for c in found if not borrowed_in(c, asked) and not turns_back(c.model)]
     return distinct(sorted(kept, key=lambda c: c.model.chi2)), tuple(ranking), borrowed
 
 
@@ -242,7 +243,7 @@ def reformed(now: Candidate, asked: Excitation) -> Candidate:
         held = Screen(rest.fitted(6, 1e-3))
         others = [held.rank(f) for f in EFFECTS[form.NAME] if f is not form]
         for other in refit(rest, others, len(others)):
-            if other.model.chi2 < now.model.chi2 and not borrowed_in(other, asked):
+            if other.model.chi2 < now.model.chi2 and not any(rank(other.model, form.NAME, asked)[:2]):
                 now = other
     return now
 
@@ -297,7 +298,7 @@ def refit(
     model: Model, ranked: Sequence[Ranked], forms: int = FORMS, asked: Excitation | None = None
 ) -> list[Candidate]:
     """Each effect ranked, in the best of so many of its forms, fitted fully; the best first.  asked: forms
-    that may be nothing but the command come after those that may not."""
+    that may be nothing but the command come after those that may not, as do loops that turn back."""
     best: dict[str, Model] = {}
     tried: dict[str, int] = {}
     for r in ranked:
@@ -311,9 +312,10 @@ def refit(
     return sorted((Candidate(m.fitted(20, ROUGH)) for m in order[:3]), key=lambda c: c.model.chi2)
 
 
-def rank(model: Model, name: str, asked: Excitation | None) -> tuple[bool, float]:
+def rank(model: Model, name: str, asked: Excitation | None) -> tuple[bool, bool, float]:
     """By what forms of an effect are ordered, the best first."""
-    return asked is not None and name in borrowed_in(Candidate(model), asked), model.chi2
+    borrowed = asked is not None and name in borrowed_in(Candidate(model), asked)
+    return borrowed, turns_back(model), model.chi2
 
 
 def from_command(now: Candidate) -> Candidate:

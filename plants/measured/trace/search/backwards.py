@@ -1,0 +1,23 @@
+"""Loops that turn back: a joint follows its pressure, so that no branch has a negative slope.
+
+Plays beside a loop and curves of its branches may be fitted such that the sum falls somewhere as the pressure
+rises.  That stands in for something else, and a controller with an integrator is unstable there.
+"""
+
+from plants.linearisation import slopes_with_effects
+from plants.measured.guess.rough_models import extent
+from plants.measured.trace.stages.model import Model
+
+ROUNDING = 0.01
+"""Share of the largest slope by which one may lie below zero, as a fitted curve does where it is flat."""
+
+
+def turns_back(model: Model) -> bool:
+    """Whether a branch of a model's loop falls as the pressure rises, within the pressures of the recordings
+    it is fitted to."""
+    stage, wrist = model.stage, model.wrist
+    if stage.name == "regulator":
+        return False
+    commanded = [wrist.regulator.gain * p.recording.command for p in stage.playbacks]
+    found = slopes_with_effects(wrist, extent(stage.drives or commanded)).values()
+    return min(map(min, found)) < -ROUNDING * max(map(max, found))
