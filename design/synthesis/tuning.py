@@ -302,13 +302,11 @@ def _around(at: Evaluation, region: Region, zoom: float) -> tuple[Array, Array]:
 
 
 def _best(at: Evaluation) -> Evaluation:
-    """The gains of least cost among those that hold the limits, else those of least excess, of equal ones
-    (which never settle) those of least cost; gains that were not simulated come last, since what they break
-    is not all known."""
-    if at.feasible.any():
-        return at.only(int(np.argmin(np.where(at.feasible, at.cost, np.inf))))
-    excess = np.nan_to_num(at.worst_excess, nan=1e3, posinf=1e3)
-    return at.only(int(np.lexsort((at.cost, excess, ~np.isfinite(at.cost)))[0]))
+    """The gains of least cost among those that hold the limits, else those of least excess; gains that were
+    not simulated come last, since what they break is not all known."""
+    unseen = np.where(np.isfinite(at.cost), 0.0, 1e6)
+    rank = np.where(at.feasible, at.cost, np.inf) if at.feasible.any() else at.worst_excess + unseen
+    return at.only(int(np.argmin(rank)))
 
 
 def join(parts: list[Evaluation]) -> Evaluation:

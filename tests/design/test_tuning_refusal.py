@@ -7,9 +7,8 @@ import pytest
 
 from design.evaluation.cases import Case
 from design.evaluation.tasks import Task
-from design.synthesis.evaluate import Evaluation, evaluate, out_of_range
+from design.synthesis.evaluate import evaluate, out_of_range
 from design.synthesis.requirements import Limits, Problem
-from design.synthesis.tuning import _best
 from plants import Wrist
 from plants.linearisation import RATES, branch_slopes
 
@@ -81,26 +80,3 @@ def test_a_limit_of_none_is_no_limit():
     at = evaluate(Problem.of(w, [Case(Task("virgin", 0.0, (15.0,)), w)], ONLY_MS, duration=1.0), [3.0], [8.0])
     assert list(at.excess) == ["Ms"]
     np.testing.assert_allclose(at.worst_excess, at.values["Ms"] / 1.0 - 1.0)
-
-
-def evaluation(cost, **excess):
-    """Of gains 1, 2, ... with their excess over limits."""
-    gains = 1.0 + np.arange(len(cost))
-    nowhere = np.zeros(len(cost), np.intp)
-    return Evaluation(
-        gains, gains, np.array(cost), nowhere, {}, {}, {n: np.array(x) for n, x in excess.items()}
-    )
-
-
-@pytest.mark.parametrize(
-    ("cost", "settling", "Ms", "nearest"),
-    [
-        # Gains that never settle in some case are beyond that limit without bound, but were simulated.
-        ([9.0, np.inf, 5.0], [np.inf, -1.0, np.inf], [-0.1, 0.02, -0.2], 3.0),
-        ([9.0, np.inf, 5.0], [0.4, -1.0, np.inf], [-0.1, 0.02, -0.2], 1.0),
-        ([np.inf, np.inf, np.inf], [-1.0, -1.0, -1.0], [0.3, 0.02, 0.5], 2.0),
-        ([9.0, 3.0, 5.0], [np.inf, 0.2, -0.1], [-0.1, -0.1, -0.2], 3.0),
-    ],
-)
-def test_where_no_gains_hold_the_nearest_are_ones_that_were_simulated(cost, settling, Ms, nearest):
-    assert _best(evaluation(cost, settling_time_s=settling, Ms=Ms)).Kp == [nearest]
