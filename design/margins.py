@@ -182,14 +182,14 @@ def winds_not(loop: NDArray[np.complex128]) -> NDArray[np.bool_]:
 
     For open loops that are stable but for an integrator, at frequencies from far
     below the loop's to just below Nyquist's: the phase of 1 + L starts between
-    -180 degrees and 0 and must end near 0 without a turn on the way; with a plant whose
-    gain is negative it starts above 0, and the integrator runs off.  Neighbouring
-    points must lie less than half a turn apart as seen from -1.
+    -180 degrees and 0 and must end near 0 without a turn on the way.  Neighbouring
+    points must lie less than half a turn apart as seen from -1.  A plant of negative gain,
+    with which an integrator runs off, is not told: the least slope of a learnt block is a bound
+    that may lie below zero where no slope does.
     """
     turned = 1.0 + loop
     steps = np.angle(turned[:, 1:] / turned[:, :-1])
-    back = np.abs(np.angle(turned[:, 0]) + steps.sum(axis=1)) < 0.5 * np.pi
-    stable: NDArray[np.bool_] = back & (loop[:, 0].imag <= 0.0)
+    stable: NDArray[np.bool_] = np.abs(np.angle(turned[:, 0]) + steps.sum(axis=1)) < 0.5 * np.pi
     return stable
 
 

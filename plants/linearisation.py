@@ -245,7 +245,8 @@ def _parts(wrist: "Wrist", z: Any, pressures: tuple[float, float]) -> list[Linea
 
 def slopes_with_effects(wrist: "Wrist", pressures: tuple[float, float]) -> dict[str, tuple[float, ...]]:
     """Least and largest slope [deg/kPa] of each branch between two pressures [kPa], with what effects do to
-    it; one where they are the same.
+    it; one where they are the same.  Ends of one branch, named after a comma (outer branch, flattest), are
+    one branch here.
 
     Where a curve of the law is steep an effect may make it flat again: only what meets at one pressure is
     multiplied, so that the range is looked at in pieces.
@@ -261,7 +262,7 @@ def slopes_with_effects(wrist: "Wrist", pressures: tuple[float, float]) -> dict[
             added = [[x.added[side] for x in parts if side in x.added] for side in sides]
             least = min(sum(low for low, _ in ends) for ends in added)
             most = max(sum(high for _, high in ends) for ends in added)
-            found.setdefault(branch, []).extend((min(bent) + least, max(bent) + most))
+            found.setdefault(branch.partition(",")[0], []).extend((min(bent) + least, max(bent) + most))
     return {branch: tuple(sorted({float(min(s)), float(max(s))})) for branch, s in found.items()}
 
 

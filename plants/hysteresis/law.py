@@ -200,7 +200,8 @@ class HysteresisLaw(ABC):
     @abstractmethod
     def branches(self, low: float, high: float) -> dict[str, float]:
         """Slopes [deg/kPa] of the branches on which a loop can work between two pressures [kPa], by name; all
-        that occur lie between the least and the largest.  Names do not depend on the pressures."""
+        that occur lie between the least and the largest.  Names do not depend on the pressures; two ends
+        of one branch have their names after a comma."""
 
     def straight(self) -> bool:
         """Whether the two outer branches are straight lines."""

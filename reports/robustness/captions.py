@@ -43,9 +43,11 @@ def signature_caption(a: Assessment) -> str:
         beside = "" if limit is None else f" (limit: {number(limit)})"
         said = f" Ms of these gains: at most {number(margin(a, 'Ms'))}{beside}."
     disc = "" if limit is None else "; disc: Ms beyond its limit"
+    bent = any(", slope " in str(m["branch"]) or " x " in str(m["rate"]) for m in a.margins)
+    worst = ", of each the slope and rate of the largest Ms" if bent else ""
     return (
         f"These gains beside SIMC's.{said} Columns above: branches of the hysteresis at both regulator rates"
-        f"{disc}; third row: the step of the linear loop. Below: the simulated step from each initial "
+        f"{worst}{disc}; third row: the step of the linear loop. Below: the simulated step from each initial "
         "hysteresis state, which passes through several branches."
     )
 

@@ -1,6 +1,7 @@
 """Figures of the loop with the branches overlaid: Nyquist, Bode, sensitivities, describing function."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -50,14 +51,25 @@ def frequencies(wrist: Wrist) -> Any:
 
 def overlaid(wrist: Wrist, controller: PI) -> dict[str, OpenLoopTransfer]:
     """The open loops that differ, by the branch and rate they belong to in words, those that are alike
-    under one name; the largest slopes first."""
+    under one name; the largest slopes first.  Of a branch that effects bend, and of a rate that they change,
+    the one of largest Ms: eight rates on each of six slopes are no figure."""
     omega = frequencies(wrist)
+    worst: dict[tuple[str, str], OpenLoopTransfer] = {}
+    for loop in sorted(open_loops(wrist, controller), key=lambda loop: _distance(loop.at(omega[::10]))):
+        rate = loop.rate.partition(" x ")[0]
+        worst.setdefault((loop.branch.partition(", slope ")[0], rate), replace(loop, rate=rate))
     seen: dict[bytes, list[OpenLoopTransfer]] = {}
-    for loop in open_loops(wrist, controller):
+    for loop in worst.values():
         seen.setdefault(loop.at(omega[::300]).round(12).tobytes(), []).append(loop)
     alike = sorted(seen.values(), key=lambda same: -abs(same[0].at(omega[:1])[0]))
     names = (f"{_together([x.branch for x in same])}, {same[0].rate}" for same in alike)
     return dict(zip(names, (same[0] for same in alike), strict=True))
+
+
+def _distance(loop: Any) -> float:
+    """Least distance of an open loop from -1, which is 1/Ms; negative where it is unstable when closed."""
+    least = float(np.abs(1.0 + loop).min())
+    return least if winds_not(loop[None])[0] else -1.0 / least
 
 
 def _together(branches: list[str]) -> str:
