@@ -8,7 +8,7 @@ from design.open_loops import by_python_control
 from design.robustness.predictions.limit_cycles import predicted
 from design.synthesis.requirements import Limits
 from plants import Wrist
-from plants.effects import DeadTime
+from plants.effects import Bow, DeadTime, PressureDependentRates
 from reports.robustness.branches.figures import bode, describing, nyquist, overlaid, sensitivities
 from reports.shared.figures.style import save
 
@@ -25,6 +25,18 @@ def test_loops_that_are_alike_are_drawn_once():
         "lines 1 and 2, slow", "lines 1 and 2, fast", "transit, slow", "transit, fast",
     }  # fmt: skip
     assert len(overlaid(DEVIATION, TUNED)) == 6
+
+
+def test_of_a_branch_that_effects_bend_the_worst_slope_and_rate_is_drawn():
+    wrist = FLEXION + Bow(-2.0, 3.0, 1.0) + PressureDependentRates(1.4, -0.3, 0.4)
+    rows = by_python_control(wrist, TUNED)
+    assert len(rows) > 30
+    drawn = overlaid(wrist, TUNED)
+    assert len(drawn) == 6
+    assert {words.rpartition(", ")[2] for words in drawn} == {"slow", "fast"}
+    omega = np.geomspace(1e-2, 3e3, 3000)
+    worst = max(float(np.max(1.0 / np.abs(1.0 + loop.at(omega)))) for loop in drawn.values())
+    assert worst == pytest.approx(max(row["Ms"] for row in rows), rel=1e-3)
 
 
 @pytest.mark.parametrize("wrist", [FLEXION, DEVIATION, FLEXION + DeadTime(0.05)])
