@@ -25,7 +25,7 @@ from plants.rig import Zero
 Array = NDArray[np.float64]
 Habit = Literal[
     "held", "counted from", "far", "reversed", "offset", "resting", "late", "repeated", "swapped", "empty",
-    "gaps", "clock", "spikes",
+    "gaps", "clock", "spikes", "between",
 ]  # fmt: skip
 READ: Mapping[Habit, str] = {
     "repeated": "rows", "swapped": "rows", "empty": "cells", "gaps": "gaps", "clock": "s",
@@ -66,7 +66,8 @@ class Remark:
     at zero), ``far`` (likewise, of an angle far from zero), ``reversed`` (counted with the opposite sign),
     ``offset`` (off by up to `value`, anew in each recording), ``resting`` (exactly zero for `value` s),
     ``late`` (logged `value` s late), ``repeated`` and ``swapped`` (so many rows), ``empty`` (so many cells),
-    ``gaps`` (so many), ``clock`` (counts from `value` s), ``spikes`` (so many rows).
+    ``gaps`` (so many), ``clock`` (counts from `value` s), ``spikes`` (so many rows), ``between`` (so many
+    jumps of a closed loop's command between rows, `plants.measured.trace.stages.setpoints`).
     recordings: in which, by name; stated: whether campaign.toml says so.
     """
 
@@ -130,6 +131,11 @@ class Remark:
                 return (
                     f"The {name} channel has {self.value:.0f} rows of spikes ({where}); they are left out, "
                     "with straight lines over them."
+                )
+            case "between":
+                return (
+                    f"The set-point changes between rows ({where}); the times of {self.value:.0f} jumps of "
+                    "the command are estimated from what followed them."
                 )
             case _:
                 return f"The {name} sensor rests at exactly zero for up to {self.value:.3g} s ({where})."

@@ -38,12 +38,22 @@ class Playback:
         return at
 
     @cached_property
+    def jumped(self) -> NDArray[np.bool_]:
+        """Rows that the command of a closed loop jumped to, as with its set-point, (n,): none in open loop,
+        whose command changes at rows."""
+        if self.recording.reference is None:
+            return np.zeros(len(self.rows), bool)
+        size = np.abs(np.diff(self.recording.command))
+        beside = np.maximum(np.append(0.0, size[:-1]), np.append(size[1:], 0.0))
+        return np.append(False, (size > JUMP) & (size > SHARPER * beside))
+
+    @cached_property
     def commands(self) -> Array:
         """Command [V] of every sample of 1 ms.
 
         In open loop the command changes on rows and is held.  Where the loop was
         closed it moved at 1 kHz and the rows are samples of it: interpolated
-        where it moves smoothly, held where it jumps.
+        where it moves smoothly, held where it jumps, until its row or as long `ahead` of it as is known.
         """
         v, rows = self.recording.command, self.rows
         samples = np.arange(rows[-1])
@@ -51,11 +61,13 @@ class Playback:
         if self.recording.reference is None:
             return v[row]
         moved = np.diff(v)
-        size = np.abs(moved)
-        beside = np.maximum(np.append(0.0, size[:-1]), np.append(size[1:], 0.0))
-        jumped = (size > JUMP) & (size > SHARPER * beside)
         share = (samples - rows[row]) / (rows[row + 1] - rows[row])
-        between: Array = v[row] + np.where(jumped, 0.0, moved)[row] * share
+        if self.jumped.any():
+            ahead = np.zeros(len(v)) if self.recording.ahead is None else self.recording.ahead / self.dt
+            # A jump within a sample counts by the share of the sample that is left.
+            after = np.clip(samples + 1.0 - (rows - ahead)[row + 1], 0.0, 1.0)
+            share = np.where(self.jumped[row + 1], after, share)
+        between: Array = v[row] + moved[row] * share
         return between
 
     @cached_property

@@ -52,7 +52,9 @@ class Recording:
     error counts, where the rows before were fitted on.  renewed: rows at which a channel was renewed, of
     those that the logger holds in between, or leaves empty; there the values are straight lines.  mended:
     how many rows the logger wrote twice (``repeated``) or in the wrong order (``swapped``), how many cells it
-    left ``empty``, how many ``gaps`` its time has, and from when its ``clock`` counts [s].
+    left ``empty``, how many ``gaps`` its time has, and from when its ``clock`` counts [s].  ahead [s], (n,):
+    how long before its row the command jumped, where a set-point changed between two rows; None for a
+    command that jumps at rows.
 
     A row holds the sensors at its time, before the command of that row acts.
     """
@@ -68,6 +70,7 @@ class Recording:
     judged_from: float = -math.inf
     renewed: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
     mended: Mapping[str, float] = field(default_factory=dict)
+    ahead: Array | None = None
 
     def fresh(self, channel: str) -> NDArray[np.bool_]:
         """Rows at which a channel was renewed, (n,): all, unless its logger holds it in between."""

@@ -11,7 +11,7 @@ from design.cli import main
 from plants.errors import InputError
 from plants.measured.campaign import load_campaign
 from plants.measured.formats.matlab import ADVICE
-from plants.measured.trace.law import fit_rig
+from plants.measured.trace.rig_fit import fit_rig
 from tests.docs.guide import DOCS, blocks, commands, missing, write
 
 GUIDE = DOCS / "your-own-rig.md"

@@ -1,38 +1,118 @@
-"""Logs of a closed loop whose set-points change on rows are fitted as those of an open loop: the noise that
-the controller feeds back biases nothing, since the fit runs freely from the logged command."""
+"""Logs of a closed loop are fitted as those of an open loop: the noise that the controller feeds back biases
+nothing, since the fit runs freely from the logged command, and set-points that change between rows are put
+where the pressure shows that they did."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from plants.measured.campaign import load_campaign
 from plants.measured.fit import fit_campaign
+from plants.measured.playback import Playback
+from plants.measured.recording import Recording
+from plants.measured.trace.rig_fit import fit_rig
+from plants.measured.trace.stages.setpoints import with_times
 from plants.parameters.files import built_in
-from tests.rig.campaign import logged_table, make_rig
-from tests.rig.core import Controller
+from plants.wrist import Wrist
+from tests.rig.campaign import make_rig, record_closed, set_points
+from tests.trace.traces import trace_folder
+
+BETWEEN, AT_ROWS = 3, 2  # digits of the moments [s] at which set-points change; rows are 0.01 s apart
 
 
-def record(rig, folder, name, salt):
-    """A minute under a PI that sees the noise, to random set-points held for 1 to 4 s."""
-    rng = np.random.default_rng([rig.seed, salt])
-    edges = np.round(np.cumsum(rng.uniform(1.0, 4.0, 60)), 2)
-    levels = np.append(0.0, rng.uniform(-14.0, 14.0, 60))
-    asked = levels[np.searchsorted(edges, np.arange(60_001) * 0.001 + 1e-6)]
-    run = rig.follow(asked, Controller(4.28, 10.4), salt)
-    logged_table(rig, "task", run, False).to_csv(folder / f"{name}.csv", index=False)
+def recorded(rig, folder, digits):
+    return load_campaign(record_closed(rig, folder, digits))
+
+
+def off(rig, fitted):
+    """How far parameters lie from the rig's, in standard errors, and as a share."""
+    truth = rig.declared._asdict()
+    return {
+        n: (abs(p.value - truth[n]) / p.provenance.std_error, abs(p.value / truth[n] - 1.0))
+        for n, p in fitted.parameters.items()
+        if getattr(p.provenance, "std_error", None) is not None
+    }
 
 
 @pytest.mark.suite
 def test_parameters_lie_within_their_errors(tmp_path):
     rig = make_rig("flexion", [], 402)
-    for salt, name in enumerate(("one", "two", "three")):
-        record(rig, tmp_path, name, 11 + salt)
-    (tmp_path / "campaign.toml").write_text(
-        'axis = "flexion"\nsample_time_s = 0.01\nfit = ["one.csv", "two.csv"]\nvalidate = ["three.csv"]\n'
-    )
-    fit = fit_campaign(load_campaign(tmp_path), built_in("flexion"), 1)
+    fit = fit_campaign(recorded(rig, tmp_path, AT_ROWS), built_in("flexion"), 1)
     assert max(fit.ratios.values()) < 1.05
-    truth = rig.declared._asdict()
-    for name, p in fit.fitted.parameters.items():
-        error = getattr(p.provenance, "std_error", None)
-        if error is not None:
-            assert abs(p.value - truth[name]) < max(4.0 * error, 0.005 * abs(truth[name])), name
+    assert all(errors < 4.0 or share < 0.005 for errors, share in off(rig, fit.fitted).values())
+
+
+@pytest.mark.parametrize(("axis", "seed"), [("flexion", 403), ("deviation", 404)])
+def test_set_points_between_rows_bias_nothing(tmp_path, axis, seed):
+    rig = make_rig(axis, [], seed)
+    campaign = recorded(rig, tmp_path, BETWEEN)
+    at_rows = fit_campaign(campaign, built_in(axis), 1)
+    assert (
+        off(rig, at_rows.fitted)["k_fast"][1] > 0.03
+    )  # what the jumps of the command do where they are held
+    found = fit_rig(campaign, built_in(axis), 1)
+    assert off(rig, found.fit.fitted)["k_fast"][1] < 0.005
+    assert max(found.fit.ratios.values()) < 1.05
+    assert [r.habit for r in found.start.instrument] == ["between"]
+    moments, _ = set_points(rig, 11, BETWEEN)
+    recording = found.start.campaign.fit[0]
+    at = np.flatnonzero(Playback(recording).jumped)
+    when = (recording.time - recording.ahead)[at]
+    nearest = np.abs(when[:, None] - moments).min(axis=1)
+    assert np.median(nearest) < 0.0005
+    assert np.max(nearest) < 0.01
+
+
+def test_set_points_at_rows_stay_there(tmp_path):
+    rig = make_rig("flexion", [], 402)
+    found = fit_rig(recorded(rig, tmp_path, AT_ROWS), built_in("flexion"), 1)
+    assert not found.start.instrument
+    assert all(r.ahead is None for r in (*found.start.campaign.fit, *found.start.campaign.validate))
+
+
+def test_a_missing_effect_does_not_pass_for_set_points_between_rows(tmp_path):
+    rig = make_rig("flexion", ["fill-exhaust-asymmetry"], 407)
+    assert not fit_rig(recorded(rig, tmp_path, AT_ROWS), built_in("flexion"), 1).start.instrument
+
+
+@pytest.mark.parametrize("factor", [0.9, 1.1])
+def test_nor_does_a_regulator_that_became_faster_or_slower(tmp_path, factor):
+    rig = make_rig("flexion", [], 402)
+    recording = recorded(rig, tmp_path, AT_ROWS).fit[0]
+    values = rig.declared._asdict()
+    changed = {n: factor * values[n] for n in ("k_fast", "k_slow")}
+    plant = built_in("flexion")
+    wrist = Wrist.from_values({**plant.values, **values, **changed}, rig=plant.rig)
+    assert with_times(recording, wrist) is recording
+
+
+@pytest.mark.suite
+@pytest.mark.parametrize(
+    ("axis", "effects", "seed"),
+    [
+        ("flexion", [], 402),
+        ("flexion", ["creep"], 405),
+        ("deviation", ["dead-time"], 406),
+        ("flexion", ["fill-exhaust-asymmetry"], 407),
+        ("deviation", ["rate-dependence"], 408),
+        ("flexion", ["inertia"], 409),
+    ],
+)
+def test_as_much_is_named_with_set_points_between_rows(tmp_path, axis, effects, seed):
+    recorded(make_rig(axis, effects, seed), tmp_path, BETWEEN)
+    trace = trace_folder(tmp_path)
+    assert [e.name for e in trace.effects] == effects
+    assert trace.verdict == ("explained" if effects else "nothing-missing")
+
+
+def test_a_jump_ahead_of_its_row_counts_for_the_share_of_its_sample():
+    reference = np.array([0.0, 0.0, 15.0, 15.0])
+    log = Recording(
+        "r", np.arange(4) * 0.01, np.array([1.0, 1.0, 3.0, 3.0]), np.zeros(4), reference=reference
+    )
+    timed = replace(log, ahead=np.array([0.0, 0.0, 0.0034, 0.0]))
+    assert Playback(timed).commands[:16] == pytest.approx(1.0)
+    assert Playback(timed).commands[16] == pytest.approx(1.0 + 0.4 * 2.0)
+    assert Playback(timed).commands[17:] == pytest.approx(3.0)
+    assert Playback(log).commands[:20] == pytest.approx(1.0)

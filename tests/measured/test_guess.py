@@ -7,7 +7,7 @@ from plants.measured.campaign import load_campaign
 from plants.measured.guess.rig import guessed_rig, guessed_set
 from plants.measured.guess.rough_models import first_order, largest_error, loop_guess, plays
 from plants.measured.recording import Recording
-from plants.measured.trace.law import fit_rig
+from plants.measured.trace.rig_fit import fit_rig
 from plants.parameters.files import dump, load
 from plants.parameters.quantities import Guessed
 from tests.rig.soft import CAMPAIGNS, climber

@@ -4,6 +4,7 @@ requirement, then closed on the rig itself, as it is and with 50 ms more of dead
 python -m tests.promise --count 20
 python -m tests.promise --only outside --count 5 --without-residual
 python -m tests.promise --seed 507 --count 45 --names
+python -m tests.promise --seed 507 --count 45 --names --closed between
 """
 
 import argparse
@@ -18,10 +19,14 @@ from design.synthesis.designed_plant import designed
 from design.synthesis.tuning import Region
 from tests.change.pairs import drawn, write
 from tests.promise.held import Held, held
+from tests.rig.campaign import record_closed
 from tests.rig.effects import OPEN
 from tests.rig.rig import Rig
 from tests.rig.suite import Case
 from tests.trace.traces import KNOWN, NOTHING, OUTSIDE, Judged, trace_folder
+
+DIGITS = {"at-rows": 2, "between": 3}
+"""Digits of the moments [s] at which set-points of a closed loop change, in logs with a row every 0.01 s."""
 
 
 def main() -> None:
@@ -32,10 +37,13 @@ def main() -> None:
     parser.add_argument("--only", choices=("outside", "known"), help="effects outside the vocabulary, or not")
     parser.add_argument("--without-residual", action="store_true", help="also gains that know of no residual")
     parser.add_argument("--names", action="store_true", help="only trace, and count what is named rightly")
+    parser.add_argument(
+        "--closed", choices=DIGITS, help="with --names: logs of a closed loop, set-points at rows or between"
+    )
     asked = parser.parse_args()
     warnings.simplefilter("ignore")
     if asked.names:
-        _names(_rigs(asked.seed, asked.count, asked.only)[asked.first - 1 :], asked.first)
+        _names(_rigs(asked.seed, asked.count, asked.only)[asked.first - 1 :], asked.first, asked.closed)
         return
     found: dict[str, list[tuple[str, Held]]] = {}
     for number, (case, rig) in enumerate(_rigs(asked.seed, asked.count, asked.only), start=1):
@@ -48,15 +56,20 @@ def main() -> None:
             print(f"{name}, {said}: {plain} of {len(of)} hold on the rig, {kept} with 50 ms more too")
 
 
-def _names(rigs: list[tuple[Case, Rig]], first: int) -> None:
-    """Trace rigs; a line for each, and how many are right by what they have."""
+def _names(rigs: list[tuple[Case, Rig]], first: int, closed: str | None) -> None:
+    """Trace rigs from logs in open loop, or closed; a line for each, and how many are right by what they
+    have."""
     judged = []
     for number, (case, rig) in enumerate(rigs, start=first):
         truth = {
             kind: [e for e in case.effects if (e in OPEN) == (kind == "open")] for kind in ("effects", "open")
         }
         with tempfile.TemporaryDirectory() as root:
-            judged.append(Judged(f"{number:2d}", case.axis, truth, trace_folder(write(rig, Path(root)))))
+            other = "cross-coupling" in case.effects
+            folder = (
+                record_closed(rig, Path(root), DIGITS[closed], other) if closed else write(rig, Path(root))
+            )
+            judged.append(Judged(f"{number:2d}", case.axis, truth, trace_folder(folder)))
         print("right" if judged[-1].right else "WRONG", judged[-1], f"{judged[-1].ratio:.2f}", flush=True)
     for kind, words in {
         KNOWN: "with effects",

@@ -80,6 +80,26 @@ def record(
     write_description(target, rig.axis, recordings)
 
 
+def set_points(rig: Bench, salt: int, digits: int) -> tuple[signals.Signal, signals.Signal]:
+    """Moments [s], to so many digits, at which a set-point changes every 1 to 4 s, and the set-point [deg] of
+    each ms of a minute."""
+    rng = np.random.default_rng([rig.seed, salt])
+    edges = np.round(np.cumsum(rng.uniform(1.0, 4.0, 60)), digits)
+    levels = np.append(0.0, rng.uniform(-14.0, 14.0, 60))
+    return edges, levels[np.searchsorted(edges, np.arange(60_001) * 0.001 + 1e-6)]
+
+
+def record_closed(rig: Bench, folder: Path, digits: int, with_other: bool = False) -> Path:
+    """A campaign of three minutes under a PI that sees the noise, to random set-points; digits: of the
+    moments [s] at which these change: with 2 they are rows of the log, with 3 they lie between rows."""
+    names = ("one", "two", "three")
+    for salt, name in enumerate(names, start=11):
+        run = rig.follow(set_points(rig, salt, digits)[1], Controller(4.28, 10.4), salt)
+        logged_table(rig, "task", run, with_other).to_csv(folder / f"{name}.csv", index=False)
+    write_description(folder, rig.axis, names, ("three",))
+    return folder
+
+
 def write_description(
     folder: Path, axis: str, recordings: Sequence[str], held_out: Sequence[str] = VALIDATE
 ) -> None:

@@ -214,7 +214,7 @@ def _plants(
     from design.cli.commands.fit import tables
     from plants.errors import InputError
     from plants.measured.campaign import load_campaign
-    from plants.measured.trace.law import fit_rig
+    from plants.measured.trace.rig_fit import fit_rig
     from plants.parameters.files import built_in, load
 
     given: dict[str, ParameterSet] = {}

@@ -22,7 +22,7 @@ from design.cli.terminal.screen import Sheet, console, progress
 
 if TYPE_CHECKING:
     from plants.measured.fit import Fit
-    from plants.measured.trace.law import RigFit
+    from plants.measured.trace.rig_fit import RigFit
 
 NAME = "fit"
 HELP = "Fit the wrist to a measured campaign, and report the error on held-out recordings."
@@ -43,7 +43,7 @@ def command(
     out: OutOption = None,
 ) -> None:
     from plants.measured.campaign import load_campaign
-    from plants.measured.trace.law import fit_rig
+    from plants.measured.trace.rig_fit import fit_rig
     from plants.parameters.files import dump
     from reports.shared.figures.fit import fit_record, start_record
 

@@ -14,6 +14,7 @@ from design.synthesis.designed_plant import events, without
 from plants.errors import InputError
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
+from plants.measured.trace.stages.setpoints import with_times
 from plants.parameters.quantities import ParameterSet
 
 OTHER_GAINS = 0.02
@@ -70,9 +71,9 @@ def check_log(
     kept = plant.remainder.get("angle_deg")
     noise = required.conditions.noise if kept is None else kept.noise
     found = envelope(playback, stairs, required, controller, samples, seed, noise, jobs)
-    return LogCheck(
-        log, plant, stairs, found, residual(playback, required.box, seed), _command_off(log, controller)
-    )
+    timed = Playback(with_times(log, required.wrist), plant.rig.sample_time)
+    left = residual(timed, required.box, seed)
+    return LogCheck(log, plant, stairs, found, left, _command_off(log, controller))
 
 
 def _stairs(log: Recording) -> tuple[Stair, ...]:

@@ -4,7 +4,7 @@ Each law is fitted from the pressure as it was measured to the angle, so that wh
 part in the choice; where no pressure was logged, from the command.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from plants.hysteresis import LAWS
 from plants.measured.campaign import Campaign
-from plants.measured.fit import Fit, fit_campaign
+from plants.measured.fit import Fit
 from plants.measured.guess.regressors import smooth_pressure
 from plants.measured.guess.rig import guessed_set
 from plants.measured.playback import Playback
 from plants.measured.stage import Stage
 from plants.measured.trace.search.choose import Candidate
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.start import FROM_GUESS, Start, starting
+from plants.measured.trace.start import Start
 from plants.parameters.quantities import ParameterSet, loop_names
 
 Array = NDArray[np.float64]
@@ -52,41 +52,6 @@ class LawChoice:
         """The choice of another of the laws."""
         known = {self.name: self.parameters, **self.others}
         return replace(self, name=name, parameters=known.pop(name), others=known)
-
-
-@dataclass(frozen=True)
-class RigFit:
-    """A fit of a rig from its log: the start, the fit of the declared law, how the law was chosen (None where
-    it was given), and the fit of the law that was chosen."""
-
-    start: Start
-    declared: Fit
-    law: LawChoice | None
-    fit: Fit
-
-
-def fit_rig(
-    campaign: Campaign,
-    given: ParameterSet | None = None,
-    starts: int = 6,
-    seed: int = 0,
-    progress: Callable[[str, float], None] | None = None,
-) -> RigFit:
-    """Fit a rig from its log: from the set `given`, the built-in one of a motion of that name, or a guess,
-    and then with the hysteresis law that does best on rows left out.  starts: starting points of each stage,
-    from a set that somebody made; a guess is near already.
-
-    Raises InputError as `plants.measured.fit.fit_campaign` does.
-    """
-    begun = starting(campaign, given)
-    fit = fit_campaign(
-        begun.campaign, begun.parameters, FROM_GUESS if begun.guessed else starts, seed, progress,
-        apart=not begun.guessed,
-    )  # fmt: skip
-    law = law_of_rig(begun, fit, seed)
-    if law is None or law.name == fit.fitted.law.NAME:
-        return RigFit(begun, fit, law, fit)
-    return RigFit(begun, fit, law, fit_campaign(begun.campaign, law.parameters, 1, seed, progress))
 
 
 def law_of_rig(begun: Start, fit: Fit, seed: int = 0) -> LawChoice | None:

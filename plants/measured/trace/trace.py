@@ -41,7 +41,8 @@ from plants.measured.trace.search.undetermined import at_neutral
 from plants.measured.trace.size import MATTERS, NAMED, explained_share, remainder, remainders_of, span
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import remainders
-from plants.measured.trace.start import starting
+from plants.measured.trace.stages.setpoints import with_jump_times
+from plants.measured.trace.start import Start, starting
 from plants.measured.trace.suspect import check
 from plants.measured.trace.two_rigs import rigs_differ
 from plants.parameters.correlation import ParameterCorrelation, all_pairs
@@ -52,6 +53,10 @@ Array = NDArray[np.float64]
 SLOW_NOISE = 100.0
 """Chi-square up to which a residual without structure, of which no effect takes a good part away, is
 slow noise whose floor was taken too low."""
+
+RETRACED = 2
+"""How often a campaign is traced again with the times at which the command of a closed loop jumped, which are
+those of the model that was found."""
 
 REMAINS = 0.25
 """Share of its excess that an effect may leave and still be adopted where not all is explained."""
@@ -86,6 +91,17 @@ def _trace(
     learning: bool, either_way: bool,
 ) -> Trace:  # fmt: skip
     begun = starting(campaign, given, either_way)
+    found = _traced(begun, seed, tell, learning)
+    for _ in range(RETRACED):
+        timed = with_jump_times(begun, found.stages[0].search.chosen.model)
+        if timed is None:
+            break
+        begun = timed
+        found = _traced(begun, seed, tell, learning)
+    return found
+
+
+def _traced(begun: Start, seed: int, tell: Callable[[str, float], None], learning: bool) -> Trace:
     campaign = begun.campaign
     remarks = check(campaign)
     tell("fitting the declared wrist", 0.0)

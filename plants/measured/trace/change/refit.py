@@ -14,6 +14,8 @@ from plants.measured.trace.judge import alternatives, not_logged
 from plants.measured.trace.result import Named, Trace
 from plants.measured.trace.search.choose import MOST, WORTH, Candidate, falls, search, simplest
 from plants.measured.trace.stages.model import Model
+from plants.measured.trace.stages.setpoints import with_times
+from plants.wrist import Wrist
 
 
 @dataclass(frozen=True)
@@ -77,13 +79,16 @@ def check_comparable(old: Campaign, new: Campaign) -> None:
 
 
 def seen_alike(old: Trace, campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
-    """Another campaign without its logger's habits, its channels counted from where those of a trace are.
+    """Another campaign without its logger's habits, its channels counted from where those of a trace are, and
+    the jumps of its commands at the times at which the traced plant leaves least.
 
     Raises InputError as `check_comparable` does.
     """
     check_comparable(old.campaign, campaign)
     campaign, remarks = corrected(campaign)
-    return counted_from(campaign, zero_of(old.instrument)), remarks
+    campaign, plant = counted_from(campaign, zero_of(old.instrument)), Wrist.of(old.revised)
+    fit, validate = (tuple(with_times(r, plant) for r in of) for of in (campaign.fit, campaign.validate))
+    return replace(campaign, fit=fit, validate=validate), remarks
 
 
 def _logged(campaign: Campaign) -> str:

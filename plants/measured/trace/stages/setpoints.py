@@ -1,0 +1,150 @@
+"""When the command of a closed loop jumped, where its set-point changed between two rows of the log.
+
+A controller at 1 kHz acts on a new set-point at once, a log at 100 Hz shows its command from the next row on.
+Held until that row, the command comes up to a row late, and a fit makes the regulator too fast to make up
+for it.  What the pressure did after each jump says when it was: one number for each jump, estimated in turn
+with the parameters (separable least squares).
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plants.measured.begin import first_begin
+from plants.measured.logger import Remark
+from plants.measured.playback import Playback
+from plants.measured.recording import Recording
+from plants.measured.residual.stillness import noise_of_campaign
+from plants.measured.stage import Stage
+from plants.measured.trace.stages.model import Model
+from plants.measured.trace.start import Start
+from plants.wrist import Wrist
+
+Array = NDArray[np.float64]
+ROUNDS = 12
+"""Turns of parameters and times: what a turn leaves of an error of the rate is about a half."""
+
+STEPS = 3
+"""Gauss-Newton steps of the times in a turn."""
+
+SETTLED = 2e-5
+"""Rms change of the times [s] below which they are left as they are."""
+
+WORTH = 6.0
+"""Sum of squares over the noise that goes with each jump if the jumps were between rows: a time that is
+fitted to noise takes away one."""
+
+REMAINS = 0.25
+"""Share of what chi-square has above 1 that may remain: what a model lacks goes in part with times too."""
+
+
+def with_jump_times(begun: Start, model: Model) -> Start | None:
+    """The start of a campaign with the times of the jumps of its commands, and a remark of them; None where
+    the commands jump at rows, or never.
+
+    model: of the first stage, whose recordings are those of the campaign that may be fitted on.
+    """
+    campaign, stage = begun.campaign, model.stage
+    found = _in_turn(model)
+    if not _worth(model.residual, found.residual, stage):
+        found = model
+    of = {p.recording.name: p.recording for p in found.stage.playbacks}
+    fit = tuple(of.get(r.name, r) for r in campaign.fit)
+    validate = tuple(with_times(r, found.wrist) for r in campaign.validate)
+    if all(a is b for a, b in zip((*fit, *validate), (*campaign.fit, *campaign.validate), strict=True)):
+        return None
+    played = [Playback(r, stage.rig.sample_time) for r in (*fit, *validate) if r.ahead is not None]
+    names = tuple(dict.fromkeys(p.recording.name for p in played))
+    remark = Remark("between", "command_V", sum(int(p.jumped.sum()) for p in played), "jumps", names)
+    return replace(
+        begun, campaign=replace(campaign, fit=fit, validate=validate),
+        instrument=tuple(dict.fromkeys((*begun.instrument, remark))),
+    )  # fmt: skip
+
+
+def with_times(recording: Recording, wrist: Wrist) -> Recording:
+    """A recording with the times of the jumps of its command at which a wrist leaves least of the pressure,
+    of the angle where no pressure was logged; as it is where too little goes with them."""
+    playback = Playback(recording, wrist.rig.sample_time)
+    if not playback.jumped.any():
+        return recording
+    channel = "angle_deg" if recording.pressure is None else "pressure_kPa"
+    noise = noise_of_campaign([recording], channel) or 1.0
+    begin = first_begin(recording, float(wrist.hysteresis.rest_pressure))
+    begins = None if begin.virgin else (begin,)
+    stage = Stage("whole", channel, noise, (playback,), (), wrist.rig, begins=begins)
+    timed = _placed(stage, wrist)
+    before, after = ((s.play(0, wrist) - s.target) / noise for s in (stage, timed))
+    return timed.playbacks[0].recording if _worth(before, after, stage) else recording
+
+
+def _worth(before: Array, after: Array, stage: Stage) -> bool:
+    """Whether enough of a residual goes with the times of the jumps of a stage."""
+    count = sum(int(p.jumped.sum()) for p in stage.playbacks)
+    gone = float(np.sum(before**2) - np.sum(after**2))
+    excess = float(np.sum(before**2)) - len(before)
+    return count > 0 and gone >= max(WORTH * count, (1.0 - REMAINS) * excess)
+
+
+def _in_turn(model: Model) -> Model:
+    """The model and the times of the jumps, each fitted under the other until the times stay."""
+    if not any(p.jumped.any() for p in model.stage.playbacks):
+        return model
+    for _ in range(ROUNDS):
+        stage = _placed(model.stage, model.wrist)
+        moved = _ahead(stage) - _ahead(model.stage)
+        model = replace(model, stage=stage).fitted()
+        if np.sqrt(np.mean(moved**2)) < SETTLED:
+            break
+    return model
+
+
+def _ahead(stage: Stage) -> Array:
+    """Times [s] of all jumps of a stage's recordings ahead of their rows."""
+    return np.concatenate([_times(p)[p.jumped] for p in stage.playbacks])
+
+
+def _times(playback: Playback) -> Array:
+    known = playback.recording.ahead
+    return np.zeros(len(playback.rows)) if known is None else known
+
+
+def _placed(stage: Stage, wrist: Wrist) -> Stage:
+    """The stage with the times of its jumps at which a wrist leaves least, each by the rows to the next."""
+    for _ in range(STEPS):
+        moved = tuple(_step(stage, i, wrist) for i in range(len(stage.playbacks)))
+        stage = replace(stage, playbacks=moved)
+    return stage
+
+
+def _step(stage: Stage, i: int, wrist: Wrist) -> Playback:
+    """The i-th recording with its jumps moved by a Gauss-Newton step each, within the row before theirs."""
+    playback = stage.playbacks[i]
+    at = np.flatnonzero(playback.jumped)
+    if not len(at):
+        return playback
+    ahead, rows = _times(playback), np.diff(playback.recording.time, prepend=np.nan)[at]
+    by = np.where(ahead[at] < 0.5 * rows, 0.25, -0.25) * rows
+    first, last = stage.edges[i : i + 2]
+    simulated = stage.play(i, wrist)
+    moved = _with(stage, i, _put(playback, at, ahead[at] + by)).play(i, wrist)
+    left = (simulated - stage.target[first:last])[at[0] :]
+    slopes = (moved - simulated)[at[0] :] / np.repeat(by, np.diff(np.append(at, len(moved))))
+    starts = at - at[0]
+    curvature = np.add.reduceat(slopes**2, starts)
+    down = np.add.reduceat(slopes * left, starts)
+    step = np.divide(down, curvature, out=np.zeros(len(at)), where=curvature > 0.0)
+    return _put(playback, at, np.clip(ahead[at] - step, 0.0, rows))
+
+
+def _put(playback: Playback, at: NDArray[np.intp], times: Array) -> Playback:
+    """A recording with the times [s] of its jumps ahead of their rows."""
+    ahead = np.zeros(len(playback.rows))
+    ahead[at] = times
+    return replace(playback, recording=replace(playback.recording, ahead=ahead))
+
+
+def _with(stage: Stage, i: int, playback: Playback) -> Stage:
+    """The stage with another i-th recording."""
+    return replace(stage, playbacks=(*stage.playbacks[:i], playback, *stage.playbacks[i + 1 :]))
