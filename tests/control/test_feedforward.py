@@ -1,5 +1,7 @@
 """The feedforward is exact: a wrist like its model follows the model, and the model keeps the range."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -274,3 +276,17 @@ def test_a_pi_without_gains_leaves_the_feedforward_alone_whatever_the_wrist_does
         commands.append(sent)
     assert commands[0] == commands[1]
     assert FeedforwardPI.of(wrist).dead_time == 0.0
+
+
+def test_a_reference_beyond_a_range_that_does_not_begin_at_zero_is_counted():
+    wrist = Wrist.flexion()
+    narrow = replace(wrist, rig=replace(wrist.rig, command_range=(1.0, 3.0)))
+    gain, loop = wrist.regulator.gain, wrist.hysteresis
+    least, less = (float(loop.clamped(-90.0, v * gain, 4.0 * gain)) for v in (1.0, 0.5))
+    assert less < least
+    for plant, reference, beyond in ((narrow, 0.5 * (less + least), 10), (wrist, 0.5 * (less + least), 0)):
+        feedforward = Feedforward.of(plant)
+        state, course = feedforward.holding(plant.rest().pressure), feedforward.sampled()
+        for _ in range(10):
+            state, _ = course.act(state, Measured(reference, 0.0, 0.0))
+        assert float(state.course.outside) == beyond

@@ -121,3 +121,11 @@ def test_a_pulse_is_small_and_the_start_at_rest():
     state = mpc.init(Measured(0.0, 0.08 * (118.56 - 100.0), 118.56))
     assert state.command == pytest.approx(118.56 / 49.4)
     assert PULSE * WRIST.regulator.gain < 0.1
+
+
+def test_the_wrist_is_held_well_inside_a_range_that_does_not_begin_at_zero():
+    a, b = branch_matrices(WRIST, "line1", "fast")
+    free = PeriodicPI.made(straight(WRIST, branch_slopes(WRIST)["line1"], "fast"))
+    narrow = PeriodicPI(SimpleNamespace(**{**vars(free.problem), "low": 1.0}))
+    expected, found = (np.array(list(pulse_response(c, a, b))) for c in (free, narrow))
+    assert found == pytest.approx(expected, abs=1e-9)

@@ -22,6 +22,7 @@ from design.robustness.predictions.limit_cycles import limit_cycles
 from design.robustness.predictions.orbits import large_swings
 from plants import Wrist
 from plants.linearisation import branch_ss
+from plants.simulation.sensor import Measured
 from tests.oracles.plain_loop import DT, Plant
 
 WRIST = Wrist.flexion()
@@ -137,3 +138,19 @@ def test_settings_that_make_no_sense_are_refused(bad):
 def test_gains_of_a_pi_are_finite_and_not_negative(gains):
     with pytest.raises(ValueError, match="finite and not negative"):
         PI(*gains)
+
+
+def test_the_command_of_a_state_holds_the_pressure_that_it_was_taken_over_at():
+    c = TwoDofPI(3.0, 8.0, b=0.6)
+    for pressure, angle in ((130.0, 10.0), (70.0, -8.0), (100.0, 0.0)):
+        held = c.holding(pressure, Measured(0.0, angle, pressure))
+        assert float(c.command(held)) * c.gain == pytest.approx(pressure, abs=1e-9)
+
+
+@pytest.mark.parametrize(("error", "moves"), [(0.1, False), (-0.1, True)])
+def test_the_integral_stands_still_however_little_the_command_is_clipped(error, moves):
+    c = TwoDofPI(3.0, 8.0)
+    at = c.holding(4.0 * c.gain + 0.5 - 3.0 * error, Measured(0.0, 0.0, 100.0))  # 0.5 kPa above the range
+    after, command = c.sampled().act(at, Measured(error, 0.0, 100.0))
+    assert float(command) == 4.0
+    assert (float(after.integral) != float(at.integral)) == moves

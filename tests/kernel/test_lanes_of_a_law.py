@@ -1,11 +1,13 @@
 """Lanes of any law: what is not asked for is not recorded, and each goes at least as far as it should."""
 
+import threading
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from plants.kernel.batches import default_jobs, run_lanes
+from plants.kernel import batches
+from plants.kernel.batches import WORTH_A_THREAD, default_jobs, in_turn_or_side_by_side, run_lanes
 from plants.kernel.templates import LANES
 
 
@@ -126,3 +128,15 @@ def test_as_many_threads_as_the_process_may_use_or_as_there_are_processors(monke
     assert default_jobs() == 64
     monkeypatch.setattr("os.cpu_count", lambda: None)
     assert default_jobs() == 1
+
+
+@pytest.mark.parametrize(
+    ("jobs", "count", "steps", "threads"),
+    [(2, 2, WORTH_A_THREAD, True), (1, 2, WORTH_A_THREAD, False), (2, 1, WORTH_A_THREAD, False),
+     (2, 2, WORTH_A_THREAD - 1, False)],
+)  # fmt: skip
+def test_work_goes_to_threads_where_there_are_two_and_it_takes_long(monkeypatch, jobs, count, steps, threads):
+    monkeypatch.setattr(batches, "default_jobs", lambda: jobs)
+    found = in_turn_or_side_by_side(lambda i: (i, threading.current_thread()), range(count), steps)
+    assert [i for i, _ in found] == list(range(count))
+    assert all((t is not threading.main_thread()) == threads for _, t in found)

@@ -105,6 +105,7 @@ def test_sizes_are_shares_of_their_mean_away_from_the_ends():
     assert np.mean(found.value[there]) == pytest.approx(0.0, abs=1e-12)
     assert found.variance == pytest.approx(np.mean(found.value[there] ** 2))
     assert found.variance == pytest.approx(np.pi / 2.0 - 1.0, abs=0.05)  # of half-normal sizes
+    assert (sizes_of(series, np.zeros_like(series.value), flat).value == 0.0).all()  # of nothing, everywhere
     lone = series.value - 20.0 * series.inside  # a mean that moves is no size
     assert sizes_of(series, lone, flat).value[500:2500] == pytest.approx(found.value[500:2500], abs=0.15)
 
@@ -207,6 +208,7 @@ def test_a_stretch_that_was_disturbed_is_left_out():
         )
         assert len(still_noise([recording], [loud]).spans) == kept
     assert still_noise([recording_with(command[:2600])], [values[:2600]]) is None  # of 17 s nothing is said
+    assert still_noise([recording], [np.zeros(5000)]) is None  # nor of a sensor that rests
 
 
 def test_a_test_that_could_not_be_made_accounts_for_nothing():
