@@ -15,10 +15,10 @@ SUFFIXES = (".csv", ".mat", ".parquet")
 
 HINTS = {
     "time_s": r"^t$|time|stamp|zeit",
-    "reference_deg": r"ref|set.?point|target|desired",
-    "command_V": r"command|cmd|volt|dac|duty|pwm|^u$|input|_v$",
-    "pressure_kPa": r"press|kpa|bar|psi|^p\d?$",
-    "angle_deg": r"angle|theta|bend|deg|rad|posit|flex|^y$|output",
+    "reference_deg": r"ref|set.?point|target|desired|soll|^[rw]$|^sp$",
+    "command_V": r"command|cmd|volt|dac|duty|pwm|^u$|input|_v$|stell",
+    "pressure_kPa": r"press|kpa|bar|psi|^p\d?$|druck",
+    "angle_deg": r"angle|theta|bend|deg|rad|posit|flex|^y$|output|winkel",
 }
 """What names of columns look like, by the standard name; the first that matches is taken."""
 

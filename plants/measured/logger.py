@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 Habit = Literal[
     "held", "counted from", "far", "reversed", "offset", "resting", "late", "repeated", "swapped", "empty",
     "gaps", "clock", "spikes", "between",
+    "straight",
 ]  # fmt: skip
 READ: Mapping[Habit, str] = {
     "repeated": "rows", "swapped": "rows", "empty": "cells", "gaps": "gaps", "clock": "s",
@@ -62,12 +63,14 @@ REST_ROWS = 30
 class Remark:
     """Something that the log does.
 
-    habit: ``held`` (renewed every `value` s), ``counted from`` (`value` is logged where the rig's plant is
-    at zero), ``far`` (likewise, of an angle far from zero), ``reversed`` (counted with the opposite sign),
-    ``offset`` (off by up to `value`, anew in each recording), ``resting`` (exactly zero for `value` s),
-    ``late`` (logged `value` s late), ``repeated`` and ``swapped`` (so many rows), ``empty`` (so many cells),
-    ``gaps`` (so many), ``clock`` (counts from `value` s), ``spikes`` (so many rows), ``between`` (so many
-    jumps of a closed loop's command between rows, `plants.measured.trace.stages.setpoints`).
+    habit: ``held`` (renewed every `value` s; of a command, that of a closed loop is held from row to row),
+    ``counted from`` (`value` is logged where the rig's plant is at zero), ``far`` (likewise, of an angle far
+    from zero), ``reversed`` (counted with the opposite sign), ``offset`` (off by up to `value`, anew in each
+    recording), ``resting`` (exactly zero for `value` s), ``late`` (logged `value` s late), ``repeated`` and
+    ``swapped`` (so many rows), ``empty`` (so many cells), ``gaps`` (so many), ``clock`` (counts from `value`
+    s), ``spikes`` (so many rows), ``between`` (so many jumps of a command between rows), ``straight`` (a
+    command that moves straight between rows `value` s apart; of commands see
+    `plants.measured.trace.stages.between_rows`).
     recordings: in which, by name; stated: whether campaign.toml says so.
     """
 
@@ -82,6 +85,11 @@ class Remark:
         name, many = self.channel.split("_")[0], len(self.recordings) > 1
         where = f"{len(self.recordings)} recordings" if many else self.recordings[0]
         match self.habit:
+            case "held" if name == "command":
+                return (
+                    f"The command is held between the rows, {self.value:.3g} s apart, as by a controller "
+                    f"that runs once a row ({where})."
+                )
             case "held":
                 return (
                     f"The {name} channel is renewed every {self.value:.3g} s and held in between ({where}); "
@@ -131,6 +139,11 @@ class Remark:
                 return (
                     f"The {name} channel has {self.value:.0f} rows of spikes ({where}); they are left out, "
                     "with straight lines over them."
+                )
+            case "straight":
+                return (
+                    f"The command moves on between the rows, {self.value:.3g} s apart ({where}); it is taken "
+                    "to be straight there."
                 )
             case "between":
                 return (

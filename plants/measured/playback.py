@@ -12,8 +12,8 @@ from plants.simulation.open_loop import open_loop
 from plants.wrist import SAMPLE_TIME, State, Wrist
 
 Array = NDArray[np.float64]
-JUMP = 0.05
-"""A command that moves less than this [V] from one row to the next has not jumped."""
+JUMP = 0.0125
+"""A command that moves less than this share of its range from one row to the next has not jumped."""
 
 SHARPER = 3.0
 """A jump is this many times larger than what the command moves in the rows beside it."""
@@ -39,26 +39,25 @@ class Playback:
 
     @cached_property
     def jumped(self) -> NDArray[np.bool_]:
-        """Rows that the command of a closed loop jumped to, as with its set-point, (n,): none in open loop,
-        whose command changes at rows."""
-        if self.recording.reference is None:
-            return np.zeros(len(self.rows), bool)
-        size = np.abs(np.diff(self.recording.command))
+        """Rows that a command jumped to, as with a set-point, which moves straight otherwise, (n,)."""
+        v = self.recording.command
+        if self.recording.commanded == "held":
+            return np.zeros(len(v), bool)
+        size = np.abs(np.diff(v))
         beside = np.maximum(np.append(0.0, size[:-1]), np.append(size[1:], 0.0))
-        return np.append(False, (size > JUMP) & (size > SHARPER * beside))
+        return np.append(False, (size > JUMP * np.ptp(v)) & (size > SHARPER * beside))
 
     @cached_property
     def commands(self) -> Array:
         """Command [V] of every sample of 1 ms.
 
-        In open loop the command changes on rows and is held.  Where the loop was
-        closed it moved at 1 kHz and the rows are samples of it: interpolated
-        where it moves smoothly, held where it jumps, until its row or as long `ahead` of it as is known.
+        Held from row to row, or, where it moves straight, interpolated but for its jumps: these come at their
+        rows, or as long `ahead` of them as is known.
         """
         v, rows = self.recording.command, self.rows
         samples = np.arange(rows[-1])
         row = np.searchsorted(rows, samples, side="right") - 1
-        if self.recording.reference is None:
+        if self.recording.commanded == "held":
             return v[row]
         moved = np.diff(v)
         share = (samples - rows[row]) / (rows[row + 1] - rows[row])

@@ -54,7 +54,8 @@ class Recording:
     how many rows the logger wrote twice (``repeated``) or in the wrong order (``swapped``), how many cells it
     left ``empty``, how many ``gaps`` its time has, and from when its ``clock`` counts [s].  ahead [s], (n,):
     how long before its row the command jumped, where a set-point changed between two rows; None for a
-    command that jumps at rows.
+    command that jumps at rows.  between: whether the command is ``held`` between rows or moves ``straight``;
+    None where it is not known: then held in open loop and straight in a closed one.
 
     A row holds the sensors at its time, before the command of that row acts.
     """
@@ -71,6 +72,7 @@ class Recording:
     renewed: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
     mended: Mapping[str, float] = field(default_factory=dict)
     ahead: Array | None = None
+    between: Literal["held", "straight"] | None = None
 
     def fresh(self, channel: str) -> NDArray[np.bool_]:
         """Rows at which a channel was renewed, (n,): all, unless its logger holds it in between."""
@@ -79,6 +81,11 @@ class Recording:
     def held(self, channel: str) -> bool:
         """Whether a channel was logged in some rows only."""
         return float(self.fresh(channel).mean()) < HELD
+
+    @property
+    def commanded(self) -> Literal["held", "straight"]:
+        """What the command does between rows."""
+        return self.between or ("held" if self.reference is None else "straight")
 
     @property
     def judged(self) -> NDArray[np.bool_]:

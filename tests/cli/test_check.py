@@ -34,13 +34,14 @@ def plant_of(rig):
     return replace(plant, parameters=fitted, remainder=left)
 
 
-def log_of(rig, plant, path, salt=7):
-    """A log of the task, 20 s, written as the rig's logger does."""
+def log_of(rig, plant, path, salt=7, at=(1.0, 7.0, 12.0), to=(15.0, 0.0, -10.0), every=1):
+    """A log of the task, 20 s, written as the rig's logger does, or every so many of its rows; at: moments
+    [s] at which the set-point [deg] goes `to` others."""
     time = np.arange(20001) * 0.001
-    asked = np.select([time < 1.0, time < 7.0, time < 12.0], [0.0, 15.0, 0.0], -10.0)
+    asked = np.append(0.0, to)[np.searchsorted(at, time + 1e-6)]
     v = plant.values
     run = rig.follow(asked, Controller(*GAINS[rig.axis], v["gain"], v["rest_pressure"]), salt)
-    logged_table(rig, "task", run, False).to_csv(path, index=False)
+    logged_table(rig, "task", run, False).iloc[::every].to_csv(path, index=False)
     return path
 
 
@@ -73,6 +74,14 @@ def test_a_rig_that_did_not_change_and_one_whose_slope_softens(wrist, designed):
         assert (folder / "page" / name).stat().st_size > 500
 
 
+@pytest.mark.parametrize("salt", [7, 8, 9])
+def test_set_points_between_the_rows_of_a_slow_log_are_no_change(wrist, designed, salt):
+    rig, plant, folder = designed("flexion", 2)
+    log = log_of(rig, plant, folder / "log.csv", salt, (1.001, 7.003, 12.005), (17.0, -17.0, 17.0), 2)
+    found = wrist("check", log, "--design", folder, "--json", "-")
+    assert found.json["verdict"] == "as promised", found.out
+
+
 def test_what_cannot_be_checked_is_told_in_a_line(wrist, designed, tmp_path):
     rig, plant, folder = designed("flexion", 2)
     log = log_of(rig, plant, folder / "log.csv")
@@ -103,3 +112,15 @@ def test_what_changed_is_seen_and_what_did_not_is_left_alone(wrist, designed, ax
         record = wrist("check", log, "--design", folder, "--json", "-").json
         assert record["residual"]["new"], what
         assert cause in record["residual"]["change"]["name"], what
+
+
+def test_samples_are_asked_when_the_rig_was_not_at_the_row_after():
+    from design.studies.check.envelope import _rows_of
+    from plants.measured.playback import Playback
+    from plants.measured.recording import Recording
+
+    reference = np.array([0.0, 0.0, 15.0, 15.0])
+    log = Recording("log", np.arange(4) * 0.01, np.ones(4), np.zeros(4), reference=reference)
+    timed = replace(log, ahead=np.array([0.0, 0.0, 0.004, 0.0]))
+    assert np.flatnonzero(np.diff(reference[_rows_of(Playback(log))])).tolist() == [19]
+    assert np.flatnonzero(np.diff(reference[_rows_of(Playback(timed))])).tolist() == [15]

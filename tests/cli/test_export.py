@@ -177,3 +177,18 @@ def test_a_revised_plant_is_written_with_its_effects(wrist, tmp_path):
     assert sorted(p.name for p in (tmp_path / "fmu").iterdir()) == [
         "flexion_plant_fmi2.fmu", "flexion_plant_fmi3.fmu", "flexion_plant_vector.csv",
     ]  # fmt: skip
+
+
+def test_a_file_with_a_second_degree_of_freedom_is_exported_with_it(wrist, tmp_path, quick):
+    from design.tuner.gains_file import write
+
+    path = write(tmp_path / "gains", {"Kp": 1.5, "Ki": 8.1, "b": 2.0, "Tf": 0.0})
+    refused = wrist("export", "pi", "--gains", path, "--out", tmp_path / "pi")
+    assert refused.code == 2
+    assert "has b = 2 and Tf = 0 s, which a plain PI does not; export pi-2dof with it" in refused.err
+    assert not (tmp_path / "pi").exists()
+    told = wrist("export", "pi-2dof", "--gains", path, "--out", tmp_path / "more", "--json", "-")
+    assert told.code == 0, told.err
+    assert {n: told.json["settings"][n] for n in ("Kp", "Ki", "b")} == {"Kp": 1.5, "Ki": 8.1, "b": 2.0}
+    plain = write(tmp_path / "plain", {"Kp": 1.5, "Ki": 8.1})
+    assert wrist("export", "pi", "--gains", plain, "--out", tmp_path / "plain_c").code == 0

@@ -1,6 +1,6 @@
 """Logs of a closed loop are fitted as those of an open loop: the noise that the controller feeds back biases
-nothing, since the fit runs freely from the logged command, and set-points that change between rows are put
-where the pressure shows that they did."""
+nothing, since the fit runs freely from the logged command.  What that did between rows is found: set-points
+that change between them, a controller that runs once a row, a smooth command in a slow log."""
 
 from dataclasses import replace
 
@@ -12,10 +12,10 @@ from plants.measured.fit import fit_campaign
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.trace.rig_fit import fit_rig
-from plants.measured.trace.stages.setpoints import with_times
+from plants.measured.trace.stages.between_rows import with_command
 from plants.parameters.files import built_in
 from plants.wrist import Wrist
-from tests.rig.campaign import make_rig, record_closed, set_points
+from tests.rig.campaign import QUICK, logged_table, make_campaign, make_rig, record_closed, set_points
 from tests.trace.traces import trace_folder
 
 BETWEEN, AT_ROWS = 3, 2  # digits of the moments [s] at which set-points change; rows are 0.01 s apart
@@ -48,9 +48,7 @@ def test_set_points_between_rows_bias_nothing(tmp_path, axis, seed):
     rig = make_rig(axis, [], seed)
     campaign = recorded(rig, tmp_path, BETWEEN)
     at_rows = fit_campaign(campaign, built_in(axis), 1)
-    assert (
-        off(rig, at_rows.fitted)["k_fast"][1] > 0.03
-    )  # what the jumps of the command do where they are held
+    assert off(rig, at_rows.fitted)["k_fast"][1] > 0.03  # jumps of the command held until their rows
     found = fit_rig(campaign, built_in(axis), 1)
     assert off(rig, found.fit.fitted)["k_fast"][1] < 0.005
     assert max(found.fit.ratios.values()) < 1.05
@@ -61,7 +59,7 @@ def test_set_points_between_rows_bias_nothing(tmp_path, axis, seed):
     when = (recording.time - recording.ahead)[at]
     nearest = np.abs(when[:, None] - moments).min(axis=1)
     assert np.median(nearest) < 0.0005
-    assert np.max(nearest) < 0.01
+    assert np.quantile(nearest, 0.9) < 0.01  # a few jumps are the command's that comes back from its limit
 
 
 def test_set_points_at_rows_stay_there(tmp_path):
@@ -84,7 +82,7 @@ def test_nor_does_a_regulator_that_became_faster_or_slower(tmp_path, factor):
     changed = {n: factor * values[n] for n in ("k_fast", "k_slow")}
     plant = built_in("flexion")
     wrist = Wrist.from_values({**plant.values, **values, **changed}, rig=plant.rig)
-    assert with_times(recording, wrist) is recording
+    assert with_command(recording, wrist) is recording
 
 
 @pytest.mark.suite
@@ -116,3 +114,49 @@ def test_a_jump_ahead_of_its_row_counts_for_the_share_of_its_sample():
     assert Playback(timed).commands[16] == pytest.approx(1.0 + 0.4 * 2.0)
     assert Playback(timed).commands[17:] == pytest.approx(3.0)
     assert Playback(log).commands[:20] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("axis", "seed"), [("flexion", 403), ("deviation", 404)])
+def test_a_controller_that_runs_once_a_row_holds_its_command(tmp_path, axis, seed):
+    rig = make_rig(axis, [], seed)
+    record_closed(rig, tmp_path, BETWEEN, controller=QUICK._replace(every=10))
+    campaign = load_campaign(tmp_path)
+    assert max(fit_campaign(campaign, built_in(axis), 1).ratios.values()) > 1.03  # of straight commands
+    found = fit_rig(campaign, built_in(axis), 1)
+    assert [(r.habit, r.channel) for r in found.start.instrument] == [("held", "command_V")]
+    assert {r.commanded for r in (*found.start.campaign.fit, *found.start.campaign.validate)} == {"held"}
+    assert max(found.fit.ratios.values()) < 1.03
+    assert off(rig, found.fit.fitted)["k_slow"][1] < 0.01
+
+
+def waves(rig, folder, row):
+    """A campaign whose command moves smoothly at 1 kHz in open loop, with a row every so many ms."""
+    time = np.arange(60_001) * 0.001
+    for salt, name in enumerate(("one", "two", "three")):
+        slow = np.sin(2.0 * np.pi * (0.15 + 0.02 * salt) * time) * np.cos(0.2 * time)
+        run = rig.play(2.02 + 1.4 * slow + 0.3 * np.sin((4.4 + 0.6 * salt) * time), salt)
+        logged_table(rig, "sine", run, False).iloc[:: row // 10].to_csv(folder / f"{name}.csv", index=False)
+    (folder / "campaign.toml").write_text(
+        f'axis = "{rig.axis}"\nsample_time_s = {row / 1000}\nfit = ["one.csv", "two.csv"]\n'
+        'validate = ["three.csv"]\n'
+    )
+    return load_campaign(folder)
+
+
+def test_a_command_in_open_loop_may_move_between_the_rows_of_a_slow_log(tmp_path):
+    rig = make_rig("flexion", [], 402)
+    campaign = waves(rig, tmp_path, 40)
+    assert off(rig, fit_campaign(campaign, built_in("flexion"), 1).fitted)["k_fast"][1] > 0.3  # held
+    found = fit_rig(campaign, built_in("flexion"), 1)
+    assert [r.habit for r in found.start.instrument] == ["straight"]
+    assert off(rig, found.fit.fitted)["k_fast"][1] < 0.02
+    assert max(found.fit.ratios.values()) < 1.05
+    assert "moves on between the rows, 0.04 s apart" in str(found.start.instrument[0])
+    assert trace_folder(tmp_path).verdict == "nothing-missing"
+
+
+def test_a_command_that_is_held_in_open_loop_stays_held(tmp_path):
+    rig = make_campaign(tmp_path, "flexion", seed=402, short=True)
+    found = fit_rig(load_campaign(tmp_path), built_in(rig.axis), 1)
+    assert not found.start.instrument
+    assert all(r.between is None for r in (*found.start.campaign.fit, *found.start.campaign.validate))

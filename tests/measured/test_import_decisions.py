@@ -38,6 +38,27 @@ def test_channels_without_names_and_units_are_told_by_what_leads(tmp_path):
     found = import_logs([log], {}).roles
     assert (found["command"].channel, found["angle"].channel) == ("ai0", "ai2")
     assert "leads the angle" in found["command"].why
+    in_order = csv(
+        tmp_path / "order.csv",
+        {"time": STEPS.time, "ch1": STEPS.command, "ch2": STEPS.pressure, "ch3": STEPS.angle},
+    )
+    found = import_logs([in_order], {}).roles
+    assert {r: f.channel for r, f in found.items()} == {"command": "ch1", "pressure": "ch2", "angle": "ch3"}
+    assert "leads the angle" in found["pressure"].why
+
+
+def test_names_of_other_languages_and_of_textbooks_are_known(tmp_path):
+    log = csv(
+        tmp_path / "log.csv",
+        {
+            "Zeit": STEPS.time, "w": np.round(STEPS.angle, 0), "Stellgroesse": STEPS.command,
+            "Druck": STEPS.pressure, "Winkel": STEPS.angle,
+        },
+    )  # fmt: skip
+    found = import_logs([log], {}).roles
+    assert {r: f.channel for r, f in found.items()} == {
+        "reference": "w", "command": "Stellgroesse", "pressure": "Druck", "angle": "Winkel",
+    }  # fmt: skip
 
 
 def test_of_two_angles_the_reference_is_that_which_leads_and_has_no_noise():

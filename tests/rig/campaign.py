@@ -17,6 +17,7 @@ RECORDINGS = ("staircase", "steps", "small", "sine", "task")
 VALIDATE = ("sine", "task")  # never used to fit
 TICKS_PER_ROW = 10
 TASK_CONTROLLER = Controller(Kp=1.2, Ki=2.2)
+QUICK = Controller(Kp=4.28, Ki=10.4)
 
 
 def make_rig(
@@ -89,12 +90,14 @@ def set_points(rig: Bench, salt: int, digits: int) -> tuple[signals.Signal, sign
     return edges, levels[np.searchsorted(edges, np.arange(60_001) * 0.001 + 1e-6)]
 
 
-def record_closed(rig: Bench, folder: Path, digits: int, with_other: bool = False) -> Path:
+def record_closed(
+    rig: Bench, folder: Path, digits: int, with_other: bool = False, controller: Controller = QUICK
+) -> Path:
     """A campaign of three minutes under a PI that sees the noise, to random set-points; digits: of the
     moments [s] at which these change: with 2 they are rows of the log, with 3 they lie between rows."""
     names = ("one", "two", "three")
     for salt, name in enumerate(names, start=11):
-        run = rig.follow(set_points(rig, salt, digits)[1], Controller(4.28, 10.4), salt)
+        run = rig.follow(set_points(rig, salt, digits)[1], controller, salt)
         logged_table(rig, "task", run, with_other).to_csv(folder / f"{name}.csv", index=False)
     write_description(folder, rig.axis, names, ("three",))
     return folder

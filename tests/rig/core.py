@@ -56,7 +56,8 @@ class Controller(NamedTuple):
 
     Kp [kPa/deg], Ki [kPa/(deg s)], gain [kPa/V], rest_pressure [kPa], low and high [V]; b weights the
     reference r, y is the measured angle behind a lag of Tf [s], none where that is 0.  The integrator stands
-    still while the command is clipped, unless the error drives it back.
+    still while the command is clipped, unless the error drives it back.  It acts every so many ticks, and
+    its command is held in between.
     """
 
     Kp: float = 0.0
@@ -67,6 +68,7 @@ class Controller(NamedTuple):
     high: float = 4.0
     b: float = 1.0
     Tf: float = 0.0
+    every: int = 1
 
 
 class Outside(NamedTuple):
@@ -89,13 +91,14 @@ def pi_command(
     controller: Controller, reference: float, angle: float, filtered: float, integral: float
 ) -> tuple[float, float, float]:
     """(command [V], integral and filtered angle after it)."""
-    filtered = angle if controller.Tf == 0.0 else angle + (filtered - angle) * exp(-TICK / controller.Tf)
+    dt = TICK * controller.every
+    filtered = angle if controller.Tf == 0.0 else angle + (filtered - angle) * exp(-dt / controller.Tf)
     proportional = controller.Kp * (controller.b * reference - filtered)
     error = reference - filtered
     volts = (controller.rest_pressure + proportional + controller.Ki * integral) / controller.gain
     command = min(max(volts, controller.low), controller.high)
     clipped_further = (command - volts) * error < 0.0
-    return command, integral if clipped_further else integral + error * TICK, filtered
+    return command, integral if clipped_further else integral + error * dt, filtered
 
 
 @njit
@@ -156,12 +159,12 @@ def integrate(
             reading += hum(hidden.hum, start)
         reading += strange.valve_current.amplitude * ((command / 4.0) ** 2 - 0.25)  # of the command so far
         measured = reading + outside.noise[tick] * (1.0 + strange.speed_noise.per_speed * abs(speed))
-        if closed:
+        if closed and tick % controller.every == 0:
             seen_angle = measured if noisy else reading
             command, integral, filtered = pi_command(
                 controller, outside.reference[tick], seen_angle, filtered, integral
             )
-        else:
+        elif not closed:
             command = outside.command[tick]
         out[tick, 0], out[tick, 1], out[tick, 2], out[tick, 3] = command, pressure, y, measured
         following = min(tick + 1, ticks - 1)

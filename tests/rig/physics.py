@@ -157,18 +157,19 @@ def integrate_physics(
     out = np.empty((ticks, 4))
     bent = np.zeros(SLIDERS)  # rad, of each slider's spring
     absolute, angle, speed, rubber = ATMOSPHERE + p.rest_pressure * 1e3, 0.0, 0.0, 0.0
-    integral, filtered = 0.0, 0.0
+    command, integral, filtered = 0.0, 0.0, 0.0
     relax = 1.0 - exp(-dt / p.rubber_s)
     for tick in range(ticks):
         degrees = angle * 180.0 / pi
         reading = degrees + outside.sensor[tick] + outside.joint[tick]
         measured = reading + outside.noise[tick]
-        command = outside.command[tick]
-        if closed:
+        if closed and tick % controller.every == 0:
             seen_angle = measured if noisy else reading
             command, integral, filtered = pi_command(
                 controller, outside.reference[tick], seen_angle, filtered, integral
             )
+        elif not closed:
+            command = outside.command[tick]
         out[tick, 0], out[tick, 1] = command, (absolute - ATMOSPHERE) / 1e3
         out[tick, 2], out[tick, 3] = degrees, measured
         target = command * p.gain

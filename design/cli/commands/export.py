@@ -74,8 +74,8 @@ def command(
             help="pi: Kp,Ki. pi-2dof: Kp,Ki,b,Tf. cascade: Kp,Ki,b,Kc. lqi: Ke,Kd,Kq,jump,bandwidth. "
             "feedforward: speed. feedforward-pi: Kp,Ki,dead time. observer: bandwidth. Needed by pi, "
             "pi-2dof, cascade, lqi and feedforward-pi. Any mpc: swing,move,delay, the weights of changes of "
-            "angle and command and the periods of dead time in its model. For pi and any mpc a TOML file "
-            "with them works too, such as mpc-MOTION.toml of wrist design --mpc."
+            "angle and command and the periods of dead time in its model. For pi, pi-2dof and any mpc a TOML "
+            "file with them works too, such as mpc-MOTION.toml of wrist design --mpc."
         ),
     ] = None,
     target: Annotated[
@@ -160,6 +160,23 @@ def _told(
         said.print(f"replay the test vector with: make -C {out} check", soft_wrap=True)
 
 
+def _of_pi(path: str, rig: "Rig | None", controller: str) -> tuple[float, ...]:
+    """Gains of a PI that a file holds, with the second degree of freedom where the controller has it; a plain
+    PI would lose it without a word."""
+    from design.tuner.gains_file import read_more
+    from plants.errors import InputError
+
+    gains, more = pi_gains(path, rig=rig), read_more(path)
+    if controller == "pi-2dof":
+        return (*gains, *more)
+    if controller == "pi" and more != (1.0, 0.0):
+        raise InputError(
+            f"--gains: {path} has b = {more[0]:g} and Tf = {more[1]:g} s, which a plain PI does not; export "
+            "pi-2dof with it"
+        )
+    return gains
+
+
 def numbers(text: str, rig: "Rig | None" = None, controller: str = "pi") -> tuple[float, ...]:
     """Numbers with commas between, of either sign, or those of a TOML file with the gains of a PI, of an MPC
     with what was tuned of it, in the units of a rig; raises InputError for anything else.
@@ -174,7 +191,7 @@ def numbers(text: str, rig: "Rig | None" = None, controller: str = "pi") -> tupl
 
         return read_mpc(text, rig)
     if text.endswith(".toml"):
-        return pi_gains(text, rig=rig)
+        return _of_pi(text, rig, controller)
     try:
         found = tuple(float(part) for part in text.split(","))
     except ValueError:

@@ -107,6 +107,7 @@ def command(
     jobs: JobsOption = None,
     scheduler: SchedulerOption = None,
 ) -> None:
+    from design.controllers.pi import PI
     from design.evaluation.scenarios import Spread
     from design.robustness.assess import assess
     from design.robustness.box import box_of
@@ -142,7 +143,8 @@ def command(
         said.print(f"page in {_write_page(out, found, points, seed, jobs)}", soft_wrap=True)
     if found.stable:
         more = ["--plant", plant] if plant else ["--axis", chosen.axis]
-        following(said, "wrist", "export", "pi", "--gains", gains, *more, "--out", "build/c")
+        kind = "pi" if type(pi) is PI else "pi-2dof"
+        following(said, "wrist", "export", kind, "--gains", gains, *more, "--out", "build/c")
     write_json(json, assessment_record(found))
     if not found.stable:
         raise typer.Exit(1)

@@ -14,7 +14,7 @@ from design.synthesis.designed_plant import events, without
 from plants.errors import InputError
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
-from plants.measured.trace.stages.setpoints import with_times
+from plants.measured.trace.stages.between_rows import with_command
 from plants.parameters.quantities import ParameterSet
 
 OTHER_GAINS = 0.02
@@ -61,18 +61,19 @@ def check_log(
 ) -> LogCheck:  # fmt: skip
     """Hold a log of a closed loop against samples of its design and against the traced plant.
 
+    Where set-points changed between rows, when they did is estimated first.
     Raises InputError for a log without reference or angle, or whose reference never steps.
     """
     if log.reference is None or log.angle is None:
         lacks = "reference_deg" if log.reference is None else "angle_deg"
         raise InputError(f"{log.name}: has no {lacks}; log the closed loop with its reference and its angle")
     required: Requirement = requirement(without(plant, events(plant)))
-    playback, stairs = Playback(log, plant.rig.sample_time), _stairs(log)
+    playback = Playback(with_command(log, required.wrist), plant.rig.sample_time)
+    stairs = _stairs(log)
     kept = plant.remainder.get("angle_deg")
     noise = required.conditions.noise if kept is None else kept.noise
     found = envelope(playback, stairs, required, controller, samples, seed, noise, jobs)
-    timed = Playback(with_times(log, required.wrist), plant.rig.sample_time)
-    left = residual(timed, required.box, seed)
+    left = residual(playback, required.box, seed)
     return LogCheck(log, plant, stairs, found, left, _command_off(log, controller))
 
 

@@ -138,5 +138,7 @@ def _played(
 
 
 def _rows_of(playback: Playback) -> NDArray[np.intp]:
-    """The row whose reference holds at each sample."""
-    return np.searchsorted(playback.rows, np.arange(playback.rows[-1]), side="right") - 1
+    """The row whose reference holds at each sample, from as long ahead of the row as it is known to hold."""
+    ahead = playback.recording.ahead
+    begins = playback.rows - (0.0 if ahead is None else np.rint(ahead / playback.dt))
+    return np.searchsorted(begins, np.arange(playback.rows[-1]), side="right") - 1

@@ -30,6 +30,9 @@ a command without noise, for each pair in which cause comes before effect."""
 OPTIONAL = 2.0
 """Points that a channel needs to be taken for one that a campaign may lack."""
 
+ALIKE = 0.5
+"""Likeness from which a channel without name and unit, between the command and the angle, is the pressure."""
+
 CANDIDATES = 5
 LONGEST_LEAD = 3.0
 """Longest time [s] by which one channel is looked for in another."""
@@ -70,6 +73,8 @@ def roles(channels: Sequence[LoggedChannel], given: Mapping[str, tuple[str, str]
         if len(set(taken)) < len(taken):
             continue
         trial = chosen | {r: named[n] for r, n in zip(left, names, strict=True) if n is not None}
+        if not _between(trial, points.get("pressure", {})):
+            continue
         total = sum(points[r][n] for r, n in zip(left, names, strict=True) if n is not None)
         total += sum(_led(trial[a], trial[b]) for a, b in PAIRS if a in trial and b in trial)
         if "command" in trial and ("angle" in trial or "pressure" in trial) and total > most:
@@ -82,9 +87,20 @@ def roles(channels: Sequence[LoggedChannel], given: Mapping[str, tuple[str, str]
     return {r: _role(r, best[r], given.get(r), points.get(r, {}), best) for r in ROLES if r in best}
 
 
+def _between(trial: Mapping[str, LoggedChannel], points: Mapping[str, float]) -> bool:
+    """Whether a pressure that nothing says to be one moves after the command and before the angle, much as
+    they do; true of one that has a name or a unit."""
+    if "pressure" not in trial or points.get(trial["pressure"].name, OPTIONAL) >= OPTIONAL:
+        return True
+    if not {"command", "angle"} <= trial.keys():
+        return False
+    leads = lead(trial["command"], trial["pressure"]), lead(trial["pressure"], trial["angle"])
+    return all(lag > 0.0 and likeness > ALIKE for lag, likeness in leads)
+
+
 def _options(points: Mapping[str, float], role: str) -> list[str | None]:
     """Channels that may fill a role, the likeliest first, and none."""
-    least = OPTIONAL if role in ("reference", "pressure") else OF_OTHER + OF_UNIT
+    least = {"reference": OPTIONAL, "pressure": -0.5}.get(role, OF_OTHER + OF_UNIT)
     likely = sorted(
         (n for n in points if points[n] > least or points[n] == least == OPTIONAL), key=lambda n: -points[n]
     )

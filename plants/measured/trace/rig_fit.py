@@ -7,8 +7,8 @@ from plants.measured.campaign import Campaign
 from plants.measured.fit import Fit, fit_campaign
 from plants.measured.trace.declared import stages_of
 from plants.measured.trace.law import LawChoice, law_of_rig
+from plants.measured.trace.stages.between_rows import with_commands
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.stages.setpoints import with_jump_times
 from plants.measured.trace.start import FROM_GUESS, Start, starting
 from plants.parameters.quantities import ParameterSet
 
@@ -46,7 +46,7 @@ def fit_rig(
     Raises InputError as `plants.measured.fit.fit_campaign` does.
     """
     found = _fitted(starting(campaign, given), starts, seed, progress)
-    timed = with_jump_times(found.start, found.model)
+    timed = with_commands(found.start, found.model)
     return found if timed is None else _fitted(timed, starts, seed, progress)
 
 

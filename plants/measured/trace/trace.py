@@ -39,9 +39,9 @@ from plants.measured.trace.search.description import smooth_curves
 from plants.measured.trace.search.learning import learn
 from plants.measured.trace.search.undetermined import at_neutral
 from plants.measured.trace.size import MATTERS, NAMED, explained_share, remainder, remainders_of, span
+from plants.measured.trace.stages.between_rows import with_commands
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import remainders
-from plants.measured.trace.stages.setpoints import with_jump_times
 from plants.measured.trace.start import Start, starting
 from plants.measured.trace.suspect import check
 from plants.measured.trace.two_rigs import rigs_differ
@@ -55,8 +55,8 @@ SLOW_NOISE = 100.0
 slow noise whose floor was taken too low."""
 
 RETRACED = 2
-"""How often a campaign is traced again with the times at which the command of a closed loop jumped, which are
-those of the model that was found."""
+"""How often a campaign is traced again with what the command of a closed loop did between rows, by the model
+that was found."""
 
 REMAINS = 0.25
 """Share of its excess that an effect may leave and still be adopted where not all is explained."""
@@ -93,7 +93,7 @@ def _trace(
     begun = starting(campaign, given, either_way)
     found = _traced(begun, seed, tell, learning)
     for _ in range(RETRACED):
-        timed = with_jump_times(begun, found.stages[0].search.chosen.model)
+        timed = with_commands(begun, found.stages[0].search.chosen.model)
         if timed is None:
             break
         begun = timed

@@ -13,8 +13,8 @@ from plants.measured.trace.declared import driven, stages_of
 from plants.measured.trace.judge import alternatives, not_logged
 from plants.measured.trace.result import Named, Trace
 from plants.measured.trace.search.choose import MOST, WORTH, Candidate, falls, search, simplest
+from plants.measured.trace.stages.between_rows import with_command
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.stages.setpoints import with_times
 from plants.wrist import Wrist
 
 
@@ -87,7 +87,7 @@ def seen_alike(old: Trace, campaign: Campaign) -> tuple[Campaign, tuple[Remark, 
     check_comparable(old.campaign, campaign)
     campaign, remarks = corrected(campaign)
     campaign, plant = counted_from(campaign, zero_of(old.instrument)), Wrist.of(old.revised)
-    fit, validate = (tuple(with_times(r, plant) for r in of) for of in (campaign.fit, campaign.validate))
+    fit, validate = (tuple(with_command(r, plant) for r in of) for of in (campaign.fit, campaign.validate))
     return replace(campaign, fit=fit, validate=validate), remarks
 
 

@@ -1,17 +1,21 @@
-"""When the command of a closed loop jumped, where its set-point changed between two rows of the log.
+"""What the command did between the rows of a log.
 
-A controller at 1 kHz acts on a new set-point at once, a log at 100 Hz shows its command from the next row on.
-Held until that row, the command comes up to a row late, and a fit makes the regulator too fast to make up
-for it.  What the pressure did after each jump says when it was: one number for each jump, estimated in turn
-with the parameters (separable least squares).
+A controller, or whatever else gives commands, that runs once a row holds its command until the next: the log
+shows all of it.  One that runs faster moves it between rows, which are samples of a straight line but where a
+set-point changed: a controller acts on that at once, and the log shows its command from the next row on.
+Held until that row, the command comes up to a row late, and a fit makes the regulator too fast to make up for
+it.  What the pressure did after each jump says when it was: one number for each jump, estimated in turn with
+the parameters (separable least squares).
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.begin import first_begin
+from plants.measured.blocks import lower
 from plants.measured.logger import Remark
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
@@ -35,48 +39,89 @@ WORTH = 6.0
 """Sum of squares over the noise that goes with each jump if the jumps were between rows: a time that is
 fitted to noise takes away one."""
 
+TURNED = 30.0
+"""Sum of squares over the noise that has to go for a command to be held, or straight, against what is taken
+for granted: where it hardly moves but by jumps both are alike."""
+
 REMAINS = 0.25
 """Share of what chi-square has above 1 that may remain: what a model lacks goes in part with times too."""
 
 
-def with_jump_times(begun: Start, model: Model) -> Start | None:
-    """The start of a campaign with the times of the jumps of its commands, and a remark of them; None where
-    the commands jump at rows, or never.
+def with_commands(begun: Start, model: Model) -> Start | None:
+    """The start of a campaign with what its commands did between rows, and remarks of it; None where that is
+    what was taken for it: held in open loop, straight lines with jumps at rows in a closed one.
 
     model: of the first stage, whose recordings are those of the campaign that may be fitted on.
     """
     campaign, stage = begun.campaign, model.stage
-    found = _in_turn(model)
-    if not _worth(model.residual, found.residual, stage):
-        found = model
+    found = _fitted(model)
     of = {p.recording.name: p.recording for p in found.stage.playbacks}
     fit = tuple(of.get(r.name, r) for r in campaign.fit)
-    validate = tuple(with_times(r, found.wrist) for r in campaign.validate)
+    validate = tuple(with_command(r, found.wrist) for r in campaign.validate)
     if all(a is b for a, b in zip((*fit, *validate), (*campaign.fit, *campaign.validate), strict=True)):
         return None
-    played = [Playback(r, stage.rig.sample_time) for r in (*fit, *validate) if r.ahead is not None]
-    names = tuple(dict.fromkeys(p.recording.name for p in played))
-    remark = Remark("between", "command_V", sum(int(p.jumped.sum()) for p in played), "jumps", names)
-    return replace(
-        begun, campaign=replace(campaign, fit=fit, validate=validate),
-        instrument=tuple(dict.fromkeys((*begun.instrument, remark))),
-    )  # fmt: skip
+    remarks = _remarks([Playback(r, stage.rig.sample_time) for r in (*fit, *validate)])
+    instrument = (*(r for r in begun.instrument if r.channel != "command_V"), *remarks)
+    return replace(begun, campaign=replace(campaign, fit=fit, validate=validate), instrument=instrument)
 
 
-def with_times(recording: Recording, wrist: Wrist) -> Recording:
-    """A recording with the times of the jumps of its command at which a wrist leaves least of the pressure,
-    of the angle where no pressure was logged; as it is where too little goes with them."""
+def with_command(recording: Recording, wrist: Wrist) -> Recording:
+    """A recording with what its command did between rows by the pressure of a wrist, by the angle where no
+    pressure was logged; as it is where that tells nothing else."""
     playback = Playback(recording, wrist.rig.sample_time)
-    if not playback.jumped.any():
-        return recording
     channel = "angle_deg" if recording.pressure is None else "pressure_kPa"
-    noise = noise_of_campaign([recording], channel) or 1.0
     begin = first_begin(recording, float(wrist.hysteresis.rest_pressure))
     begins = None if begin.virgin else (begin,)
+    noise = noise_of_campaign([recording], channel) or 1.0
     stage = Stage("whole", channel, noise, (playback,), (), wrist.rig, begins=begins)
-    timed = _placed(stage, wrist)
-    before, after = ((s.play(0, wrist) - s.target) / noise for s in (stage, timed))
-    return timed.playbacks[0].recording if _worth(before, after, stage) else recording
+
+    def left(stage: Stage) -> Array:
+        return (stage.play(0, wrist) - stage.target) / noise
+
+    before, timed = left(stage), _placed(stage, wrist)
+    if not _worth(before, left(timed), stage):
+        timed = stage
+    other = _turned(stage)
+    return (other if _better(left(timed), left(other), stage) else timed).playbacks[0].recording
+
+
+def _fitted(model: Model) -> Model:
+    """The model, fitted, under what the commands of its recordings did between rows."""
+    timed = _in_turn(model)
+    if not _worth(model.residual, timed.residual, model.stage):
+        timed = model
+    other = replace(model, stage=_turned(model.stage)).fitted()
+    return other if _better(timed.residual, other.residual, model.stage) else timed
+
+
+def _turned(stage: Stage) -> Stage:
+    """The stage with commands held between rows that were straight, and straight where they were held."""
+
+    def turned(r: Recording) -> Recording:
+        return replace(r, between="straight" if r.commanded == "held" else "held", ahead=None)
+
+    return replace(stage, playbacks=tuple(replace(p, recording=turned(p.recording)) for p in stage.playbacks))
+
+
+def _better(before: Array, after: Array, stage: Stage) -> bool:
+    """Whether a residual under commands that were turned is smaller, by more than noise and for certain."""
+    gone = float(np.sum(before**2) - np.sum(after**2))
+    return gone > TURNED and lower(before, after, stage.left_out_blocks)
+
+
+def _remarks(playbacks: Sequence[Playback]) -> list[Remark]:
+    """What is said of commands that did between rows what is not taken for granted."""
+    found = []
+    for way in ("held", "straight"):
+        turned = [p.recording for p in playbacks if p.recording.between == way]
+        if turned:
+            row = float(np.median(np.diff(turned[0].time)))
+            found.append(Remark(way, "command_V", row, "s", tuple(dict.fromkeys(r.name for r in turned))))
+    timed = [p for p in playbacks if p.recording.ahead is not None]
+    if timed:
+        names = tuple(dict.fromkeys(p.recording.name for p in timed))
+        found.append(Remark("between", "command_V", sum(int(p.jumped.sum()) for p in timed), "jumps", names))
+    return found
 
 
 def _worth(before: Array, after: Array, stage: Stage) -> bool:
