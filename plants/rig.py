@@ -84,6 +84,14 @@ class Zero:
     angle: float = 0.0
     reversed: bool = False
 
+    def logged(self, angle: float) -> float:
+        """An angle of the rig's plants [deg] as its log has it.
+
+        >>> Zero(3.02, 26.0).logged(18.0), Zero(0.0, 26.0, True).logged(18.0)
+        (44.0, 8.0)
+        """
+        return self.angle + (-angle if self.reversed else angle)
+
     def words(self, units: Units) -> str:
         """What is counted from where, in words; empty where all is counted from 0.
 

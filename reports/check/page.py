@@ -66,5 +66,5 @@ def figure_table(check: LogCheck) -> Table:
             for f in check.envelope.figures
             if f.stair == i
         )  # fmt: skip
-        groups.append(Group(f"to {number(s.reference)} deg at {number(s.begins)} s", rows))
+        groups.append(Group(f"to {words.asked(check, s)} at {number(s.begins)} s", rows))
     return Table(columns, tuple(groups))

@@ -3,6 +3,7 @@
 from design.studies.check.check import LogCheck
 from design.studies.check.envelope import FigureCheck
 from design.studies.check.residual import RigChange
+from design.studies.check.stairs import Stair
 from reports.shared.tables import listed, number
 
 
@@ -19,8 +20,14 @@ def promise(check: LogCheck) -> str:
     f = e.first
     return (
         f"{check.log.name} is outside the envelope of {e.samples} samples: {departure(f)}, at the step to "
-        f"{number(check.stairs[f.stair].reference)} deg, {number(check.stairs[f.stair].begins)} s"
+        f"{asked(check, check.stairs[f.stair])}, {number(check.stairs[f.stair].begins)} s"
     )
+
+
+def asked(check: LogCheck, stair: Stair) -> str:
+    """The reference of a stair, as the log has it."""
+    rig = check.plant.rig
+    return f"{number(rig.zero.logged(stair.reference))} {rig.units.angle}"
 
 
 def departure(f: FigureCheck) -> str:
@@ -73,6 +80,8 @@ def remarks(check: LogCheck) -> list[str]:
             f"{number(100 * check.command_off, 2)} % of the range): the log is of another controller or "
             "sample time; the envelope is that of the designed controller."
         )
+    if counted := check.plant.rig.zero.words(check.plant.rig.units):
+        found.append(f"The figures of this page count {counted}, as the plant's file does.")
     if check.plant.remainder.get("angle_deg") is None:
         found.append(
             "The plant's file states no residual; only sensor noise was assumed. `wrist trace "

@@ -91,8 +91,8 @@ def test_a_leak_along_the_only_ramp_is_the_regulators_gain():
 
 
 def test_without_minor_loops_their_shape_is_the_branches():
-    assert "no minor loops" in OneMorePlay(0.1).borrowed(asked(SINE))
-    assert "no minor loops" in OneMorePlay(0.1).borrowed(asked(RAMP))
+    assert "few minor loops" in OneMorePlay(0.1).borrowed(asked(SINE))
+    assert "few minor loops" in OneMorePlay(0.1).borrowed(asked(RAMP))
     assert OneMorePlay(0.1).borrowed(asked(STEPS)) is None
 
 

@@ -37,7 +37,12 @@ def command(
         Path | None,
         typer.Option(help="Write the fitted set as TOML, for the other commands.", autocompletion=files),
     ] = None,
-    starts: Annotated[int, typer.Option(help="Starting points of each stage.", min=1)] = 6,
+    starts: Annotated[
+        int | None,
+        typer.Option(
+            help="Starting points of each stage: 6, or 1 where the fit starts from the log alone.", min=1
+        ),
+    ] = None,
     seed: SeedOption = 0,
     json: JsonOption = None,
     out: OutOption = None,

@@ -269,7 +269,7 @@ def lines(answered: "Answer") -> list[str]:
         ),
         f"map of {region.points} x {region.points} gains in steps of {apart} (Kp and Ki), "
         f"{found.map.feasible.sum()} within the limits; {near} of {len(found.searches)} local searches ended "
-        f"within 1 % of the result, the others at higher costs",
+        "within 1 % of the result" + (", the others at higher costs" if near < len(found.searches) else ""),
     ]
     if problem.set_aside:
         said.append(

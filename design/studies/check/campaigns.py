@@ -11,8 +11,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from design.robustness.box import box_of
-from design.studies.check.residual import MARGIN, ChannelResidual, channel_residuals
+from design.robustness.box import Box, box_of
+from design.studies.check.residual import (
+    MARGIN,
+    ChannelResidual,
+    channel_residuals,
+    drawn,
+    free_readings,
+)
+from plants.measured.begin import first_begin
 from plants.measured.campaign import Campaign
 from plants.measured.free_run import squares
 from plants.measured.logger import Remark
@@ -23,7 +30,7 @@ from plants.measured.trace.change.two_steps import white_errors
 from plants.measured.trace.result import Named, Trace
 from plants.measured.trace.search.choose import WORTH
 from plants.measured.trace.stages.model import Model
-from plants.parameters.remainder import RemainderSize
+from plants.parameters.remainder import CHANNELS, RemainderSize
 
 Array = NDArray[np.float64]
 CONFIDENCE = 0.95
@@ -148,10 +155,35 @@ def campaign_change(
 def left_of(old: Trace, campaign: Campaign, seed: int = 0) -> tuple[RecordingResidual, ...]:
     """What the plant of a trace leaves of each recording of another campaign, and up to what it may."""
     box = box_of(replace(old.revised, remainder=_left_anywhere(old)))
+    shares = not_contradicted(box, old, drawn(box, seed))
     return tuple(
-        RecordingResidual(r, channel_residuals(Playback(r, old.revised.rig.sample_time), box, seed))
+        RecordingResidual(r, channel_residuals(Playback(r, old.revised.rig.sample_time), box, shares))
         for r in (*campaign.fit, *campaign.validate)
     )
+
+
+def not_contradicted(box: Box, old: Trace, shares: Array) -> Array:
+    """Places in the box of a traced plant, (intervals, lanes), moved towards the plant itself as far as it
+    takes until none changes the old recordings by more than the plant leaves of them.
+
+    Errors of parameters that the old recordings tell from each other badly, or not at all, are wide; a plant
+    that they contradict would forgive any change of the rig.
+    """
+    if not box.intervals:
+        return shares
+    wrist, moved = box.wrist, box.at(shares)
+    squares: dict[str, list[Array]] = {channel: [] for channel in CHANNELS}
+    for r in (*old.campaign.fit, *old.campaign.validate):
+        playback = Playback(r, wrist.rig.sample_time)
+        begin = first_begin(r, float(wrist.hysteresis.rest_pressure))
+        runs = (free_readings(playback, w, begin) for w in (moved, wrist))
+        for channel, by, own in zip(CHANNELS, *runs, strict=True):
+            squares[channel].append((by - own) ** 2)
+    kept = np.ones(shares.shape[1])
+    for channel, left in old.revised.remainder.items():
+        rms = np.sqrt(np.mean(np.concatenate(squares[channel]), axis=0))
+        kept = np.minimum(kept, np.hypot(left.rms, left.noise) / np.maximum(rms, 1e-12))
+    return 0.5 + kept * (shares - 0.5)
 
 
 def _left_anywhere(old: Trace) -> dict[str, RemainderSize]:

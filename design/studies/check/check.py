@@ -12,6 +12,7 @@ from design.studies.check.residual import ResidualCheck, residual
 from design.studies.check.stairs import Stair, stairs_of
 from design.synthesis.designed_plant import events, without
 from plants.errors import InputError
+from plants.measured.formats.cells import shorten
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.trace.stages.between_rows import with_command
@@ -66,7 +67,10 @@ def check_log(
     """
     if log.reference is None or log.angle is None:
         lacks = "reference_deg" if log.reference is None else "angle_deg"
-        raise InputError(f"{log.name}: has no {lacks}; log the closed loop with its reference and its angle")
+        raise InputError(
+            f"{log.name}: has no {lacks}; its columns are {shorten(list(log.channels))}: name the one under "
+            "[columns] of campaign.toml beside it, or log the closed loop with its reference and its angle"
+        )
     required: Requirement = requirement(without(plant, events(plant)))
     playback = Playback(with_command(log, required.wrist), plant.rig.sample_time)
     stairs = _stairs(log)

@@ -84,19 +84,24 @@ class ResidualCheck:
 def residual(playback: Playback, box: Box, seed: int) -> ResidualCheck:
     """Hold a log against free runs of a plant, from the logged command; what is new is tried against the
     changes of rigs."""
-    channels, wrist = channel_residuals(playback, box, seed), box.wrist
+    channels, wrist = channel_residuals(playback, box, drawn(box, seed)), box.wrist
     begin = first_begin(playback.recording, float(wrist.hysteresis.rest_pressure))
     new = any(c.new for c in channels)
     return ResidualCheck(channels, _change(playback, wrist, begin, channels) if new else None)
 
 
-def channel_residuals(playback: Playback, box: Box, seed: int) -> tuple[ChannelResidual, ...]:
-    """The channels of a log beside free runs of a plant, from the logged command."""
+def drawn(box: Box, seed: int) -> Array:
+    """Places in a box (intervals, PLANTS), as `design.robustness.box.Box.at` takes them."""
+    return generator(seed, 0, CASES).random((len(box.intervals), PLANTS))
+
+
+def channel_residuals(playback: Playback, box: Box, shares: Array) -> tuple[ChannelResidual, ...]:
+    """The channels of a log beside free runs of a plant, from the logged command; shares: places of other
+    plants in its box, (intervals, lanes)."""
     wrist, log = box.wrist, playback.recording
-    shares = generator(seed, 0, CASES).random((len(box.intervals), PLANTS))
     begin = first_begin(log, float(wrist.hysteresis.rest_pressure))
-    nominal = _free(playback, wrist, begin)
-    others = _free(playback, box.at(shares), begin) if box.intervals else nominal
+    nominal = free_readings(playback, wrist, begin)
+    others = free_readings(playback, box.at(shares), begin) if box.intervals else nominal
     found = []
     for i, channel in enumerate(CHANNELS):
         truth, kept = measured(log, channel), box.plant.remainder.get(channel)
@@ -113,8 +118,8 @@ def channel_residuals(playback: Playback, box: Box, seed: int) -> tuple[ChannelR
     return tuple(found)
 
 
-def _free(playback: Playback, wrist: Wrist, begin: Begin) -> tuple[Array, Array]:
-    """Readings of angle [deg] and pressure [kPa] of wrists at the rows, (n, lanes)."""
+def free_readings(playback: Playback, wrist: Wrist, begin: Begin) -> tuple[Array, Array]:
+    """Readings of angle [deg] and pressure [kPa] of wrists at a log's rows, from its command, (n, lanes)."""
     pressure, angle = playback.play(wrist, begun(wrist, None if begin.virgin else begin))
     return tuple(np.reshape(x, (len(playback.rows), -1)) for x in (angle, pressure))  # type: ignore[return-value]
 
@@ -139,7 +144,7 @@ def _change(
 
     excess = sum((c.rms / noise[c.channel]) ** 2 - 1.0 for c in channels)
     for name, unit, sizes, changed in _changes(wrist):
-        chi2 = off(_free(playback, changed(sizes), begin)) - len(channels)
+        chi2 = off(free_readings(playback, changed(sizes), begin)) - len(channels)
         k = int(np.argmin(chi2))
         takes = float(1.0 - max(chi2[k], 0.0) / max(excess, 1e-9))
         if best is None or takes > best.takes:

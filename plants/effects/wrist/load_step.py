@@ -55,8 +55,8 @@ class _Loaded(Effect):
         """A load that comes as a recording begins shifts all of it."""
         if float(self.moment) < asked.begins:
             return (
-                f"a shift at {float(self.moment):.3g} s, where the recordings begin, is an offset as well; "
-                "record with the load picked up later"
+                f"a shift at {float(self.moment):.3g} s, within the first {asked.begins:.3g} s of the "
+                "recordings, is an offset as well; record with the load picked up later"
             )
         return None
 

@@ -125,7 +125,7 @@ class _Shape(Effect):
         """The same loop again and again shows its branches alone."""
         if asked.minor_loops:
             return None
-        return "the command makes no minor loops, so that it may be the branches; record nested minor loops"
+        return "the command makes few minor loops, so that it may be the branches; record nested minor loops"
 
 
 class _Plays(_Shape):

@@ -12,6 +12,9 @@ from plants.measured.trace.stages.model import Model
 from plants.measured.trace.start import FROM_GUESS, Start, starting
 from plants.parameters.quantities import ParameterSet
 
+STARTS = 6
+"""Starting points of each stage of a fit, the first that of the set that was given."""
+
 
 @dataclass(frozen=True)
 class RigFit:
@@ -34,14 +37,14 @@ class RigFit:
 def fit_rig(
     campaign: Campaign,
     given: ParameterSet | None = None,
-    starts: int = 6,
+    starts: int | None = None,
     seed: int = 0,
     progress: Callable[[str, float], None] | None = None,
 ) -> RigFit:
     """Fit a rig from its log: from the set `given`, the built-in one of a motion of that name, or a guess,
-    and then with the hysteresis law that does best on rows left out.  starts: starting points of each stage,
-    from a set that somebody made; a guess is near already.  Where set-points of a closed loop changed between
-    rows it is fitted again with the times at which they did.
+    and then with the hysteresis law that does best on rows left out.  starts: starting points of each stage;
+    where not given `STARTS` from a set that somebody made, one from a guess, which is near already.  Where
+    the command did something else between rows than is taken for granted it is fitted again with that.
 
     Raises InputError as `plants.measured.fit.fit_campaign` does.
     """
@@ -50,9 +53,11 @@ def fit_rig(
     return found if timed is None else _fitted(timed, starts, seed, progress)
 
 
-def _fitted(begun: Start, starts: int, seed: int, progress: Callable[[str, float], None] | None) -> RigFit:
+def _fitted(
+    begun: Start, starts: int | None, seed: int, progress: Callable[[str, float], None] | None
+) -> RigFit:
     fit = fit_campaign(
-        begun.campaign, begun.parameters, FROM_GUESS if begun.guessed else starts, seed, progress,
+        begun.campaign, begun.parameters, starts or (FROM_GUESS if begun.guessed else STARTS), seed, progress,
         apart=not begun.guessed,
     )  # fmt: skip
     law = law_of_rig(begun, fit, seed)

@@ -149,4 +149,7 @@ def law_sentence(law: LawChoice) -> str:
         if law.with_effects
         else "with the measured pressure"
     )
-    return f"Hysteresis law: {law.name}, chosen on held-out blocks, where the angle error {on} is {told}."
+    said = f"Hysteresis law: {law.name}, chosen on held-out blocks, where the angle error {on} is {told}."
+    if law.with_effects or errors[0][0] == law.name or errors[0][0] in law.others:
+        return said
+    return f"{said} The best fit of {errors[0][0]} makes no such loop; check that no columns are swapped."
