@@ -9,7 +9,7 @@ from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.stage import Stage
 from plants.measured.trace.search.choose import Candidate
-from plants.measured.trace.search.undetermined import at_neutral
+from plants.measured.trace.search.undetermined import at_neutral, without_bends
 from plants.measured.trace.stages.model import Model
 from plants.parameters.files import built_in
 from plants.simulation.open_loop import open_loop
@@ -60,3 +60,37 @@ def test_a_slope_of_the_curve_beyond_all_that_was_recorded_is_that_of_the_middle
     stage = Stage("whole", "angle_deg", 0.05, (playback,), curve, declared.rig)
     found = at_neutral(Candidate(Model(stage, declared, {**declared.values, "b2": 18.0}))).model.values
     assert {n: found[n] for n in curve} == {"b2": 1.0, "b1": 0.7, "c1": 0.6, "c2": 1.0}
+
+
+def curved(swing: float, slope: float) -> Candidate:
+    """A loop whose curve has a slope beyond 5 deg, fitted from another, on a command of a swing [V]."""
+    loop = PrandtlIshlinskii(0.08, (0.1, 0.18), 20.0, span=5.0, b1=1.0, c1=slope)
+    declared = second_law_set(loop)
+    t = 0.01 * np.arange(3000)
+    command = 2.0 + swing * np.sin(0.8 * t)
+    angle = open_loop(Wrist.of(declared), np.repeat(command, 10)).angle[:-1:10]
+    noisy = angle + np.random.default_rng(0).normal(0.0, 0.05, t.size)
+    playback = Playback(Recording("run", t, command, angle=noisy), declared.rig.sample_time)
+    stage = Stage(
+        "whole", "angle_deg", 0.05, (playback,), ("v0", "v1", "v2", "span", "b1", "c1"), declared.rig
+    )
+    found = Candidate(Model(stage, declared, {**declared.values, "c1": 2.0}).fitted())
+    assert found.model.chi2 == pytest.approx(1.0, abs=0.1)
+    return found
+
+
+def test_a_slope_that_is_only_just_met_is_that_of_the_middle_and_has_no_interval():
+    now = curved(0.57, 1.0)
+    assert 5.0 < np.max(np.abs(now.model.stage.target)) < 5.5
+    found = without_bends(now).model
+    assert (found.values["c1"], found.values["b1"]) == (1.0, 1.0)
+    assert {"b1", "c1"} <= set(found.fixed)
+    assert found.chi2 < 1.02 * now.model.chi2
+    assert found.values["v1"] == pytest.approx(0.1, rel=0.05)
+
+
+def test_a_bend_that_shows_is_kept():
+    now = curved(1.2, 0.6)
+    found = without_bends(now).model
+    assert "c1" not in found.fixed
+    assert found.values["c1"] == pytest.approx(0.6, rel=0.05)

@@ -37,7 +37,7 @@ from plants.measured.trace.search.choose import (
 )
 from plants.measured.trace.search.description import smooth_curves
 from plants.measured.trace.search.learning import learn
-from plants.measured.trace.search.undetermined import at_neutral
+from plants.measured.trace.search.undetermined import at_neutral, without_bends
 from plants.measured.trace.size import MATTERS, NAMED, explained_share, remainder, remainders_of, span
 from plants.measured.trace.stages.between_rows import with_commands
 from plants.measured.trace.stages.model import Model
@@ -189,7 +189,7 @@ def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: i
         found = replace(found, chosen=simplest(found.chosen))
     if not explained(found):
         found = replace(found, chosen=from_command(found.chosen))
-    found = replace(found, chosen=at_neutral(found.chosen))
+    found = replace(found, chosen=without_bends(at_neutral(found.chosen)))
     model, blind = found.chosen.model, unexcited(declared, found.rounds[0].ranking)
     borrowed = {n: why for r in found.rounds for n, why in r.borrowed.items()}
     blind = {**blind, **{n: why for n, why in borrowed.items() if n not in model.effects}}
@@ -243,6 +243,8 @@ def _result(
         if forms or changed:
             named = s.search.chosen.model
             values |= {n: named.values[n] for n in named.names}
+            kept = (n for n in named.wrist.hysteresis.NEUTRAL if n in named.fixed)
+            values |= {n: named.values[n] for n in kept if n not in base.undetermined}
             found = errors_of(named)
             of = dict(zip(named.names, found.std_errors, strict=True))
             errors |= of

@@ -1,6 +1,21 @@
 """Parameters of effects, and of a law's curve, that the recordings say nothing about."""
 
+from dataclasses import replace
+
+import numpy as np
+
+from plants.measured.estimate import corner_of, uncertainty
 from plants.measured.trace.search.choose import Candidate
+from plants.measured.trace.stages.model import Model
+
+HALVINGS = 4
+"""Steps, on a logarithmic scale, in which the nearest slope is looked for."""
+
+SIGMAS = 2.0
+"""Standard errors within which a slope of a law's curve is that of the middle."""
+
+COSTS = 0.01
+"""Share by which chi-square may rise with a slope that is not needed."""
 
 
 def at_neutral(now: Candidate) -> Candidate:
@@ -24,3 +39,47 @@ def at_neutral(now: Candidate) -> Candidate:
         if moved.chi2 < allowed:
             found = moved
     return Candidate(found) if found is not now.model else now
+
+
+def without_bends(now: Candidate) -> Candidate:
+    """The candidate with each slope of its hysteresis law's curve that is within its standard error of the
+    middle's as near to that as the recordings allow, one after the other, the least certain first, and the
+    rest fitted again.
+
+    Such a slope is one that the recordings do not tell from those of the plays that it weighs.  Its interval
+    would be a branch of many times the slope of the others, which no gains hold.
+    """
+    neutral, found = now.model.wrist.hysteresis.NEUTRAL, now.model
+    allowed = (1.0 + COSTS) * now.model.chi2
+    for _ in neutral:
+        errors = uncertainty(found.problem, found.vector, found.bounds, corner_of(found.residual)).std_errors
+        off = {
+            n: abs(found.values[n] - neutral[n]) / e if e else 0.0
+            for n, e in zip(found.names, errors, strict=True)
+            if n in neutral
+        }
+        least = min(off, key=lambda n: off[n], default=None)
+        if least is None or off[least] > SIGMAS:
+            break
+        found = _straightened(found, least, neutral[least], allowed)
+    return Candidate(found) if found is not now.model else now
+
+
+def _straightened(model: Model, name: str, neutral: float, allowed: float) -> Model:
+    """The model with a slope kept where it is nearest to the neutral one at a chi-square that is allowed."""
+
+    def kept(value: float) -> Model:
+        return replace(model.with_values({name: value}), fixed=(*model.fixed, name))
+
+    found = kept(neutral).fitted(20, 1e-5)
+    if found.chi2 <= allowed:
+        return found
+    found, near, far = kept(model.values[name]), neutral, model.values[name]
+    for _ in range(HALVINGS):
+        middle = float(np.sqrt(near * far))
+        tried = kept(middle).fitted(20, 1e-5)
+        if tried.chi2 <= allowed:
+            found, far = tried, middle
+        else:
+            near = middle
+    return found
