@@ -13,7 +13,7 @@ from plants.measured.residual.checks.evidence import NOTHING
 from plants.measured.residual.checks.periodic import Spectrum, _refined, line_in, spectrum_of
 from plants.measured.residual.checks.size import BURST, EDGE, Sizes, burst_test, evened, is_rough, sizes_of
 from plants.measured.residual.series.background import first_order
-from plants.measured.residual.series.joined import join
+from plants.measured.residual.series.joined import Joined, join
 from plants.measured.residual.series.remainder import Remainder
 from plants.measured.residual.stillness import DISTURBED, MOVED, SETTLED, SHORTEST, still_noise, still_rows
 from tests.residual.made import DT, RUNS, coloured
@@ -223,3 +223,14 @@ def test_a_peak_between_frequencies_is_where_its_parabola_is(near):
     spectrum = Spectrum(frequency, np.exp(-((frequency - peak) ** 2)), np.ones(10), 1.0)
     assert _refined(spectrum, near) == pytest.approx(peak)
     assert [_refined(spectrum, end) for end in (0, 9)] == [0.0, frequency[9]]
+
+
+@pytest.mark.parametrize("length", [2025, 2048, 2250])
+def test_frequencies_and_their_counts_are_those_of_a_real_transform_of_any_length(length):
+    value = white(length)
+    series = Joined(DT, (slice(0, length),), np.ones(length, bool), value, 0.0, {})
+    assert series.length == length
+    assert series.frequencies == pytest.approx(np.fft.rfftfreq(length, DT))
+    power = np.abs(series.transform(value)) ** 2
+    assert np.sum(series.counts * power) / length == pytest.approx(np.sum(value**2))  # Parseval
+    assert series.filtered(value, np.ones(len(series.frequencies))) == pytest.approx(value)
