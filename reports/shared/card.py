@@ -88,9 +88,11 @@ def _stability(of: CardRow) -> Cell:
 
 
 def proof_words(of: CardRow) -> str:
-    """The status of the proof, and the rate that is proved."""
+    """The status of the proof for the task, and the rate; where it is open, that of smaller motions."""
     rate, status = of.proved["rate_1_s"], str(of.proved["status"])
-    return status + ("" if rate is None else f", {number(rate, 2)} 1/s")
+    if rate is None:
+        return status
+    return f"{status}, {number(rate, 2)} 1/s" + ("" if status == "proved" else " for smaller motions")
 
 
 def matrix_table(rows: Sequence[CardRow]) -> Table:
