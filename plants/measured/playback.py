@@ -43,7 +43,8 @@ class Playback:
         v = self.recording.command
         if self.recording.commanded == "held":
             return np.zeros(len(v), bool)
-        size = np.abs(np.diff(v))
+        lasts = np.diff(self.rows)  # over a gap a command moves further without a jump
+        size = np.abs(np.diff(v)) * (float(np.median(lasts)) / lasts)
         beside = np.maximum(np.append(0.0, size[:-1]), np.append(size[1:], 0.0))
         return np.append(False, (size > JUMP * np.ptp(v)) & (size > SHARPER * beside))
 
