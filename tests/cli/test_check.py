@@ -12,6 +12,7 @@ from design.tuner.gains_file import write
 from plants.parameters.files import built_in, dump
 from plants.parameters.quantities import Fitted
 from plants.parameters.remainder import BANDS, RemainderSize
+from plants.wrist import Wrist
 from tests.change.pairs import worn
 from tests.rig.campaign import logged_table, make_rig
 from tests.rig.core import Controller
@@ -124,3 +125,21 @@ def test_samples_are_asked_when_the_rig_was_not_at_the_row_after():
     timed = replace(log, ahead=np.array([0.0, 0.0, 0.004, 0.0]))
     assert np.flatnonzero(np.diff(reference[_rows_of(Playback(log))])).tolist() == [19]
     assert np.flatnonzero(np.diff(reference[_rows_of(Playback(timed))])).tolist() == [15]
+
+
+@pytest.mark.parametrize(("factor", "own"), [(1.0, True), (1.4, False)])
+def test_a_log_that_begins_at_work_is_of_its_own_controller(designed, tmp_path, factor, own):
+    """The integral part of a loop that has run for a while is not that of a wrist at rest."""
+    from design.controllers.pi import PI
+    from design.studies.check.check import OTHER_GAINS, _command_off
+    from plants.measured.campaign import load_recording
+
+    rig, plant, folder = designed("flexion", 2)
+    whole = load_recording(log_of(rig, plant, folder / "log.csv"), rig=plant.rig)
+    at = slice(600, None)  # at 15 deg, before it goes home
+    log = replace(
+        whole, time=whole.time[at], command=whole.command[at], angle=whole.angle[at],
+        pressure=whole.pressure[at], reference=whole.reference[at],
+    )  # fmt: skip
+    Kp, Ki = GAINS["flexion"]
+    assert (_command_off(log, PI.of(Wrist.of(plant), factor * Kp, Ki)) <= OTHER_GAINS) == own

@@ -90,14 +90,19 @@ def _stairs(log: Recording) -> tuple[Stair, ...]:
 
 
 def _command_off(log: Recording, controller: Any) -> float:
-    """Rms of the logged command beside what a controller gives at the log's rows, as a share of its range."""
+    """Rms of the logged command beside what a controller gives at the log's rows, as a share of its range;
+    its integral part begins where the first command is the logged one."""
     from plants.simulation.sensor import Measured
 
     assert log.reference is not None
     assert log.angle is not None
     law = controller.sampled(float(np.median(np.diff(log.time))))
     first = Measured(0.0, float(log.angle[0]), controller.gain * float(log.command[0]))
-    state, given = controller.holding(controller.rest_pressure, first), np.empty(len(log.time))
+    held = controller.rest_pressure
+    at_first = first._replace(error=float(log.reference[0] - log.angle[0]))
+    _, begun = law.act(controller.holding(held, first), at_first)
+    held += controller.gain * float(log.command[0] - begun)
+    state, given = controller.holding(held, first), np.empty(len(log.time))
     for k, (asked, angle) in enumerate(zip(log.reference, log.angle, strict=True)):
         state, given[k] = law.act(state, Measured(asked - angle, angle, first.pressure))
     return float(np.sqrt(np.mean((given - log.command) ** 2)) / (controller.high - controller.low))
