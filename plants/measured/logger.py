@@ -7,9 +7,9 @@ a clock that counts from elsewhere, a channel that is logged late.  What campaig
 looked for.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Literal
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,30 +18,19 @@ from plants.measured.campaign import Campaign
 from plants.measured.instrument.alignment import delay_between, in_step
 from plants.measured.instrument.missing import lines_between, spikes
 from plants.measured.instrument.offsets import offsets_between
+from plants.measured.instrument.remark import Habit, Remark
+from plants.measured.instrument.renewals import renewals
 from plants.measured.noise import noise_floor, resolution
-from plants.measured.recording import HELD, Recording
+from plants.measured.recording import Recording
 from plants.rig import Zero
 
 Array = NDArray[np.float64]
-Habit = Literal[
-    "held", "counted from", "far", "reversed", "offset", "resting", "late", "repeated", "swapped", "empty",
-    "gaps", "clock", "spikes", "between",
-    "straight",
-]  # fmt: skip
 READ: Mapping[Habit, str] = {
     "repeated": "rows", "swapped": "rows", "empty": "cells", "gaps": "gaps", "clock": "s",
 }  # fmt: skip
 """What is put right when a recording is read, and what it is counted in."""
 
 FIELDS = {"pressure_kPa": "pressure", "angle_deg": "angle"}
-
-JUMPS = 2.5
-"""Steps of the sensor by which half of the new values differ from the held ones: a coarse sensor that moves
-slowly differs by one."""
-
-SHORTEST_GAPS, TICKS, IN_TIME = 0.05, 12, 0.95
-"""Quantile of the gaps between changes that a clock's period is first taken from, gaps that are needed, and
-share of them that has to be whole numbers of periods."""
 
 LOWEST = 3
 """Rows of rest before the command first moves that are needed to see an offset."""
@@ -57,101 +46,6 @@ CERTAIN = 5.0
 
 REST_ROWS = 30
 """Rows at exactly zero that make a sensor rest."""
-
-
-@dataclass(frozen=True)
-class Remark:
-    """Something that the log does.
-
-    habit: ``held`` (renewed every `value` s; of a command, that of a closed loop is held from row to row),
-    ``counted from`` (`value` is logged where the rig's plant is at zero), ``far`` (likewise, of an angle far
-    from zero), ``reversed`` (counted with the opposite sign), ``offset`` (off by up to `value`, anew in each
-    recording), ``resting`` (exactly zero for `value` s), ``late`` (logged `value` s late), ``repeated`` and
-    ``swapped`` (so many rows), ``empty`` (so many cells), ``gaps`` (so many), ``clock`` (counts from `value`
-    s), ``spikes`` (so many rows), ``between`` (so many jumps of a command between rows), ``straight`` (a
-    command that moves straight between rows `value` s apart; of commands see
-    `plants.measured.trace.stages.between_rows`).
-    recordings: in which, by name; stated: whether campaign.toml says so.
-    """
-
-    habit: Habit
-    channel: str
-    value: float
-    unit: str
-    recordings: tuple[str, ...]
-    stated: bool = False
-
-    def __str__(self) -> str:
-        name, many = self.channel.split("_")[0], len(self.recordings) > 1
-        where = f"{len(self.recordings)} recordings" if many else self.recordings[0]
-        match self.habit:
-            case "held" if name == "command":
-                return (
-                    f"The command is held between the rows, {self.value:.3g} s apart, as by a controller "
-                    f"that runs once a row ({where})."
-                )
-            case "held":
-                return (
-                    f"The {name} channel is renewed every {self.value:.3g} s and held in between ({where}); "
-                    "only renewed values count, with straight lines between them."
-                )
-            case "counted from":
-                if name == "angle":
-                    return (
-                        f"The angle goes to one side; it is counted from {self.value:.4g} {self.unit}, in "
-                        "the middle of its range, so that steps go either way. The revised plant keeps this."
-                    )
-                return (
-                    f"The pressure is {self.value:.4g} kPa where the command is zero; it is counted from "
-                    "there. The revised plant keeps this."
-                )
-            case "far":
-                return (
-                    f"The {name} lies far from zero for its range; it is counted from {self.value:.4g} "
-                    f"{self.unit}. The revised plant keeps this."
-                )
-            case "reversed":
-                return (
-                    f"The {name} falls as the pressure rises; it is counted with the opposite sign. The "
-                    "revised plant keeps this."
-                )
-            case "offset":
-                return (
-                    f"The {name} sensor is offset by up to {self.value:.3g} {self.unit}, anew in each "
-                    f"recording ({where}); the offsets are taken off."
-                )
-            case "late":
-                return (
-                    f"The {name} channel is logged {self.value:.3g} s later than the others ({where}); it is "
-                    "put back to when it was measured."
-                )
-            case "repeated":
-                return f"{self.value:.0f} rows were written twice ({where}); the copies are left out."
-            case "swapped":
-                return f"{self.value:.0f} rows stood in the wrong order ({where}); they are put in order."
-            case "empty":
-                return f"{self.value:.0f} cells are empty ({where}); only the others count."
-            case "gaps":
-                return f"The time has {self.value:.0f} short gaps ({where}); the command is held over them."
-            case "clock":
-                return f"The clock starts at {self.value:.10g} s ({where}); time counts from the first row."
-            case "spikes":
-                return (
-                    f"The {name} channel has {self.value:.0f} rows of spikes ({where}); they are left out, "
-                    "with straight lines over them."
-                )
-            case "straight":
-                return (
-                    f"The command moves on between the rows, {self.value:.3g} s apart ({where}); it is taken "
-                    "to be straight there."
-                )
-            case "between":
-                return (
-                    f"The set-point changes between rows ({where}); the times of {self.value:.0f} jumps of "
-                    "the command are estimated from what followed them."
-                )
-            case _:
-                return f"The {name} sensor rests at exactly zero for up to {self.value:.3g} s ({where})."
 
 
 def corrected(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
@@ -219,51 +113,6 @@ def _taken_off(
     return _each(campaign, taken)
 
 
-def renewals(values: Array) -> NDArray[np.bool_] | None:
-    """Rows at which a channel was renewed, None for one that is renewed in every row.
-
-    >>> int(renewals(np.repeat(np.random.default_rng(0).normal(size=50), 4)).sum())
-    50
-    """
-    changed = np.append(True, np.diff(values) != 0.0)
-    at = np.flatnonzero(changed)
-    if len(at) < 8 or changed.mean() > HELD:
-        return None
-    period = int(np.median(np.diff(at)))
-    jumps = np.abs(np.diff(values[at]))
-    if period < 2 or np.median(jumps) < JUMPS * resolution(values):
-        period = clock(at)
-    if period == 0:
-        return None
-    # A sensor at rest is renewed too, with the value it had.
-    fresh = changed.copy()
-    for first, gap in zip(at, np.diff(np.append(at, len(values))), strict=True):
-        fresh[first : first + gap : period] = True
-    return fresh
-
-
-def clock(rows: NDArray[np.intp]) -> int:
-    """Rows between renewals of a channel whose value changes at some rows: 0 unless these keep to a clock.
-
-    A coarse channel that is held changes by one step, as one does that moves slowly; but its changes are
-    whole numbers of periods apart.
-
-    >>> rng = np.random.default_rng(0)
-    >>> clock(40 * np.unique(rng.integers(0, 300, 60))), clock(np.unique(rng.integers(0, 12_000, 60)))
-    (40, 0)
-    """
-    gaps = np.diff(rows).astype(float)
-    period = float(np.quantile(gaps, SHORTEST_GAPS))
-    if len(gaps) < TICKS or period < 3.0:
-        return 0
-    for reach in (2.0, 4.0, 8.0):  # the more periods a gap holds, the better it tells how long one is
-        count = np.maximum(np.rint(gaps / period), 1.0)
-        near = count <= reach
-        period = float(gaps[near].sum() / count[near].sum()) if near.any() else period
-    off = np.abs(gaps - np.maximum(np.rint(gaps / period), 1.0) * period)
-    return round(period) if np.mean(off < 0.15 * period + 0.5) >= IN_TIME else 0
-
-
 def _every(r: Recording, period: float) -> NDArray[np.bool_]:
     """Rows at which a channel was renewed that is renewed every so many seconds."""
     count = np.floor((r.time - r.time[0]) / period + 1e-6)
@@ -326,17 +175,6 @@ def _without_spikes(campaign: Campaign, remarks: list[Remark]) -> Campaign:
 def counted_from(campaign: Campaign, zero: Zero) -> Campaign:
     """The campaign with pressures and angles counted from a zero."""
     return _each(campaign, lambda r: r.counted_from(zero))
-
-
-def zero_of(remarks: Sequence[Remark]) -> Zero:
-    """What a log is counted from after all that was said of it.
-
-    >>> zero_of([Remark("counted from", "angle_deg", 26.0, "deg", ("steps.csv",))])
-    Zero(pressure=0.0, angle=26.0, reversed=False)
-    """
-    found = {r.channel: r.value for r in remarks if r.habit in ("counted from", "far")}
-    turned = any(r.habit == "reversed" for r in remarks)
-    return Zero(found.get("pressure_kPa", 0.0), found.get("angle_deg", 0.0), turned)
 
 
 def _without_offsets(campaign: Campaign, remarks: list[Remark]) -> Campaign:
@@ -403,8 +241,3 @@ def _each(campaign: Campaign, change: Callable[[Recording], Recording]) -> Campa
 
 def _names(campaign: Campaign) -> tuple[str, ...]:
     return tuple(r.name for r in (*campaign.fit, *campaign.validate))
-
-
-def habits(remarks: Sequence[Remark]) -> list[dict[str, object]]:
-    """The remarks as dictionaries, for JSON."""
-    return [dict(vars(r)) | {"recordings": list(r.recordings), "text": str(r)} for r in remarks]

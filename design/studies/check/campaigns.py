@@ -22,7 +22,7 @@ from design.studies.check.residual import (
 from plants.measured.begin import first_begin
 from plants.measured.campaign import Campaign
 from plants.measured.free_run import squares
-from plants.measured.logger import Remark
+from plants.measured.instrument.remark import Remark
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.trace.change.refit import StageRefit, refit, seen_alike

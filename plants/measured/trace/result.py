@@ -7,7 +7,7 @@ from plants.effects.wrist.learnt_block import LearntBlock
 from plants.measured.campaign import Campaign
 from plants.measured.fit import Fit
 from plants.measured.free_run import FreeRun
-from plants.measured.logger import Remark
+from plants.measured.instrument.remark import Remark
 from plants.measured.residual.examine import Examination
 from plants.measured.stage import Stage
 from plants.measured.trace.law import LawChoice

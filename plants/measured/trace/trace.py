@@ -16,7 +16,7 @@ from plants.measured.campaign import Campaign
 from plants.measured.estimate import EstimateErrors, corner_of, uncertainty
 from plants.measured.fit import CHANNELS, Fit, fit_campaign
 from plants.measured.free_run import FreeRun, rmse
-from plants.measured.logger import Remark
+from plants.measured.instrument.remark import Remark
 from plants.measured.playback import Playback
 from plants.measured.stage import begun
 from plants.measured.trace.counting.middle import with_reachable_step

@@ -7,7 +7,7 @@ import numpy as np
 
 from plants.measured.fit import Fit
 from plants.measured.free_run import FreeRun
-from plants.measured.logger import habits
+from plants.measured.instrument.remark import habits
 from plants.measured.trace.law import LawChoice
 from plants.measured.trace.rig_fit import RigFit
 from plants.parameters.correlation import ParameterCorrelation

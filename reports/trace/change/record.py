@@ -3,7 +3,7 @@
 from typing import Any
 
 from design.studies.check.campaigns import CONFIDENCE, CampaignChange
-from plants.measured.logger import habits
+from plants.measured.instrument.remark import habits
 from reports.trace.change.words import title
 from reports.trace.record import effect_record
 

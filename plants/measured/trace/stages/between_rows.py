@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from plants.measured.begin import first_begin
 from plants.measured.blocks import lower
-from plants.measured.logger import Remark
+from plants.measured.instrument.remark import Remark
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.residual.stillness import noise_of_campaign

@@ -1,0 +1,124 @@
+"""A remark on the instrument: something that the log does, and not the rig, in words and as numbers."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from plants.rig import Zero
+
+Habit = Literal[
+    "held", "counted from", "far", "reversed", "offset", "resting", "late", "repeated", "swapped", "empty",
+    "gaps", "clock", "spikes", "between",
+    "straight",
+]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Remark:
+    """Something that the log does.
+
+    habit: ``held`` (renewed every `value` s; of a command, that of a closed loop is held from row to row),
+    ``counted from`` (`value` is logged where the rig's plant is at zero), ``far`` (likewise, of an angle far
+    from zero), ``reversed`` (counted with the opposite sign), ``offset`` (off by up to `value`, anew in each
+    recording), ``resting`` (exactly zero for `value` s), ``late`` (logged `value` s late), ``repeated`` and
+    ``swapped`` (so many rows), ``empty`` (so many cells), ``gaps`` (so many), ``clock`` (counts from `value`
+    s), ``spikes`` (so many rows), ``between`` (so many jumps of a command between rows), ``straight`` (a
+    command that moves straight between rows `value` s apart; of commands see
+    `plants.measured.trace.stages.between_rows`).
+    recordings: in which, by name; stated: whether campaign.toml says so.
+    """
+
+    habit: Habit
+    channel: str
+    value: float
+    unit: str
+    recordings: tuple[str, ...]
+    stated: bool = False
+
+    def __str__(self) -> str:
+        name, many = self.channel.split("_")[0], len(self.recordings) > 1
+        where = f"{len(self.recordings)} recordings" if many else self.recordings[0]
+        match self.habit:
+            case "held" if name == "command":
+                return (
+                    f"The command is held between the rows, {self.value:.3g} s apart, as by a controller "
+                    f"that runs once a row ({where})."
+                )
+            case "held":
+                return (
+                    f"The {name} channel is renewed every {self.value:.3g} s and held in between ({where}); "
+                    "only renewed values count, with straight lines between them."
+                )
+            case "counted from":
+                if name == "angle":
+                    return (
+                        f"The angle goes to one side; it is counted from {self.value:.4g} {self.unit}, in "
+                        "the middle of its range, so that steps go either way. The revised plant keeps this."
+                    )
+                return (
+                    f"The pressure is {self.value:.4g} kPa where the command is zero; it is counted from "
+                    "there. The revised plant keeps this."
+                )
+            case "far":
+                return (
+                    f"The {name} lies far from zero for its range; it is counted from {self.value:.4g} "
+                    f"{self.unit}. The revised plant keeps this."
+                )
+            case "reversed":
+                return (
+                    f"The {name} falls as the pressure rises; it is counted with the opposite sign. The "
+                    "revised plant keeps this."
+                )
+            case "offset":
+                return (
+                    f"The {name} sensor is offset by up to {self.value:.3g} {self.unit}, anew in each "
+                    f"recording ({where}); the offsets are taken off."
+                )
+            case "late":
+                return (
+                    f"The {name} channel is logged {self.value:.3g} s later than the others ({where}); it is "
+                    "put back to when it was measured."
+                )
+            case "repeated":
+                return f"{self.value:.0f} rows were written twice ({where}); the copies are left out."
+            case "swapped":
+                return f"{self.value:.0f} rows stood in the wrong order ({where}); they are put in order."
+            case "empty":
+                return f"{self.value:.0f} cells are empty ({where}); only the others count."
+            case "gaps":
+                return f"The time has {self.value:.0f} short gaps ({where}); the command is held over them."
+            case "clock":
+                return f"The clock starts at {self.value:.10g} s ({where}); time counts from the first row."
+            case "spikes":
+                return (
+                    f"The {name} channel has {self.value:.0f} rows of spikes ({where}); they are left out, "
+                    "with straight lines over them."
+                )
+            case "straight":
+                return (
+                    f"The command moves on between the rows, {self.value:.3g} s apart ({where}); it is taken "
+                    "to be straight there."
+                )
+            case "between":
+                return (
+                    f"The set-point changes between rows ({where}); the times of {self.value:.0f} jumps of "
+                    "the command are estimated from what followed them."
+                )
+            case _:
+                return f"The {name} sensor rests at exactly zero for up to {self.value:.3g} s ({where})."
+
+
+def zero_of(remarks: Sequence[Remark]) -> Zero:
+    """What a log is counted from after all that was said of it.
+
+    >>> zero_of([Remark("counted from", "angle_deg", 26.0, "deg", ("steps.csv",))])
+    Zero(pressure=0.0, angle=26.0, reversed=False)
+    """
+    found = {r.channel: r.value for r in remarks if r.habit in ("counted from", "far")}
+    turned = any(r.habit == "reversed" for r in remarks)
+    return Zero(found.get("pressure_kPa", 0.0), found.get("angle_deg", 0.0), turned)
+
+
+def habits(remarks: Sequence[Remark]) -> list[dict[str, object]]:
+    """The remarks as dictionaries, for JSON."""
+    return [dict(vars(r)) | {"recordings": list(r.recordings), "text": str(r)} for r in remarks]
