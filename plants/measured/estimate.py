@@ -40,6 +40,10 @@ class LeastSquares(Protocol):
         """Residuals (rows, lanes) at parameters x (lanes, n)."""
         ...
 
+    def off_jumps(self, x: Array) -> "LeastSquares":
+        """The same with residuals off what is estimated in turn with x (n,)."""
+        ...
+
 
 @dataclass(frozen=True)
 class EstimateErrors:
@@ -202,9 +206,9 @@ def uncertainty(problem: LeastSquares, x: Array, bounds: Array, corner: float) -
     Residuals within a block may be correlated in any way, so the errors hold
     where a missing effect colours them (Cameron & Miller, J. Human Resources 50
     (2015) 317).  An entry is undetermined where the data is blind to it or
-    where it cannot be told from others.
+    where it cannot be told from others, or from what is estimated in turn with it.
     """
-    residual, slopes = jacobian(problem, x, bounds)
+    residual, slopes = jacobian(problem.off_jumps(x), x, bounds)
     weight = np.minimum(1.0, corner / np.maximum(np.abs(residual), 1e-300))
     scaled = slopes * _scale(x, bounds)
     bread = scaled.T @ (scaled * weight[:, None])

@@ -1,6 +1,6 @@
 """Playing a recording's command through wrists, and reading them where the recording has rows."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -48,6 +48,18 @@ class Playback:
         beside = np.maximum(np.append(0.0, size[:-1]), np.append(size[1:], 0.0))
         return np.append(False, (size > JUMP * np.ptp(v)) & (size > SHARPER * beside))
 
+    @property
+    def ahead(self) -> Array:
+        """Times [s] by which jumps come ahead of their rows, zero where none is known, (n,)."""
+        known = self.recording.ahead
+        return np.zeros(len(self.rows)) if known is None else known
+
+    def jumping(self, times: Array) -> "Playback":
+        """The recording with other times [s] of its jumps ahead of their rows, (jumps,)."""
+        ahead = np.zeros(len(self.rows))
+        ahead[self.jumped] = times
+        return replace(self, recording=replace(self.recording, ahead=ahead))
+
     @cached_property
     def commands(self) -> Array:
         """Command [V] of every sample of 1 ms.
@@ -63,9 +75,8 @@ class Playback:
         moved = np.diff(v)
         share = (samples - rows[row]) / (rows[row + 1] - rows[row])
         if self.jumped.any():
-            ahead = np.zeros(len(v)) if self.recording.ahead is None else self.recording.ahead / self.dt
             # A jump within a sample counts by the share of the sample that is left.
-            after = np.clip(samples + 1.0 - (rows - ahead)[row + 1], 0.0, 1.0)
+            after = np.clip(samples + 1.0 - (rows - self.ahead / self.dt)[row + 1], 0.0, 1.0)
             share = np.where(self.jumped[row + 1], after, share)
         between: Array = v[row] + moved[row] * share
         return between

@@ -33,7 +33,8 @@ class FitProblem:
 
     A vector holds the parameters in `names`, then of each recording what is `free` of its start
     (``pressure``, ``angle`` or both).  Everything else is as in `values` and in the stage's begins.  rows:
-    those that count; None for all.
+    those that count; None for all.  jumps: by how much each row moves with the time of the jump before it;
+    what such times explain is taken off the residuals.  None where there are no such times.
     """
 
     stage: Stage
@@ -42,6 +43,7 @@ class FitProblem:
     values: Mapping[str, float]
     rows: NDArray[np.bool_] | None = None
     free: tuple[str, ...] = ()
+    jumps: Array | None = None
 
     @property
     def blocks(self) -> NDArray[np.intp]:
@@ -92,7 +94,7 @@ class FitProblem:
             return np.subtract(begun.play(i, wrists), self.stage.target[first:last, None], out=into)
 
         begun.of_each_recording(played, len(x))
-        found = self._over_noise(found)
+        found = self._off_jumps(self._over_noise(found))
         return found if self.rows is None else found[self.rows]
 
     def residuals_of(self, i: int, x: Array) -> Array:
@@ -114,6 +116,27 @@ class FitProblem:
         np.clip(difference, -WILD, WILD, out=difference)
         difference[np.isnan(difference)] = WILD
         return difference
+
+    def _off_jumps(self, residuals: Array) -> Array:
+        """Residuals (rows, lanes) less what the times of jumps explain of them, in place."""
+        if self.jumps is None:
+            return residuals
+        starts, moves = self.stage.jumps, self.jumps[:, None]
+        size = np.add.reduceat(moves**2, starts)
+        along = np.add.reduceat(moves * residuals, starts)
+        share = np.divide(along, size, out=np.zeros_like(along), where=size > 0.0)
+        residuals -= moves * np.repeat(share, np.diff(np.append(starts, len(residuals))), axis=0)
+        return residuals
+
+    def off_jumps(self, x: Array) -> "FitProblem":
+        """The same problem with residuals off what times of jumps explain, at a vector (n,), where these were
+        estimated in turn with the parameters: what a parameter does that a time would do as well tells
+        nothing of it."""
+        if not self.stage.timed:
+            return self
+        values = {**self.values, **dict(zip(self.names, map(float, x), strict=False))}
+        stage = replace(self.stage, begins=self.begins_at(x))
+        return replace(self, jumps=stage.moved_by_jumps(Wrist.from_values(values, self.forms, stage.rig)))
 
     def on(self, rows: NDArray[np.bool_] | None) -> "FitProblem":
         """The same problem on some rows."""

@@ -148,6 +148,38 @@ class Stage:
         )  # fmt: skip
         return rows[playback.kept]
 
+    @property
+    def timed(self) -> bool:
+        """Whether times of jumps of commands ahead of their rows are known, which were estimated."""
+        return any(p.recording.ahead is not None for p in self.playbacks)
+
+    @cached_property
+    def jumps(self) -> NDArray[np.intp]:
+        """Rows, of all recordings end to end, at which commands jumped and at which recordings begin."""
+        of_each = (np.append(0, np.flatnonzero(p.jumped)) for p in self.playbacks)
+        return np.concatenate([first + at for first, at in zip(self.edges, of_each, strict=False)])
+
+    def moved_by_jumps(self, wrist: Wrist) -> Array:
+        """By how much a wrist's channel moves for each second that the last jump of its command comes
+        earlier, (rows,): of each jump what it does until the next."""
+        return np.concatenate([self.moved_by_jumps_of(i, wrist)[1] for i in range(len(self.playbacks))])
+
+    def moved_by_jumps_of(self, i: int, wrist: Wrist) -> tuple[Array, Array]:
+        """The channel of a wrist in the i-th recording, and by how much it moves with its jumps, (rows,)."""
+        playback, simulated = self.playbacks[i], self.play(i, wrist)
+        at = np.flatnonzero(playback.jumped)
+        if not len(at):
+            return simulated, np.zeros_like(simulated)
+        ahead, row = playback.ahead[at], np.diff(playback.recording.time, prepend=np.nan)[at]
+        by = np.where(ahead < 0.5 * row, 0.25, -0.25) * row
+        moved = self.with_recording(i, playback.jumping(ahead + by)).play(i, wrist)
+        lasts = np.diff(np.concatenate([[0], at, [len(simulated)]]))
+        return simulated, (moved - simulated) / np.repeat(np.append(np.inf, by), lasts)
+
+    def with_recording(self, i: int, playback: Playback) -> "Stage":
+        """The stage with another i-th recording."""
+        return replace(self, playbacks=(*self.playbacks[:i], playback, *self.playbacks[i + 1 :]))
+
     def _state(self, i: int, wrist: Wrist) -> State | None:
         return begun(wrist, None if self.begins is None else self.begins[i])
 

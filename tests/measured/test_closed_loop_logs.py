@@ -50,7 +50,9 @@ def test_set_points_between_rows_bias_nothing(tmp_path, axis, seed):
     at_rows = fit_campaign(campaign, built_in(axis), 1)
     assert off(rig, at_rows.fitted)["k_fast"][1] > 0.03  # jumps of the command held until their rows
     found = fit_rig(campaign, built_in(axis), 1)
-    assert off(rig, found.fit.fitted)["k_fast"][1] < 0.005
+    errors, share = off(rig, found.fit.fitted)["k_fast"]
+    assert share < 0.005
+    assert errors < 3.5  # the standard error knows that the times were estimated too
     assert max(found.fit.ratios.values()) < 1.05
     assert [r.habit for r in found.start.instrument] == ["between"]
     moments, _ = set_points(rig, 11, BETWEEN)
@@ -60,6 +62,20 @@ def test_set_points_between_rows_bias_nothing(tmp_path, axis, seed):
     nearest = np.abs(when[:, None] - moments).min(axis=1)
     assert np.median(nearest) < 0.0005
     assert np.quantile(nearest, 0.9) < 0.01  # a few jumps are the command's that comes back from its limit
+
+
+def test_what_times_of_jumps_explain_is_taken_off(tmp_path):
+    rig = make_rig("flexion", [], 403)
+    model = fit_rig(recorded(rig, tmp_path, BETWEEN), built_in("flexion"), 1).model
+    problem, x = model.problem.off_jumps(model.vector), model.vector
+    of_each = np.add.reduceat(problem.jumps * problem.residuals(x[None, :])[:, 0], model.stage.jumps)
+    assert np.abs(of_each).max() < 1e-6 * np.linalg.norm(problem.jumps)
+    # By numpy: least squares with a column for each jump leaves the same.
+    at = np.searchsorted(model.stage.jumps, np.arange(len(problem.jumps)), side="right") - 1
+    columns = np.zeros((len(problem.jumps), len(model.stage.jumps)))
+    columns[np.arange(len(at)), at] = problem.jumps
+    explained = columns @ np.linalg.lstsq(columns, model.residual, rcond=None)[0]
+    assert problem.residuals(x[None, :])[:, 0] == pytest.approx(model.residual - explained, abs=1e-9)
 
 
 def test_set_points_at_rows_stay_there(tmp_path):

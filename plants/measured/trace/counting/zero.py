@@ -61,6 +61,10 @@ class FromZero:
             stage = replace(stage, begins=tuple(begins))
         return replace(self.problem, stage=stage).residuals(x[:, :-1]) + zero / stage.noise
 
+    def off_jumps(self, x: Array) -> "FromZero":
+        """The same with residuals off what times of jumps explain, at a vector (n + 1,)."""
+        return FromZero(self.problem.off_jumps(x[:-1]))
+
 
 def counted(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     """The campaign with its pressure counted from what a command of zero asks for, and that it was."""

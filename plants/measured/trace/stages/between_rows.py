@@ -133,26 +133,22 @@ def _worth(before: Array, after: Array, stage: Stage) -> bool:
 
 
 def _in_turn(model: Model) -> Model:
-    """The model and the times of the jumps, each fitted under the other until the times stay."""
+    """The model and the times of the jumps, each fitted under the other until the times stay; the parameters
+    to what no time explains, so that a turn or two will do (variable projection)."""
     if not any(p.jumped.any() for p in model.stage.playbacks):
         return model
     for _ in range(ROUNDS):
         stage = _placed(model.stage, model.wrist)
         moved = _ahead(stage) - _ahead(model.stage)
-        model = replace(model, stage=stage).fitted()
         if np.sqrt(np.mean(moved**2)) < SETTLED:
             break
+        model = replace(model, stage=stage).fitted_off_jumps()
     return model
 
 
 def _ahead(stage: Stage) -> Array:
     """Times [s] of all jumps of a stage's recordings ahead of their rows."""
-    return np.concatenate([_times(p)[p.jumped] for p in stage.playbacks])
-
-
-def _times(playback: Playback) -> Array:
-    known = playback.recording.ahead
-    return np.zeros(len(playback.rows)) if known is None else known
+    return np.concatenate([p.ahead[p.jumped] for p in stage.playbacks])
 
 
 def _placed(stage: Stage, wrist: Wrist) -> Stage:
@@ -169,27 +165,10 @@ def _step(stage: Stage, i: int, wrist: Wrist) -> Playback:
     at = np.flatnonzero(playback.jumped)
     if not len(at):
         return playback
-    ahead, rows = _times(playback), np.diff(playback.recording.time, prepend=np.nan)[at]
-    by = np.where(ahead[at] < 0.5 * rows, 0.25, -0.25) * rows
-    first, last = stage.edges[i : i + 2]
-    simulated = stage.play(i, wrist)
-    moved = _with(stage, i, _put(playback, at, ahead[at] + by)).play(i, wrist)
-    left = (simulated - stage.target[first:last])[at[0] :]
-    slopes = (moved - simulated)[at[0] :] / np.repeat(by, np.diff(np.append(at, len(moved))))
-    starts = at - at[0]
-    curvature = np.add.reduceat(slopes**2, starts)
-    down = np.add.reduceat(slopes * left, starts)
+    simulated, slopes = stage.moved_by_jumps_of(i, wrist)
+    left = simulated - stage.target[slice(*stage.edges[i : i + 2])]
+    curvature = np.add.reduceat(slopes**2, at)
+    down = np.add.reduceat(slopes * left, at)
     step = np.divide(down, curvature, out=np.zeros(len(at)), where=curvature > 0.0)
-    return _put(playback, at, np.clip(ahead[at] - step, 0.0, rows))
-
-
-def _put(playback: Playback, at: NDArray[np.intp], times: Array) -> Playback:
-    """A recording with the times [s] of its jumps ahead of their rows."""
-    ahead = np.zeros(len(playback.rows))
-    ahead[at] = times
-    return replace(playback, recording=replace(playback.recording, ahead=ahead))
-
-
-def _with(stage: Stage, i: int, playback: Playback) -> Stage:
-    """The stage with another i-th recording."""
-    return replace(stage, playbacks=(*stage.playbacks[:i], playback, *stage.playbacks[i + 1 :]))
+    rows = np.diff(playback.recording.time, prepend=np.nan)[at]
+    return playback.jumping(np.clip(playback.ahead[at] - step, 0.0, rows))

@@ -111,6 +111,11 @@ class Model:
         x, _ = minimise(self.problem.on(rows), self.bounds[0], self.bounds, evaluations=evaluations, tol=tol)
         return self.at(x)
 
+    def fitted_off_jumps(self) -> "Model":
+        """The model at the least squares of what times of jumps do not explain, that lie nearest."""
+        problem = self.problem.off_jumps(self.vector)
+        return self.at(minimise(problem, self.bounds[0], self.bounds, tol=1e-6)[0])
+
 
 def ordered(forms: Sequence[Form]) -> tuple[Form, ...]:
     """Forms in the order in which their effects act, so that one wrist has one kernel."""
