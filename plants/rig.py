@@ -60,7 +60,7 @@ class StepTask:
 @dataclass(frozen=True)
 class Uncertainty:
     """Shares by which parameters that nobody measured may differ: width of the loop, all its slopes
-    together, lag of the joint, rates of the regulator; dead time [s] beside what was found, least and most;
+    together, lag of the joint, rates of the regulator; dead time [s], least and most, where none was found;
     load, a shift of the static angle to either side, noise of the sensor (standard deviation), resolution
     of the sensor [angle], each 0 where the file does not name it."""
 

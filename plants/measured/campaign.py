@@ -2,7 +2,7 @@
 
 import hashlib
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -14,7 +14,7 @@ from plants.measured.draft import draft
 from plants.measured.formats.columns import Source, parse_columns
 from plants.measured.formats.tables import Table, read_table
 from plants.measured.instrument.stated import StatedHabits, parse_logger
-from plants.measured.recording import Recording, Stage, from_table, required
+from plants.measured.recording import RADIANS, Recording, Stage, from_table, required
 from plants.rig import Rig, built_in_rig
 from plants.toml import check_keys, is_number, parse_toml
 
@@ -82,6 +82,8 @@ def load_campaign(folder: str | Path, rig: Rig | None = None) -> Campaign:
         name: from_table(table, _sources_in(table, said, tables), said.stage, said.sample_time, name, rig)
         for name, table in tables.items()
     }
+    if rig is None:
+        _warn_of_radians(folder, recordings.values())
     fit, validate = (tuple(recordings[n] for n in names) for names in (said.fit, said.validate))
     if not validate:
         fit, validate = _split(fit[0], folder)
@@ -96,6 +98,18 @@ def load_campaign(folder: str | Path, rig: Rig | None = None) -> Campaign:
 def shipped() -> list[Path]:
     """Folders of the campaigns that ship with the project; their data is synthetic."""
     return sorted(p.parent for p in (Path(__file__).parent / "examples").glob(f"*/{FILE}"))
+
+
+def _warn_of_radians(folder: Path, recordings: Iterable[Recording]) -> None:
+    """Warn of angles that all stay within `RADIANS`, of a rig of which no file gives a range or a unit."""
+    most = max((float(np.max(np.abs(r.angle))) for r in recordings if r.angle is not None), default=0.0)
+    if 0.0 < most < RADIANS:
+        warnings.warn(
+            f"{folder}: the angle stays within {most:.3g} deg in every recording, which looks like radians; "
+            "map it with scale = 57.29578",
+            InputWarning,
+            stacklevel=3,
+        )
 
 
 def _split(recording: Recording, folder: Path) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:

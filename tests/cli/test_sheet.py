@@ -6,6 +6,7 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
+from design.cli.terminal import screen
 from design.cli.terminal.screen import Sheet
 
 HEADINGS = ("controller", "Kp", "settle\n/bound", "what it says", "IAE\ndeg s")
@@ -43,3 +44,14 @@ def test_columns_without_room_come_below_after_the_first_again():
 
 def test_where_there_is_room_a_row_is_a_line():
     assert len(shown(200).splitlines()) == 1 + 2 + len(ROWS)
+
+
+def test_progress_is_told_in_lines_where_there_is_no_terminal(capsys, monkeypatch):
+    now = iter([0.0, 10.0, 31.0, 31.0, 62.0, 90.0, 90.0])
+    monkeypatch.setattr(screen, "monotonic", lambda: next(now))
+    with screen.progress("design") as tell:
+        tell("corners", 0.1)  # 10 s: too early
+        tell("corners", 0.2)  # 31 s
+        tell("corners", 0.3)  # the same
+        tell("samples", 0.4)  # 62 s
+    assert capsys.readouterr().err == "design: corners\ndesign: samples\n"

@@ -3,7 +3,7 @@
 import pytest
 
 from plants.errors import InputWarning
-from plants.measured.campaign import load_recording
+from plants.measured.campaign import load_campaign, load_recording
 from tests.measured.spoiled import HEADER, rows_with
 
 
@@ -36,6 +36,20 @@ def test_an_angle_in_radians_is_warned_of(write_csv, volts, kilopascals):
         "map it with scale = 57.29578"
     )
     load_recording(path, {"angle_deg": {"name": "angle_deg", "scale": 57.29578}})
+
+
+def test_angles_in_radians_of_a_rig_without_a_file_are_warned_of(write_csv, tmp_path):
+    for name in ("a.csv", "b.csv"):
+        write_csv(
+            rows=[[f"{i / 100}", f"{i / 2}", f"{0.1 * i:.1f}", f"{10 * i}"] for i in range(8)], name=name
+        )
+    (tmp_path / "campaign.toml").write_text(
+        'axis = "bend"\nsample_time_s = 0.01\nfit = ["a.csv"]\nvalidate = ["b.csv"]\n'
+    )
+    assert warning(load_campaign, tmp_path) == (
+        f"{tmp_path}: the angle stays within 0.7 deg in every recording, which looks like radians; "
+        "map it with scale = 57.29578"
+    )
 
 
 def test_a_small_angle_under_small_commands_is_no_radian(write_csv):

@@ -16,7 +16,8 @@ def logs(tmp_path):
     """Two logs with names of a recorder's own."""
     t = np.arange(300) * 0.02
     for name, phase in (("run1.csv", 0.0), ("run2.csv", 1.0)):
-        frame = {"Timestamp": t, "DAC": 1000 + 500 * np.sin(t + phase), "P_bar": np.sin(t), "bend": np.cos(t)}
+        command, bend = 1000 + 500 * np.sin(t + phase), 30 * np.cos(t)
+        frame = {"Timestamp": t, "DAC": command, "P_bar": np.sin(t), "bend": bend}
         pd.DataFrame(frame).to_csv(tmp_path / name, index=False)
     return tmp_path
 

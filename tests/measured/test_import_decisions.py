@@ -47,6 +47,20 @@ def test_channels_without_names_and_units_are_told_by_what_leads(tmp_path):
     assert "leads the angle" in found["pressure"].why
 
 
+def test_what_names_say_against_the_data_is_told(tmp_path):
+    exchanged = csv(
+        tmp_path / "log.csv",
+        {"time": STEPS.time, "u": STEPS.pressure, "p": STEPS.command, "theta": STEPS.angle},
+    )
+    found = import_logs([exchanged], {}).roles
+    assert "follows the pressure" in found["command"].why
+    assert '--map "command=u [mV]"' in found["command"].why  # far more than any command in V
+    usual = {"time": STEPS.time, "u": STEPS.command, "p": STEPS.pressure, "theta": STEPS.angle}
+    why = import_logs([csv(tmp_path / "usual.csv", usual)], {}).roles["command"].why
+    assert "exchanged" not in why
+    assert "mV" not in why
+
+
 def test_names_of_other_languages_and_of_textbooks_are_known(tmp_path):
     log = csv(
         tmp_path / "log.csv",

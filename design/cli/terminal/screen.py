@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Any, TextIO
 
 if TYPE_CHECKING:
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
 
 UNBOUNDED = 10_000
 """Width of what is no terminal."""
+
+LINES_APART = 30.0
+"""Least time [s] between lines on progress where no bar can be drawn, as in the log of a job."""
 
 LONGEST_WORD = 24
 """Words longer than this may be broken in a table."""
@@ -132,13 +136,14 @@ def _total(widths: Collection[int], gap: int = 1) -> int:
 
 @contextmanager
 def progress(what: str) -> Iterator["Tell"]:
-    """A progress bar with the time left on stderr, on a terminal only; yields what is told stage and share.
+    """A progress bar with the time left on stderr; yields what is told stage and share.  Where stderr is no
+    terminal, a line for a new stage every `LINES_APART` s.
 
     A stage whose share is not known shows that something goes on, and for how long.  A share that is less
     than the one before begins anew; else stages go on where the one before ended.
     """
     if not sys.stderr.isatty() or os.environ.get("TERM") in ("dumb", "unknown"):
-        yield lambda stage, share: None
+        yield _in_lines(what)
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, Task, TextColumn
@@ -175,6 +180,21 @@ def progress(what: str) -> Iterator["Tell"]:
             bar.update(number, description=words, completed=share, total=total, told=told)
 
         yield tell
+
+
+def _in_lines(what: str) -> "Tell":
+    """What says a new stage in a line on stderr, the last one long enough ago."""
+    from design.cli.terminal.plain import plain
+
+    said, before = monotonic(), ""
+
+    def tell(stage: str, share: float) -> None:
+        nonlocal said, before
+        if stage != before and monotonic() - said > LINES_APART:
+            print(plain(f"{what}: {stage}"), file=sys.stderr, flush=True)
+            said, before = monotonic(), stage
+
+    return tell
 
 
 def time_left(elapsed: float, told: float, share: float) -> str:

@@ -18,7 +18,7 @@ def read_tdms(path: Path) -> list[list[LoggedSeries]]:
     Raises InputError where npTDMS is missing.
     """
     nptdms = needed("nptdms", "tdms", path)
-    with nptdms.TdmsFile.open(path) as file:
+    with path.open("rb") as raw, nptdms.TdmsFile.open(raw) as file:  # npTDMS leaves what it refuses open
         return [[s for c in group.channels() if (s := _series(c)) is not None] for group in file.groups()]
 
 

@@ -40,6 +40,9 @@ LONGEST_LEAD = 3.0
 RADIANS, BARS, PASCALS = 1.2, 16.0, 5000.0
 """An angle that stays below is in rad; a pressure that stays below is in bar, one that exceeds this in Pa."""
 
+VOLTS = 48.0
+"""A command without a unit that exceeds this is hardly in V."""
+
 PAIRS = (("command", "pressure"), ("command", "angle"), ("pressure", "angle"), ("reference", "angle"))
 
 
@@ -185,6 +188,8 @@ def _role(
                 if like > 0.2 and lag > 0.0:
                     other = b if role == a else a
                     why.append(f"{'leads' if role == a else 'follows'} the {other} by {lag:.2g} s")
+                elif like > ALIKE and lag < 0.0 and (role, a, b) == ("command", "command", "pressure"):
+                    why.append(f"yet follows the pressure by {-lag:.2g} s: are the two exchanged?")
     kind = quantity(unit) if unit else None
     wanted = "angle" if role == "reference" else role
     if given is not None and given[1] and kind != wanted:
@@ -192,9 +197,11 @@ def _role(
     if kind == wanted:
         why.append(f"unit {unit}")
         return Role(channel.name, unit, factor(unit, role, channel.name), ", ".join(why))
-    guessed = _unit_by_range(role, channel.values)
+    guessed, most = _unit_by_range(role, channel.values), float(np.max(np.abs(channel.values)))
     if role == "command":
         why.append("its unit is not told: taken for V" if not unit else f"its unit {unit} is taken for V")
+        if not unit and most > VOLTS:
+            why.append(f'though {most:.6g} is much: --map "command={channel.name} [mV]" gives another')
     else:
         why.append(f"its unit is not told: {guessed} by its range")
     return Role(channel.name, guessed, factor(guessed, role, channel.name), ", ".join(why))

@@ -43,7 +43,7 @@ def causes(change: CampaignChange) -> str:
         more = len(differ) - NAMED
         said.append(f"{more} more parameter{'s differ' if more > 1 else ' differs'}")
     if not said:
-        return "no parameter and no effect explains it"
+        return "no single parameter differs by more than its interval, and no effect came or went"
     if change.unexplained:
         left = listed([c.split("_")[0] for c in change.unexplained])
         said.append(f"but the residual of the {left} is larger than before")
