@@ -39,13 +39,14 @@ def blocks(times: Sequence[Array], length: float, least: float = 0.0) -> NDArray
     return np.unique(np.concatenate(numbers), return_inverse=True)[1]
 
 
-def lower(before: Array, after: Array, of: NDArray[np.intp]) -> bool:
+def lower(before: Array, after: Array, of: NDArray[np.intp], tests: int = 1) -> bool:
     """Whether residuals (rows,) are smaller than others for certain: in total over all recordings, and the
     lower bound of that total (Student's, one-sided) from its scatter over blocks is above zero, or that of
     its share in each block.
 
     Where a fit to the other rows runs away on one block, the scatter of the gains themselves is that block's;
-    the mean of the gains over their blocks' sums is not.  of: number of the block of each row.
+    the mean of the gains over their blocks' sums is not.  of: number of the block of each row; tests: how
+    many of one kind are made, by which the confidence of each is the higher (Bonferroni).
     """
     from scipy.stats import t
 
@@ -57,7 +58,7 @@ def lower(before: Array, after: Array, of: NDArray[np.intp]) -> bool:
     share = gain / np.maximum(size, 1e-300)
 
     def certain(values: Array) -> bool:
-        bound = float(t.ppf(CERTAIN, n - 1)) * float(np.std(values, ddof=1)) * n**0.5
+        bound = float(t.ppf(1.0 - (1.0 - CERTAIN) / tests, n - 1)) * float(np.std(values, ddof=1)) * n**0.5
         return bool(values.sum() > bound)
 
     return certain(gain) or (float(gain.sum()) > 0.0 and certain(share))

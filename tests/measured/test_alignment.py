@@ -14,6 +14,7 @@ from plants.measured.instrument.stated import StatedHabits
 from plants.measured.logger import corrected
 from tests.measured.conftest import DECLARATION
 from tests.rig.soft import CAMPAIGNS
+from tests.rig.soft_random import recordings, soft_actuator
 
 
 @pytest.fixture(scope="module")
@@ -104,6 +105,31 @@ def test_offsets_of_two_recordings_are_read_from_their_first_rows(tmp_path):
     (held_out,) = (np.mean(a.angle - b.angle) for a, b in zip(off.validate, none.validate, strict=True))
     assert found[off.validate[0].name] == pytest.approx(held_out - middle, abs=0.3)
     assert offsets_between(none) == {}
+
+
+@pytest.mark.parametrize("held_out", [False, True])
+def test_one_recording_that_was_zeroed_anew_is_told_from_those_that_agree(tmp_path, held_out):
+    campaign = corrected(written(tmp_path, offset=0.0))[0]
+    role = "validate" if held_out else "fit"
+    last = getattr(campaign, role)[-1]
+    moved = replace(
+        campaign, **{role: (*getattr(campaign, role)[:-1], replace(last, angle=last.angle + 5.0))}
+    )
+    assert offsets_between(moved)[last.name] == pytest.approx(5.0, abs=1.0)
+    assert all(abs(v) < 1.0 for n, v in offsets_between(moved).items() if n != last.name)
+
+
+def test_a_held_out_recording_of_a_random_soft_actuator(tmp_path):
+    # The two recordings that may be fitted on agree by chance, the held-out one of 301 is 0.3 deg off.
+    remarks = {}
+    for seed in (301, 303):
+        soft_actuator(seed).write(tmp_path / str(seed), recordings(seed), ("check",))
+        found = corrected(load_campaign(tmp_path / str(seed)))[1]
+        remarks[seed] = [r for r in found if r.habit == "offset"]
+    (remark,) = remarks[301]
+    assert remark.recordings == ("check.csv",)
+    assert remark.value == pytest.approx(0.304, abs=0.02)
+    assert remarks[303] == []
 
 
 def test_a_pressure_that_never_moves_tells_no_offsets(tmp_path):

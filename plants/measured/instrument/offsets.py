@@ -27,12 +27,18 @@ TOGETHER = 0.02
 CROSSED = 0.6
 """Share of that range that the pressure has to cross until what was before is forgotten."""
 
+FEW = 50
+"""Rows that a recording needs."""
+
 FEWEST = 200
 """Rows past the first strokes that are needed."""
 
-LOUD, STEPS = 3.0, 2.0
-"""First angles are offset if they differ by more than these times the noise and the resolution of the
-angle."""
+OTHER = 3.0
+"""Times a reading, of many that are tried, that may not do better than the reading."""
+
+LOUD, STEPS = 3.0, 1.0
+"""First angles are offset if they differ by more than these times the standard error of their median and the
+resolution of the angle."""
 
 
 def offsets_between(campaign: Campaign) -> dict[str, float]:
@@ -42,13 +48,14 @@ def offsets_between(campaign: Campaign) -> dict[str, float]:
     The offset of a recording is read off its first rows, that of one held out as well.  Readings are taken
     for offsets only if a regression of the angle on the pressure, in what follows the first stroke of each
     recording that may be fitted on, leaves less with them taken off, for certain over blocks
-    (`blocks.lower`).
+    (`blocks.lower`); of all of them together, else of one after the other.  Where those that may be fitted on
+    agree, one that is held out may still have been zeroed anew: its reading is put to the test beside theirs.
     """
     runs, held_out = (
         [r for r in recordings if r.pressure is not None and r.angle is not None]
         for recordings in (campaign.fit, campaign.validate)
     )
-    if len(runs) < 2 or any(len(r.time) < 50 for r in runs):
+    if not runs or len(runs) + len(held_out) < 2 or any(len(r.time) < FEW for r in (*runs, *held_out)):
         return {}
     low, high = extent(list(map(_pressure, runs)))
     if high == low:
@@ -56,21 +63,38 @@ def offsets_between(campaign: Campaign) -> dict[str, float]:
     readings = _readings([*runs, *held_out])
     readings -= float(np.median(readings[: len(runs)]))
     own = readings[: len(runs)]
-    if float(np.ptp(own)) <= max(map(_told, runs)) or not _persist(runs, own):
-        return {}
-    return dict(zip((r.name for r in (*runs, *held_out)), map(float, readings), strict=True))
+    none = np.zeros(len(runs))
+    if _offset(runs, none, own):
+        return dict(zip((r.name for r in (*runs, *held_out)), map(float, readings), strict=True))
+    found = none.copy()
+    for i, alone in enumerate(np.diag(own) if len(runs) > 2 else ()):
+        if _offset(runs, found, alone, len(runs)):
+            found[i] = own[i]
+    known, others = np.append(found, 0.0), map(float, readings[len(runs) :])
+    apart = {
+        r.name: v
+        for r, v in zip(held_out, others, strict=True)
+        if _offset([*runs, r], known, np.append(none, v), len(held_out))
+    }
+    return {r.name: float(v) for r, v in zip(runs, found, strict=True) if v} | apart
 
 
-def _persist(runs: Sequence[Recording], offsets: Array) -> bool:
+def _offset(runs: Sequence[Recording], known: Array, readings: Array, tests: int = 1) -> bool:
+    """Whether readings [deg] of recordings are offsets beside those that are known, (recordings,) both;
+    tests: how many of them are made."""
+    return float(np.ptp(readings)) > max(map(_told, runs)) and _persist(runs, known, readings, tests)
+
+
+def _persist(runs: Sequence[Recording], known: Array, offsets: Array, tests: int) -> bool:
     """Whether a regression of the angle on the pressure leaves less after the first strokes with offsets
-    (recordings,) taken off, for certain over blocks."""
+    taken off beside those that are known, (recordings,) both, for certain over blocks."""
     kept = [_past_first_stroke(runs, r) for r in runs]
     thin = max(1, sum(map(np.size, kept)) // ROWS)
     rows = [own[::thin] for own in kept]
     number = np.repeat(np.arange(len(runs)), list(map(len, rows)))
     if len(number) < FEWEST:
         return False
-    angles = np.concatenate([_angle(r)[own] for r, own in zip(runs, rows, strict=True)])
+    angles = np.concatenate([_angle(r)[own] for r, own in zip(runs, rows, strict=True)]) - known[number]
     first = np.cumsum([0, *(len(r.time) for r in runs[:-1])])
     blocks = judged_blocks([r.time for r in runs])[np.concatenate([*map(np.add, rows, first)])]
     found = []
@@ -78,7 +102,11 @@ def _persist(runs: Sequence[Recording], offsets: Array) -> bool:
         columns = np.concatenate([regressors.over(r)[own] for r, own in zip(runs, rows, strict=True)])
         found.append((left_by(columns, angles), left_by(columns, angles - offsets[number])))
     as_logged, without = min(found, key=lambda left: float(np.mean(left[0] ** 2)))
-    return lower(as_logged, without, np.unique(blocks, return_inverse=True)[1])
+    # What is left is linear in the offsets: of many tried one that should be far larger is there by chance.
+    more = as_logged + OTHER * (without - as_logged)
+    if tests > 1 and float(without @ without) >= float(more @ more):
+        return False
+    return lower(as_logged, without, np.unique(blocks, return_inverse=True)[1], tests)
 
 
 def _past_first_stroke(runs: Sequence[Recording], r: Recording) -> NDArray[np.intp]:
@@ -110,9 +138,9 @@ def _first_rows(r: Recording) -> int:
 
 
 def _told(r: Recording) -> float:
-    """Least difference of angles [deg] that is more than noise and steps of the sensor."""
+    """Least difference of first angles [deg] that is more than noise and steps of the sensor."""
     angle = _angle(r)[r.fresh("angle_deg")]
-    return max(LOUD * noise_floor(angle), STEPS * resolution(angle))
+    return float(max(LOUD * noise_floor(angle) / _first_rows(r) ** 0.5, STEPS * resolution(angle)))
 
 
 def _angle(r: Recording) -> Array:
