@@ -144,6 +144,20 @@ def numbers(text: str, option: str, example: str) -> tuple[float, ...]:
     return found
 
 
+def check_dead_time(plant: "ParameterSet", asked: float | None) -> None:
+    """Refuse a dead time that is asked of a plant that has one of its own, which keeps it."""
+    from plants.effects.regulator.dead_time import DeadTime
+    from plants.errors import InputError
+
+    own = next((e for e in plant.effects if e.NAME == DeadTime.NAME), None)
+    if asked and own is not None:
+        delay = plant.values[f"{DeadTime.NAME}.delay"]
+        raise InputError(
+            f"--dead-time: the plant has a dead time of its own, {1000.0 * delay:.3g} ms, and is judged with "
+            f"its interval; wrist robust --box {DeadTime.NAME}.delay=0:{delay + asked:.3g} takes more"
+        )
+
+
 def pi_gains(
     text: str, option: str = "--gains", example: str = "1.2,2.2", rig: "Rig | None" = None
 ) -> tuple[float, ...]:

@@ -110,10 +110,11 @@ def _mpc(
     return make
 
 
-def counted(wrist: Wrist) -> tuple[str, ...]:
-    """A note of what reference and measurements are counted from, where that is not 0."""
+def noted(made: Part, wrist: Wrist, *notes: str) -> Part:
+    """The part with notes for people, empty ones left out, and with what its wrist's rig counts from."""
     words = wrist.rig.zero.words(wrist.rig.units)
-    return (f"Counted is {words} of the log; the reference as the angle.",) if words else ()
+    told = f"The law counts {words} of the log, the reference as the angle." if words else ""
+    return replace(made, notes=(*made.notes, *filter(None, (*notes, told))), zero=wrist.rig.zero)
 
 
 STANDS_STILL = (
@@ -239,7 +240,7 @@ def part(
         raise
     except ValueError as error:
         raise InputError(f"--gains: {error}; {wanted}") from None
-    return replace(made, notes=(*made.notes, *filter(None, [entry.at_the_ends]), *counted(wrist)))
+    return noted(made, wrist, entry.at_the_ends)
 
 
 def _handed_over(kind: str, entry: Entry, by_hand: bool, rate: float | None) -> Entry:

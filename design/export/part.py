@@ -22,6 +22,7 @@ from design.export.precision import TOLERANCE, Precision
 from design.export.rings import DelayRing, kept, rings, samples_of
 from plants.kernel import pytrees
 from plants.kernel.graphs import baked, c_source, graph, used
+from plants.rig import Zero
 from plants.wrist import SAMPLE_TIME
 
 Number = Any
@@ -91,7 +92,8 @@ class Part:
     constants: what it needs; lost: what happens where a measurement is not believed, in words; takes_lost:
     whether `step` is given such a measurement, as no number, rather than held; precision: of the C; by_hand:
     whether it may be commanded by hand, so that it reads `SEEN_BY_HAND`; under_way: how many of its last
-    outputs it keeps, those that a dead time in its model holds back.
+    outputs it keeps, those that a dead time in its model holds back; zero: what the rig logs where pressure
+    and angle of the law are 0.
     """
 
     name: str
@@ -117,6 +119,7 @@ class Part:
     precision: Precision = "double"
     by_hand: bool = False
     under_way: int = 0
+    zero: Zero = field(default_factory=Zero)
 
     def at(self, precision: Precision) -> "Part":
         """The same part in a precision, held to what that can do."""
@@ -143,6 +146,23 @@ class Part:
     def seen(self) -> type[Seen] | type[SeenByHand]:
         """What it is given in one sample."""
         return SeenByHand if self.by_hand else Seen
+
+    @property
+    def counted(self) -> dict[str, str]:
+        """In C, what the law counts of what the rig logs, ``logged``, by the quantity, where they differ."""
+        zero, found = self.zero, {}
+        if zero.pressure:
+            found["pressure"] = f"logged - ({zero.pressure!r})"
+        if zero.reversed:
+            found["angle"] = f"{zero.angle!r} - logged"
+        elif zero.angle:
+            found["angle"] = f"logged - ({zero.angle!r})"
+        return found
+
+    def of_log(self, quantity: str, value: str) -> str:
+        """In C, what the law counts of a value that the rig logs; the reference is counted as the angle."""
+        what = "angle" if quantity == "reference" else quantity
+        return f"{self.name}_{what}_of_log({value})" if what in self.counted else value
 
     @property
     def watched(self) -> list["Watched"]:

@@ -4,6 +4,7 @@ from design.studies.check.check import LogCheck
 from design.studies.check.envelope import FigureCheck
 from design.studies.check.residual import RigChange
 from design.studies.check.stairs import Stair
+from plants.effects.wrist.remainder import ColouredRemainder
 from reports.shared.tables import listed, number
 
 
@@ -40,7 +41,7 @@ def plant(check: LogCheck) -> str:
     """Whether the residual is that of the trace."""
     r = check.residual
     if not r.new:
-        return "the plant is unchanged since the trace"
+        return f"the plant is unchanged since the trace{seen_from(check)}"
     sizes = [
         f"{number(c.rms)} {c.channel.split('_')[1]} in the {c.channel.split('_')[0]} (expected: at most "
         f"{number(c.allowed)})"
@@ -49,6 +50,16 @@ def plant(check: LogCheck) -> str:
     ]
     cause = "no single change explains it" if r.change is None else change(r.change)
     return f"the plant has changed, its residual is {listed(sizes)}: {cause}"
+
+
+def seen_from(check: LogCheck) -> str:
+    """From what size on a change of a plant that leaves something of its angle is seen; empty for one that
+    leaves nothing."""
+    kept = check.plant.remainder.get("angle_deg")
+    found = [c for c in check.residual.channels if c.channel == "angle_deg"]
+    if not found or ColouredRemainder.of(kept) is None:
+        return ""
+    return f", as far as its residual tells: changes of less than {number(found[0].allowed)} deg are hidden"
 
 
 def change(c: RigChange) -> str:
@@ -74,6 +85,12 @@ def remarks(check: LogCheck) -> list[str]:
         "Samples: plants of the design's box with its dead times and loads, simulated with the logged "
         f"reference. False alarms: one in {check.envelope.samples + 1} for rigs of this kind."
     ]
+    if seen_from(check):
+        left = check.residual.known("angle_deg")
+        found.append(
+            f"The plant is known to leave {number(left)} deg of this angle. A figure departs where it is "
+            "worse than in every sample, and than that can make it."
+        )
     if not check.own_controller:
         found.append(
             "The logged command differs from the command of these gains for the logged angle (by "

@@ -139,9 +139,10 @@ def remarks(study: DesignStudy) -> list[str]:
     ]
     found += [words for words in map(weight_words, study.motions) if words]
     found += [
-        f"{m.motion}: this page counts {counted} of the log. Take as much off what is measured, and off the "
-        "reference, before the controller sees it."
+        f"{m.motion}: this page counts {counted} of the log. The exported C has functions that convert "
+        f"{'what is measured and the reference' if zero.angle or zero.reversed else 'the measured pressure'}."
         for m in study.motions
+        if (zero := m.plant.rig.zero)
         if (counted := m.plant.rig.zero.words(m.plant.rig.units))
     ]
     found += [

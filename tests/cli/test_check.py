@@ -75,6 +75,25 @@ def test_a_rig_that_did_not_change_and_one_whose_slope_softens(wrist, designed):
         assert (folder / "page" / name).stat().st_size > 500
 
 
+def test_what_a_plant_is_known_to_leave_breaks_no_promise(wrist, designed):
+    rig, plant, folder = designed("flexion", 2)
+    quick = replace(plant.parameters["Tw"], value=0.2 * plant.parameters["Tw"].value)
+    wrong = replace(plant, parameters={**plant.parameters, "Tw": quick})
+    log = log_of(rig, plant, folder / "log.csv")
+    dump(wrong, folder / "plant-flexion.toml")
+    assert wrist("check", log, "--design", folder).code == 1  # of a plant that is said to leave nothing
+    left = replace(wrong.remainder["angle_deg"], rms=1.0, largest=2.5, correlation_way=200.0)
+    dump(
+        replace(wrong, remainder={**wrong.remainder, "angle_deg": left}),
+        folder / "plant-flexion.toml",
+    )
+    found = wrist("check", log, "--design", folder, "--json", "-")
+    assert found.json["verdict"] == "as promised"
+    assert "changes of less than" in found.json["words"]
+    late = log_of(worn(rig, "tube", 0.15), plant, folder / "late.csv")
+    assert wrist("check", late, "--design", folder, "--json", "-").json["verdict"] == "broken"
+
+
 @pytest.mark.parametrize("salt", [7, 8, 9])
 def test_set_points_between_the_rows_of_a_slow_log_are_no_change(wrist, designed, salt):
     rig, plant, folder = designed("flexion", 2)

@@ -5,8 +5,11 @@ import json
 import pytest
 
 from design.cli import main
-from design.cli.commands.robust import intervals
-from plants import InputError
+from design.cli.commands.robust import controller, intervals
+from design.controllers.pi import PI
+from plants import InputError, Wrist
+from plants.effects import DeadTime
+from plants.parameters.files import built_in, dump
 
 QUICK = ("--samples", "64", "--budget", "300", "--points", "4")
 
@@ -167,6 +170,22 @@ def test_a_place_that_cannot_be_written_to_is_found_first(wrist, tmp_path):
     outcome = wrist("robust", "--gains", "1.2,2.2", "--out", tmp_path / "file")
     assert outcome.code == 2
     assert "is a file; give a folder" in outcome.err
+
+
+def test_gains_of_two_degrees_of_freedom_are_taken_in_line():
+    found = controller("3.1,10.4,0.7,0.01", Wrist.flexion())
+    assert (found.Kp, found.Ki, found.b, found.Tf) == (3.1, 10.4, 0.7, 0.01)
+    assert type(controller("3.1,10.4,1,0", Wrist.flexion())) is PI
+
+
+@pytest.mark.parametrize("command", [("robust", "--gains", "1.2,2.2", *QUICK), ("tune", "--two-dof")])
+def test_a_dead_time_beside_a_plant_s_own_is_refused(wrist, tmp_path, command):
+    plant = built_in("flexion").revised([DeadTime], {"dead-time.delay": 0.02}, {}, "p1")
+    dump(plant, tmp_path / "late.toml")
+    outcome = wrist(*command, "--plant", tmp_path / "late.toml", "--dead-time", "0.05")
+    assert outcome.code == 2
+    assert "has a dead time of its own, 20 ms" in outcome.err
+    assert "--box dead-time.delay=0:0.07 takes more" in outcome.err
 
 
 def test_an_interval_that_is_given_twice_is_refused():

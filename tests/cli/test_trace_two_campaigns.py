@@ -3,6 +3,7 @@
 The rigs are the tests' own, in campaigns of 66 s; the later one has other commands and other noise.
 """
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -62,6 +63,9 @@ def test_a_rig_that_did_not_change_says_so(wrist, plain, late, monkeypatch):
     assert title(hidden).endswith("yet parameters differ: a1 −10 %")
     assert "Trace" in summary(hidden)[-1]
     assert "lie within" in summary(replace(found, parameters=()))[1]
+    unexplained = replace(found, old=replace(found.old, verdict="unexplained"), parameters=())
+    assert title(unexplained).startswith("No change is seen between")
+    assert re.search(r"hides changes of less than [\d.]+ deg and [\d.]+ kPa$", title(unexplained))
     monkeypatch.setattr(tracing, "trace_campaign", lambda *given: plain.old)
     same = plain.later("same", plain.rig)
     outcome = wrist("trace", plain.folder, same, "--json", "-")

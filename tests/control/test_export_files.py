@@ -1,6 +1,7 @@
 """What is exported depends on the law alone, says what it is, and refuses what cannot be exported."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,8 @@ from design.export.fields import described
 from design.export.formats.folder import contents
 from plants import InputError, Wrist
 from plants.effects import Creep
-from tests.control.c_target import GAINS, WRIST, exported
+from plants.rig import Zero
+from tests.control.c_target import CC, GAINS, OWN, WRIST, exported, needs_compiler, run
 
 TEXTS = ("h", "c", "README.md")
 
@@ -128,3 +130,31 @@ def test_a_state_that_nobody_has_described_is_refused():
 
     with pytest.raises(InputError, match=r"Unknown\.secret"):
         described(Unknown(1.0))
+
+
+@needs_compiler
+@pytest.mark.parametrize(
+    ("zero", "converted"),
+    [(Zero(-300.0, 26.0), (300.0 + 100.0, 12.0 - 26.0)), (Zero(0.0, 26.0, True), (100.0, 26.0 - 12.0))],
+)
+def test_what_a_log_counts_from_another_zero_is_converted(tmp_path, zero, converted):
+    wrist = replace(WRIST, rig=replace(WRIST.rig, zero=zero))
+    made = part("pi", "flexion", wrist, GAINS["pi"])
+    files = contents(made, wrist, 50)
+    readme, n = files["README.md"], made.name
+    assert f"{n}_angle_of_log(angle_deg)" in readme
+    assert f"m.reference_deg = {n}_angle_of_log(reference_deg)" in readme
+    assert (f"{n}_pressure_of_log(pressure_kPa)" in readme) == bool(zero.pressure)
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    shown = f"{n}_pressure_of_log(100.0)" if zero.pressure else "100.0"
+    (tmp_path / "main.c").write_text(
+        f'#include <stdio.h>\n#include "{n}.h"\n'
+        f'int main(void) {{ printf("%.17g %.17g", {shown}, {n}_angle_of_log(12.0)); return 0; }}\n'
+    )
+    assert run(CC, *OWN, "main.c", "-o", "main", folder=tmp_path).returncode == 0
+    assert tuple(map(float, run("./main", folder=tmp_path).stdout.split())) == pytest.approx(converted)
+
+
+def test_a_rig_that_counts_from_zero_converts_nothing():
+    assert "of_log" not in texts("pi")["h"] + texts("pi")["README.md"]

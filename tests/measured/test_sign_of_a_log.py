@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from design.export.catalogue import counted
+from design.export.catalogue import part
 from plants.errors import InputError
 from plants.measured.campaign import load_campaign
 from plants.measured.logger import counted_from
@@ -58,8 +58,8 @@ def test_the_file_of_a_plant_keeps_it_and_exports_say_it(tmp_path):
     dump(replace(flexion, rig=replace(flexion.rig, zero=zero)), tmp_path / "plant.toml")
     assert load(tmp_path / "plant.toml").rig.zero == zero
     wrist = Wrist.flexion()
-    (note,) = counted(replace(wrist, rig=replace(wrist.rig, zero=zero)))
-    assert "the angle from -26 deg, with the opposite sign" in note
+    made = part("pi", "flexion", replace(wrist, rig=replace(wrist.rig, zero=zero)), (3.1, 10.4))
+    assert any("the angle from -26 deg, with the opposite sign" in note for note in made.notes)
     text = (tmp_path / "plant.toml").read_text().replace("reversed = true", "reversed = 1")
     (tmp_path / "plant.toml").write_text(text)
     with pytest.raises(InputError, match="reversed"):

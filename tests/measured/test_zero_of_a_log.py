@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from design.cli.common import rig_of
-from design.export.catalogue import counted
 from plants.errors import InputError
 from plants.measured.campaign import load_campaign
 from plants.measured.guess.rig import guessed_rig
@@ -83,13 +82,6 @@ def test_a_zero_that_is_no_number_is_refused_in_a_line(tmp_path):
     (tmp_path / "plant.toml").write_text(text)
     with pytest.raises(InputError, match="angle = '26' is not a finite number"):
         load(tmp_path / "plant.toml")
-
-
-def test_an_exported_controller_says_what_it_counts_from():
-    wrist = Wrist.flexion()
-    assert counted(wrist) == ()
-    (note,) = counted(replace(wrist, rig=replace(wrist.rig, zero=Zero(0.0, 26.0))))
-    assert note == "Counted is the angle from 26 deg of the log; the reference as the angle."
 
 
 def test_load_and_sensor_of_a_guessed_rig_are_of_its_size(folder):

@@ -156,11 +156,10 @@ def _exporting(out: Path, motion: str) -> tuple[str | Path, ...]:
 
 def _export(out: Path, motion: "MotionDesign") -> None:
     """The recommended controller as C in c-MOTION."""
-    from dataclasses import replace
 
     from design.controllers.pi_two_dof import TwoDofPI
     from design.controllers.plausible import SensorLimits
-    from design.export.catalogue import STANDS_STILL, counted, identifier
+    from design.export.catalogue import STANDS_STILL, identifier, noted
     from design.export.formats.folder import write
     from design.export.part import of_controller
     from plants.wrist import Wrist
@@ -175,5 +174,4 @@ def _export(out: Path, motion: "MotionDesign") -> None:
         SensorLimits.of(wrist),
         wrist.rig.sample_time,
     )
-    noted = replace(part, notes=(*part.notes, STANDS_STILL, *counted(wrist)))
-    write(noted, wrist, out / f"c-{motion.motion}")
+    write(noted(part, wrist, STANDS_STILL), wrist, out / f"c-{motion.motion}")

@@ -15,6 +15,7 @@ from design.cli.common import (
     PlantOption,
     SchedulerOption,
     SeedOption,
+    check_dead_time,
     command_line,
     following,
     numbers,
@@ -50,7 +51,11 @@ KINDS: dict[tuple[Status, ...], str] = {
 
 def command(
     gains: Annotated[
-        str, typer.Option(help="Kp,Ki of the PI: kPa/deg, kPa/(deg s); or a TOML file with them.")
+        str,
+        typer.Option(
+            help="Kp,Ki of the PI: kPa/deg, kPa/(deg s); of one with two degrees of freedom also b,Tf: 1, s; "
+            "or a TOML file with them."
+        ),
     ],
     axis: AxisOption = Axis.flexion,
     plant: PlantOption = None,
@@ -67,7 +72,11 @@ def command(
     ] = None,
     dead_time: Annotated[
         float | None,
-        typer.Option(help="Longest dead time in samples and worst case [s]; by default the rig's.", min=0.0),
+        typer.Option(
+            help="Longest dead time in samples and worst case [s], of a plant without one of its own; by "
+            "default the rig's.",
+            min=0.0,
+        ),
     ] = None,
     load: Annotated[
         float | None,
@@ -128,6 +137,7 @@ def command(
         raise InputError(f"--corners: {corners!r} must be shares below 1")
     pi = controller(gains, Wrist.of(chosen))
     around = box_of(chosen, spread, given=intervals(box or []))
+    check_dead_time(chosen, dead_time)
     asked = {"dead_time": dead_time, "load": load, "noise": noise, "quantum": quantum}
     conditions = replace(Conditions.of(chosen.rig), **{n: v for n, v in asked.items() if v is not None})
     with progress("robust") as tell:
@@ -144,7 +154,8 @@ def command(
     if found.stable:
         more = ["--plant", plant] if plant else ["--axis", chosen.axis]
         kind = "pi" if type(pi) is PI else "pi-2dof"
-        following(said, "wrist", "export", kind, "--gains", gains, *more, "--out", "build/c")
+        its = ",".join(gains.split(",")[:2]) if kind == "pi" else gains
+        following(said, "wrist", "export", kind, "--gains", its, *more, "--out", "build/c")
     write_json(json, assessment_record(found))
     if not found.stable:
         raise typer.Exit(1)
@@ -176,19 +187,22 @@ def intervals(texts: list[str]) -> dict[str, tuple[float, float]]:
 
 
 def controller(gains: str, wrist: "Wrist") -> "PI":
-    """The PI of ``--gains``, with the reference weight and the filter of a file that has them; raises
+    """The PI of ``--gains``, with the reference weight and the filter where they are given; raises
     InputError for gains that are not both above zero."""
     from design.controllers.pi import PI
     from design.controllers.pi_two_dof import TwoDofPI
     from design.tuner.gains_file import read_more
     from plants.errors import InputError
 
-    Kp, Ki = pi_gains(gains, rig=wrist.rig)
+    if gains.count(",") == 3:
+        Kp, Ki, b, Tf = numbers(gains, "--gains", "3.1,10.4,0.7,0.01")
+    else:
+        Kp, Ki = pi_gains(gains, rig=wrist.rig)
+        b, Tf = read_more(gains) if gains.endswith(".toml") else (1.0, 0.0)
     if Kp <= 0.0 or Ki <= 0.0:
         raise InputError(
             f"--gains: {gains!r}: Kp and Ki must both be above 0; without Ki the error never goes"
         )
-    b, Tf = read_more(gains) if gains.endswith(".toml") else (1.0, 0.0)
     return PI.of(wrist, Kp, Ki) if (b, Tf) == (1.0, 0.0) else TwoDofPI.of(wrist, Kp, Ki, b, Tf)
 
 

@@ -14,6 +14,7 @@ from design.cli.common import (
     PlantOption,
     SchedulerOption,
     SeedOption,
+    check_dead_time,
     following,
     numbers,
     parameter_set,
@@ -77,7 +78,7 @@ def command(
         ),
     ] = False,
     no_dead_time: Annotated[
-        bool, typer.Option("--no-dead-time", help="No dead time in addition to the plant's own.")
+        bool, typer.Option("--no-dead-time", help="No dead time but the plant's own.")
     ] = False,
     no_load: Annotated[bool, typer.Option("--no-load", help="No load.")] = False,
     no_noise: Annotated[
@@ -115,7 +116,7 @@ def command(
     dead_time: Annotated[
         float | None,
         typer.Option(
-            help="Longest dead time in addition to the plant's own [s]; by default the rig's.", min=0.0
+            help="Longest dead time [s], of a plant without one of its own; by default the rig's.", min=0.0
         ),
     ] = None,
     load: Annotated[
@@ -208,7 +209,9 @@ def command(
         said.print(f"map of the gains in {path}", soft_wrap=True)
     if answered.refusal is None:
         more = ["--plant", plant] if plant else ["--axis", chosen.axis]
-        following(said, "wrist", "robust", "--gains", f"{found.Kp:.4g},{found.Ki:.4g}", *more)
+        own = [v for v in (found.gains["b"], found.gains["Tf"]) if two_dof]
+        gains = ",".join(f"{v:.4g}" for v in (found.Kp, found.Ki, *own))
+        following(said, "wrist", "robust", "--gains", gains, *more)
     write_json(json, tuning_record(answered, chosen.axis) | record)
     if answered.refusal is not None or (record and not record["robust"]["holds"]):
         raise typer.Exit(1)
@@ -229,6 +232,7 @@ def _requirement(
     from design.robustness.requirement import requirement
     from design.robustness.samples.conditions import Conditions
 
+    check_dead_time(plant, dead_time)
     own = Conditions.of(plant.rig)
     conditions = Conditions(
         own.dead_time if dead_time is None else dead_time,

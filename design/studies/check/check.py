@@ -76,8 +76,9 @@ def check_log(
     stairs = _stairs(log)
     kept = plant.remainder.get("angle_deg")
     noise = required.conditions.noise if kept is None else kept.noise
-    found = envelope(playback, stairs, required, controller, samples, seed, noise, jobs)
     left = residual(playback, required.box, seed)
+    error = 0.0 if required.box.remainder is None else left.known("angle_deg")
+    found = envelope(playback, stairs, required, controller, samples, seed, noise, error, jobs)
     return LogCheck(log, plant, stairs, found, left, _command_off(log, controller))
 
 

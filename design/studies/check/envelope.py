@@ -3,8 +3,11 @@ one of them.
 
 A Monte Carlo test (Dwass, Modified randomization tests for nonparametric hypotheses, Annals of Mathematical
 Statistics 28, 1957, doi 10.1214/aoms/1177707045): the score of a run is how far the oddest of its figures
-lies from the samples' median, in units of their spread.  A rig that is one of the samples' kind scores above
-all n of them with probability 1 / (n + 1), however many figures there are.
+lies from the samples' median, to its worse side, in units of their spread.  A rig that is one of the samples'
+kind scores above all n of them with probability 1 / (n + 1), however many figures there are.
+
+A real rig is none of them where its model is known to leave something: by how much that moves each figure, to
+first order, is then the least spread, and three times that the least score that departs.
 """
 
 from dataclasses import dataclass, replace
@@ -13,18 +16,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.evaluation.cases import as_lanes
+from design.evaluation.metrics import SMALLEST
 from design.evaluation.runner import play
 from design.robustness.requirement import Requirement
 from design.robustness.samples.draws import CASES, NOISE, generator
-from design.studies.check.stairs import FINEST, UNITS, Stair, figures
+from design.studies.check.stairs import BAND, FINEST, UNITS, Stair, figures
 from plants.measured.begin import at_rest
 from plants.measured.playback import Playback
+from plants.measured.recording import Recording
 from plants.simulation.sensor import HOLD, sensor
 from plants.wrist import Start
 
 Array = NDArray[np.float64]
 AT_ONCE = 32
 """Samples run together: the signals of all are kept until they are thinned to the log's rows."""
+
+SMALLER = ("overshoot", "rise time", "settling time", "IAE")
+"""Figures of which less than was predicted breaks no promise."""
+
+SIGMAS = 3.0
+"""Times its own size by which what a model is known to leave may move a figure."""
 
 MOVED: tuple[Start, ...] = ("line1", "line2", "inside")
 """Memories of a wrist that has moved before the log began."""
@@ -33,7 +44,7 @@ MOVED: tuple[Start, ...] = ("line1", "line2", "inside")
 @dataclass(frozen=True)
 class FigureCheck:
     """A figure of a stair: its value in the log, the samples' least, median and largest, how far the value
-    lies from the median in units of their spread, and whether no sample lies as far."""
+    lies from the median, to its worse side, in units of their spread, and whether no sample lies as far."""
 
     stair: int
     name: str
@@ -71,18 +82,22 @@ class SampledEnvelope:
 
 def envelope(
     playback: Playback, stairs: tuple[Stair, ...], required: Requirement, controller: object, samples: int,
-    seed: int, noise: float, jobs: int | None = None,
+    seed: int, noise: float, error: float = 0.0, jobs: int | None = None,
 ) -> SampledEnvelope:  # fmt: skip
     """Run samples of a requirement's plants, dead times and loads under a log's reference; noise [deg]: of
-    the sensor."""
+    the sensor; error [deg]: rms that the plant is known to leave of the angle, by which no figure is told."""
     log, step = playback.recording, required.wrist.rig.task.step
     angle, command = _played(playback, required, controller, samples, seed, noise, jobs)
     theirs = figures(stairs, log.time, angle, command, step)
     assert log.angle is not None
     own = figures(stairs, log.time, log.angle[:, None], log.command[:, None], step)
-    scores = {key: _scores(np.append(theirs[key], own[key]), key[1]) for key in own}
+    hidden = _moved_by(error, stairs, log, theirs, step)
+    scores = {
+        key: _scores(np.append(theirs[key], own[key]), max(FINEST[key[1]], hidden[key]), key[1] in SMALLER)
+        for key in own
+    }
     of_all = np.max(list(scores.values()), axis=0)
-    largest = float(of_all[:-1].max())
+    largest = max(float(of_all[:-1].max()), SIGMAS if error > 0.0 else 0.0)
     found = tuple(
         FigureCheck(
             i, name, UNITS[name], float(own[i, name][0]), float(theirs[i, name].min()),
@@ -96,11 +111,36 @@ def envelope(
     )
 
 
-def _scores(values: Array, name: str) -> Array:
-    """How far each value lies from the median, in units of the spread on its side."""
+def _moved_by(
+    error: float, stairs: tuple[Stair, ...], log: Recording, theirs: dict[tuple[int, str], Array], step: float
+) -> dict[tuple[int, str], float]:
+    """By how much an error of the model, rms [deg], moves each figure of each stair, to first order: the
+    angle by as much while the loop has not settled, the command by what holds it, and times by what the angle
+    takes for it, which comes to its reference as with one time constant, of which a rise takes ln 10."""
+    assert log.angle is not None
+    per_degree = float(np.ptp(log.command)) / max(float(np.ptp(log.angle)), SMALLEST * step)
+    found: dict[tuple[int, str], float] = {}
+    for i, s in enumerate(stairs):
+        size = max(abs(s.reference - float(log.angle[max(s.first - 1, 0)])), SMALLEST * step)
+        rise, settled = (float(np.median(theirs[i, n])) for n in ("rise time", "settling time"))
+        lag = rise / np.log(10.0)
+        found |= {
+            (i, "overshoot"): 100.0 * error / size,
+            (i, "rise time"): lag * error / (0.1 * size),
+            (i, "settling time"): lag * error / (BAND * step),
+            (i, "IAE"): error * max(rise, settled),
+            (i, "error at the end"): error * min(max(rise, settled) / (s.ends - s.begins), 1.0),
+            (i, "command at the end"): error * per_degree,
+        }
+    return found
+
+
+def _scores(values: Array, finest: float, smaller: bool) -> Array:
+    """How far each value lies from the median, in units of the spread on its side, or of what is told; of a
+    figure that is the better the smaller it is, how far above."""
     low, middle, high = np.quantile(values, (0.05, 0.5, 0.95))
-    off = values - middle
-    spread = np.where(off > 0.0, max(high - middle, FINEST[name]), max(middle - low, FINEST[name]))
+    off = np.maximum(values - middle, 0.0) if smaller else values - middle
+    spread = np.where(off > 0.0, max(high - middle, finest), max(middle - low, finest))
     return np.asarray(np.abs(off) / spread, float)
 
 

@@ -80,6 +80,11 @@ class ResidualCheck:
         """Whether a channel leaves something new."""
         return any(c.new for c in self.channels)
 
+    def known(self, channel: str) -> float:
+        """What a model is known to leave of a channel, rms in its unit: what this log leaves, and no more
+        than what the recordings that it was traced on did."""
+        return next((min(c.rms, c.before or 0.0) for c in self.channels if c.channel == channel), 0.0)
+
 
 def residual(playback: Playback, box: Box, seed: int) -> ResidualCheck:
     """Hold a log against free runs of a plant, from the logged command; what is new is tried against the

@@ -150,6 +150,10 @@ def law_sentence(law: LawChoice) -> str:
         else "with the measured pressure"
     )
     said = f"Hysteresis law: {law.name}, chosen on held-out blocks, where the angle error {on} is {told}."
-    if law.with_effects or errors[0][0] == law.name or errors[0][0] in law.others:
+    if errors[0][0] == law.name:
         return said
+    if law.with_effects:
+        return f"{said} Another law replaces it only if its error is smaller for certain, and by enough."
+    if errors[0][0] in law.others:
+        return f"{said} Another law replaces the declared one only if its error is 10 % smaller."
     return f"{said} The best fit of {errors[0][0]} makes no such loop; check that no columns are swapped."

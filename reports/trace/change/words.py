@@ -21,11 +21,24 @@ def title(change: CampaignChange) -> str:
             f"{'; '.join(parameter(p) for p in differ[:NAMED])}"
         )
     if not change.changed:
+        hides = hidden(change)
         return (
-            f"Nothing changed between {old} and {new}: the plant of {old} simulates all "
-            f"{len(change.residuals)} recordings of {new} to within its residual"
+            f"{'No change is seen' if hides else 'Nothing changed'} between {old} and {new}: the plant of "
+            f"{old} simulates all {len(change.residuals)} recordings of {new} to within its residual{hides}"
         )
     return f"Changed between {old} and {new}: {causes(change)}"
+
+
+def hidden(change: CampaignChange) -> str:
+    """What an old plant that leaves some of its own recordings unexplained does not show, else empty."""
+    if change.old.verdict != "unexplained":
+        return ""
+    sizes = {
+        channel: max(c.allowed for r in change.residuals for c in r.channels if c.channel == channel)
+        for channel in {c.channel for r in change.residuals for c in r.channels}
+    }
+    least = listed([f"{number(v)} {n.split('_')[1]}" for n, v in sorted(sizes.items())])
+    return f", which hides changes of less than {least}"
 
 
 def names(change: CampaignChange) -> tuple[str, str]:
@@ -99,7 +112,7 @@ def summary(change: CampaignChange) -> list[str]:
             f"{title(change)}.",
             f"{within} of the {len(change.parameters)} parameter differences lie within the intervals below; "
             "smaller changes cannot be detected.",
-            "The plant and its gains remain valid.",
+            f"The plant and its gains remain valid{', as far as that shows' if hidden(change) else ''}.",
         ]
     worst = most_off(change)
     sizes = listed([
