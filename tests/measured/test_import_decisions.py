@@ -61,6 +61,32 @@ def test_what_names_say_against_the_data_is_told(tmp_path):
     assert "mV" not in why
 
 
+def test_logs_with_a_renamed_column_in_another_unit_or_without_a_pressure_come_together(tmp_path):
+    whole = {"time": STEPS.time, "u": STEPS.command, "p [kPa]": STEPS.pressure, "theta [deg]": STEPS.angle}
+    renamed = {
+        "time": SINE.time, "u": SINE.command, "p [kPa]": SINE.pressure, "pot [rad]": np.radians(SINE.angle)
+    }  # fmt: skip
+    bare = {"time": TASK.time, "u": TASK.command, "theta [deg]": TASK.angle}
+    files = [csv(tmp_path / f"{n}.csv", t) for n, t in (("a", whole), ("b", renamed), ("c", bare))]
+    made, _ = imported(files, tmp_path / "out")
+    assert any("pot is taken for theta" in note for log in made.logs for note in log.notes)
+    campaign = load_campaign(tmp_path / "out")
+    logged = {r.name: r for r in (*campaign.fit, *campaign.validate)}
+    assert logged["b.csv"].angle == pytest.approx(SINE.angle, abs=1e-6)
+    assert logged["c.csv"].pressure is None
+    assert logged["c.csv"].angle == pytest.approx(TASK.angle)
+
+
+def test_a_log_in_which_the_angle_cannot_be_told_is_refused(tmp_path):
+    whole = csv(
+        tmp_path / "a.csv",
+        {"time": STEPS.time, "u": STEPS.command, "p": STEPS.pressure, "theta": STEPS.angle},
+    )
+    without = csv(tmp_path / "b.csv", {"time": SINE.time, "u": SINE.command, "p": SINE.pressure})
+    with pytest.raises(InputError, match=r"has no channel 'theta', which .*a\.csv has, and none that can"):
+        import_logs([whole, without], {})
+
+
 def test_names_of_other_languages_and_of_textbooks_are_known(tmp_path):
     log = csv(
         tmp_path / "log.csv",

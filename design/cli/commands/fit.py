@@ -88,9 +88,10 @@ def tables(fit: "Fit") -> list[Any]:
     lines: list[Any] = [fit.fitted.title, _parameters(fit), ""]
     lines += ["RMS error of open-loop simulations", _errors(fit), ""]
     for stage, found in fit.stages.items():
-        lines.append(
-            f"{stage} stage: {found.agreeing} of {len(found.costs)} starts ended at the same minimum"
-        )
+        if len(found.costs) > 1:
+            lines.append(
+                f"{stage} stage: {found.agreeing} of {len(found.costs)} starts ended at the same minimum"
+            )
     lines += fit.remarks
     return lines
 

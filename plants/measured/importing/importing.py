@@ -13,6 +13,7 @@ import tomlkit
 from plants.errors import InputError
 from plants.files import file_name, replaced_folder, write_atomically
 from plants.measured.campaign import FILE
+from plants.measured.formats.channel import LoggedChannel
 from plants.measured.importing.channels import Log, listed, read_log
 from plants.measured.importing.excitation import Chosen, Excited, choose, excited
 from plants.measured.importing.roles import ROLES, Role, roles
@@ -48,13 +49,7 @@ def import_logs(
                 raise InputError(note)
     fullest = max(logs, key=lambda log: len(log.channels))
     found = roles(fullest.channels, given)
-    needed = [r.channel for name, r in found.items() if name != "reference"]
-    for log in logs:
-        missing = [n for n in needed if n not in {c.name for c in log.channels}]
-        if missing:
-            raise InputError(
-                f"{log.path}: has no channel {missing[0]!r}, which {fullest.path} has; import it apart"
-            )
+    logs = tuple(_named_alike(log, found, fullest) for log in logs)
     step = float(f"{max(steps_of(log, found) for log in logs):.4g}")
     made: list[Run] = []
     for log in logs:
@@ -67,6 +62,40 @@ def import_logs(
     made = _named_apart(made)
     asked = tuple(excited(r.time, found["command"].factor * r.values[found["command"].channel]) for r in made)
     return Imported(logs, found, step, tuple(made), asked, choose(asked))
+
+
+def _named_alike(log: Log, found: Mapping[str, Role], fullest: Log) -> Log:
+    """A log whose channels in roles that were found are called as in the fullest log, and counted in its
+    units.
+
+    Of channels that it lacks by name its own are told as those of any log; it may do without a reference, and
+    without a pressure where the angle was logged.  Raises InputError where another is not to be told.
+    """
+    there = {c.name: c for c in log.channels}
+    missing = [name for name, r in found.items() if r.channel not in there]
+    needed = [n for n in missing if n != "reference" and not (n == "pressure" and "angle" in found)]
+    if not missing:
+        return log
+    known = {name: (r.channel, "") for name, r in found.items() if r.channel in there}
+    try:
+        own = roles(log.channels, known)
+    except InputError:
+        own = {}
+    moved: dict[str, LoggedChannel] = {}
+    notes = []
+    for name in (n for n in missing if n in own):
+        r, as_found = own[name], found[name]
+        scaled = r.factor / as_found.factor * there[r.channel].values
+        moved[r.channel] = there[r.channel]._replace(name=as_found.channel, unit=as_found.unit, values=scaled)
+        notes.append(f"{r.channel} is taken for {as_found.channel}: {r.why}")
+    lacks = [n for n in needed if n not in own]
+    if lacks:
+        raise InputError(
+            f"{log.path}: has no channel {found[lacks[0]].channel!r}, which {fullest.path} has, and none "
+            "that can be told for it; import it apart"
+        )
+    channels = tuple(moved.get(c.name, c) for c in log.channels)
+    return log._replace(channels=channels, notes=(*log.notes, *notes))
 
 
 def _named_apart(made: list[Run]) -> list[Run]:
