@@ -44,7 +44,7 @@ def trade_off(comparison: Comparison) -> "Figure":
             limit = comparison.limits.delay_margin_s
             if limit is not None:
                 look: dict[str, Any] = {"color": VERMILLION, "linestyle": DASHED, "linewidth": 1.2}
-                panel.axvline(1000.0 * limit, label=f"limit {1000.0 * limit:g} ms", **look)
+                panel.axvline(1000.0 * limit, label=f"limit {1000.0 * limit:.3g} ms", **look)
         axes[-1].set_xlabel("Delay margin [ms]")
         figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
         for panel, motion in zip(axes, motions, strict=True):

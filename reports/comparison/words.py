@@ -82,7 +82,7 @@ def _verdict(study: Study) -> str:
     samples, runs = (sum(d.evidence[k][n] for d in found) for k, n in
                      (("samples", "total"), ("worst_case", "runs")))  # fmt: skip
     late = max(d.dead_time for d in found)
-    with_ = f" with up to {1000 * late:g} ms of dead time" if late else ""
+    with_ = f" with up to {1000 * late:.3g} ms of dead time" if late else ""
     if all(d.holds for d in found):
         return f"These gains meet every limit in {samples} samples and {runs} search runs{with_}."
     broken = sum(d.evidence[k]["broken"] for d in found for k in ("samples", "worst_case"))

@@ -181,7 +181,7 @@ def sample_words(a: Assessment) -> str:
         f"{len(cases)} cases, independent: a plant from the box below, one of four initial "
         "hysteresis states, either sign of the step"
     ]
-    parts += [f"dead time up to {1000 * c.dead_time:g} ms"] if c.dead_time else []
+    parts += [f"dead time up to {1000 * c.dead_time:.3g} ms"] if c.dead_time else []
     parts += [f"a constant load of up to ±{c.load:g} deg"] if c.load else []
     parts += [f"sensor noise of {c.noise:g} deg (s.d.) at 100 Hz"] if c.noise else []
     parts += [f"a sensor resolution of {c.quantum:g} deg"] if c.quantum else []

@@ -37,7 +37,7 @@ CLASSES = {
 
 def late(dead_time: float) -> str:
     """A dead time [s] in words; empty where there is none."""
-    return f", {1000 * dead_time:g} ms of dead time" if dead_time else ""
+    return f", {1000 * dead_time:.3g} ms of dead time" if dead_time else ""
 
 
 def claim_words(claim: Claim) -> str:
@@ -62,14 +62,14 @@ def claim_words(claim: Claim) -> str:
             return f"a step of {step:+g} deg from rest leaves the virgin curve by this time"
         case StableWhileConstant(gain, dead_time):
             parameters = "slope, rate, Tw and gain" if gain else "slope, rate and Tw"
-            behind = f", with up to {1e3 * dead_time:g} ms of dead time" if dead_time > 0.0 else ""
+            behind = f", with up to {1e3 * dead_time:.3g} ms of dead time" if dead_time > 0.0 else ""
             return f"stable for every constant {parameters} within the box{behind}"
         case StableEverywhere():
             return "the linear loop is stable on every branch at every rate"
         case MarginHeld(key, at_most, limit):
             if limit is None:
                 return f"{MARGINS[key]} on every branch"
-            shown = f"{1e3 * limit:g} ms" if key == "delay_margin_s" else f"{limit:g}"
+            shown = f"{1e3 * limit:.3g} ms" if key == "delay_margin_s" else f"{limit:g}"
             return f"{MARGINS[key]} {'at most' if at_most else 'at least'} {shown} on every branch"
         case NoOscillation():
             return "no sustained oscillation about the reference"

@@ -40,11 +40,11 @@ def sentence(d: Disagreement) -> str:
         case MarginYetUnproved():
             return (
                 f"The predicted delay margin is {1000 * d.margin:.3g} ms, but no certificate covers the "
-                f"loop with {1000 * d.dead_time:g} ms of dead time: a margin concerns one branch at a time, "
-                "a certificate every sequence of branches."
+                f"loop with {1000 * d.dead_time:.3g} ms of dead time: a margin concerns one branch at a "
+                "time, a certificate every sequence of branches."
             )
         case MarginsYetBroken():
-            late = f", the samples have up to {1000 * d.dead_time:g} ms of added dead time."
+            late = f", the samples have up to {1000 * d.dead_time:.3g} ms of added dead time."
             return (
                 f"All predicted margins meet their limits, but {d.worst.count} of {d.worst.trials} samples "
                 f"break a requirement ({d.worst.words}): margins concern small motions on one branch of the "

@@ -128,7 +128,7 @@ def ladder_table(assessment: Assessment) -> Table:
             for c in assessment.ladder
             if c.dead_time == dead_time
         )  # fmt: skip
-        groups.append(Group(f"{1000 * dead_time:g} ms of dead time" if dead_time else "No dead time", rows))
+        groups.append(Group(f"{1000 * dead_time:.3g} ms of dead time" if dead_time else "No dead time", rows))
     return Table(columns, tuple(groups))
 
 

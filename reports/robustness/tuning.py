@@ -36,7 +36,9 @@ def requirement_words(asked: Requirement) -> str:
     """The requirement on the gains, in a line."""
     c, rig = asked.conditions, asked.box.plant.rig
     late = (
-        f"dead time of 0 to {1000 * asked.space.dead_time:g} ms" if asked.space.dead_time else "no dead time"
+        f"dead time of 0 to {1000 * asked.space.dead_time:.3g} ms"
+        if asked.space.dead_time
+        else "no dead time"
     )
     if any(e.NAME == "dead-time" for e in asked.wrist.effects):
         late = "the identified dead time"

@@ -104,7 +104,7 @@ def _proof(a: Assessment) -> str:
         rate, late, about = best.decay or 0.0, best.dead_time, "for any switching of the slope"
     else:
         return "Open: no certificate of stability was found for a loop that switches between branches."
-    behind = f"with {1000 * late:g} ms of dead time" if late else "without dead time"
+    behind = f"with {1000 * late:.3g} ms of dead time" if late else "without dead time"
     return f"Proved: exponentially stable, rate at least {number(rate, 2)} 1/s, {about}, {behind}."
 
 
@@ -194,7 +194,9 @@ def proved(a: Assessment) -> str:
         late = [c for c in held if c.dead_time]
         best = max(late or held, key=lambda c: c.decay or 0.0)
         dead_time = (
-            f"also with {1000 * best.dead_time:g} ms of dead time" if late else "only without added dead time"
+            f"also with {1000 * best.dead_time:.3g} ms of dead time"
+            if late
+            else "only without added dead time"
         )
         words = (
             "Proved: while the command is not clipped, the loop is exponentially stable with rate at least "
@@ -227,7 +229,7 @@ def _of_tasks(a: Assessment) -> str:
     least = min(s.value for s in held if s.value is not None)
     late = max(float(s.evidence["latest_s"]) for s in held)
     behind = max(float(s.evidence["dead_time_s"]) for s in held)
-    tube = f", also with {1000 * behind:g} ms of dead time" if behind else ", without dead time"
+    tube = f", also with {1000 * behind:.3g} ms of dead time" if behind else ", without dead time"
     words = (
         f". In the sampled loop, with hysteresis and command range, every run of the task enters within "
         f"{number(late)} s a set in which it is exponentially stable with rate at least "

@@ -111,7 +111,7 @@ def _head(condition: str, rows: Sequence[CardRow]) -> str:
     """What the card calls a condition: the longest dead time by its size, where it is that of all rows."""
     found = {r.band.get("dead_time_s") for r in rows}
     late = found.pop() if len(found) == 1 else None
-    return f"{1000 * late:g} ms dead time" if late and HEADS[condition] == LATE else HEADS[condition]
+    return f"{1000 * late:.3g} ms dead time" if late and HEADS[condition] == LATE else HEADS[condition]
 
 
 def _matrix(of: CardRow, known: Sequence[str]) -> tuple[tuple[Cell, ...], ...]:

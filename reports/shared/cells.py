@@ -73,4 +73,4 @@ def _value(value: float, limit: float | None, name: str) -> str:
 
 
 def _late(dead_time: float) -> str:
-    return f"{1000.0 * dead_time:g} ms dead time" if dead_time else "no dead time"
+    return f"{1000.0 * dead_time:.3g} ms dead time" if dead_time else "no dead time"

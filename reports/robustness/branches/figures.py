@@ -174,7 +174,7 @@ def sensitivities(wrist: Wrist, controller: PI, limits: Limits) -> "Figure":
             _limit(left, omega, np.full(omega.size, limits.Ms), f"limit: Ms {limits.Ms:g}")
         if limits.delay_margin_s is not None and limits.delay_margin_s > 0.0:
             turn = np.minimum(omega * limits.delay_margin_s, np.pi)
-            words = f"below: {1e3 * limits.delay_margin_s:g} ms of\ndelay are safe"
+            words = f"below: {1e3 * limits.delay_margin_s:.3g} ms of\ndelay are safe"
             _limit(right, omega, 0.5 / np.sin(0.5 * turn), words)
         for axes, title, label in (
             (left, "Sensitivity S", "|S|, |T| [1]"),

@@ -37,7 +37,7 @@ def kept_up_to(sweep: DeadTimeSweep, name: str, limit: float | None) -> str:
     if not kept[0]:
         return f"{name_of(name)} beyond {limit:g} % even without dead time"
     if kept.all():
-        return f"{name_of(name)} within {limit:g} % up to {1000.0 * sweep.dead_times[-1]:g} ms at least"
+        return f"{name_of(name)} within {limit:g} % up to {1000.0 * sweep.dead_times[-1]:.3g} ms at least"
     beyond = int(np.argmin(kept))
     pair = slice(beyond - 1, beyond + 1)  # between two dead times that were played, on a straight line
     late = float(np.interp(limit, sweep.overshoot[name][pair], sweep.dead_times[pair]))
