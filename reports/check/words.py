@@ -41,7 +41,7 @@ def plant(check: LogCheck) -> str:
     """Whether the residual is that of the trace."""
     r = check.residual
     if not r.new:
-        return f"the plant is unchanged since the trace{seen_from(check)}"
+        return f"the plant is unchanged since the trace{to_within(check)}"
     sizes = [
         f"{number(c.rms)} {c.channel.split('_')[1]} in the {c.channel.split('_')[0]} (expected: at most "
         f"{number(c.allowed)})"
@@ -52,14 +52,14 @@ def plant(check: LogCheck) -> str:
     return f"the plant has changed, its residual is {listed(sizes)}: {cause}"
 
 
-def seen_from(check: LogCheck) -> str:
-    """From what size on a change of a plant that leaves something of its angle is seen; empty for one that
-    leaves nothing."""
+def to_within(check: LogCheck) -> str:
+    """To within what a plant that leaves something of its angle is known not to have changed; empty for one
+    that leaves nothing."""
     kept = check.plant.remainder.get("angle_deg")
     found = [c for c in check.residual.channels if c.channel == "angle_deg"]
     if not found or ColouredRemainder.of(kept) is None:
         return ""
-    return f", as far as its residual tells: changes of less than {number(found[0].allowed)} deg are hidden"
+    return f", to within {number(found[0].allowed)} deg"
 
 
 def change(c: RigChange) -> str:
@@ -85,7 +85,7 @@ def remarks(check: LogCheck) -> list[str]:
         "Samples: plants of the design's box with its dead times and loads, simulated with the logged "
         f"reference. False alarms: one in {check.envelope.samples + 1} for rigs of this kind."
     ]
-    if seen_from(check):
+    if to_within(check):
         left = check.residual.known("angle_deg")
         found.append(
             f"The plant is known to leave {number(left)} deg of this angle. A figure departs where it is "
