@@ -82,8 +82,11 @@ def motion_lines(m: MotionDesign) -> list[str]:
     )
     iae = max(e["worst_iae_deg_s"] for e in (samples, worst))
     found.append(
-        f"  worst IAE {number(iae)} deg s, slowest settling {number(samples['worst_settling_s'])} s; "
-        f"proof: {proved['status']}"
+        f"  worst IAE {number(iae)} deg s in samples and search, slowest settling "
+        f"{number(samples['worst_settling_s'])} s in samples"
+    )
+    found.append(
+        f"  exponential stability of the sampled loop, with the longest dead time: {proved['status']}"
     )
     return found
 
@@ -106,7 +109,7 @@ def last_line(study: DesignStudy) -> str:
     held = f"meet every limit with up to {number(1000 * late)} ms of dead time"
     still = [m.motion for m in study.motions if m.evidence["proved"]["status"] != "proved"]
     proved = "exponential stability is proved on the plant as fitted"
-    open_ = f"a proof is open for {listed(still)}" if still else proved
+    open_ = f"a proof of stability is open for {listed(still)}" if still else proved
     return f"{gains}: {held} in all samples and search runs; {open_}"
 
 

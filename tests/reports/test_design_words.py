@@ -79,7 +79,7 @@ def test_what_does_not_hold_is_said_first_and_which_guarantee_would_have_to_go()
     assert "without the dead time" in last_line(bad)
     good = study(0, "open", 2)
     assert "meet every limit with up to 50 ms" in last_line(good)
-    assert "a proof is open for flexion and deviation" in last_line(good)
+    assert "a proof of stability is open for flexion and deviation" in last_line(good)
     assert "proved on the plant as fitted" in last_line(study(0, "proved", 1))
 
 
