@@ -149,13 +149,13 @@ def seen(a: Assessment) -> str:
     if broken:
         worst = max(broken, key=lambda v: v.count)
         words = (
-            f"{worst.count} of {worst.trials} independent simulated cases break the most critical "
+            f"{worst.count} of {worst.trials} independent simulated single steps break the most critical "
             "requirement "
             f"({worst.words}): {number(100 * worst.low, 2)} to {number(100 * worst.high, 2)} % of cases at "
             "95 % confidence"
         )
     else:
-        words = f"None of {len(cases)} independent simulated cases breaks a requirement"
+        words = f"None of {len(cases)} independent simulated single steps breaks a requirement"
     return f"{words}, {'and' if bool(broken) == bool(a.worst.violated) else 'but'} {worst_phrase(a)}."
 
 

@@ -43,7 +43,7 @@ def test_it_opens_with_three_sentences_that_hold_the_numbers(text, assessed):
 
 def test_the_first_section_says_the_same_in_full(text, assessed):
     full = details(assessed)
-    assert full[0].startswith("None of 60 independent simulated cases breaks a requirement, ")
+    assert full[0].startswith("None of 60 independent simulated single steps breaks a requirement, ")
     assert f"a search of {assessed.worst.evaluations} runs" in full[0]
     switched = [c for c in assessed.ladder if c.holds and c.dead_time and not c.remembers]
     assert f"rate at least {number(max(c.decay for c in switched), 2)} 1/s" in full[2]
@@ -101,7 +101,7 @@ def test_nothing_proved_and_something_unstable_and_broken_is_said_so(assessed):
     assert summary(poor)[2].startswith("Open: ")
     said = details(poor)
     assert said[0] == (
-        f"9 of 60 independent simulated cases break the most critical requirement ({broken.words}): "
+        f"9 of 60 independent simulated single steps break the most critical requirement ({broken.words}): "
         f"7.1 to 27 % of cases at 95 % confidence, but a search of {worst.evaluations} runs for the worst "
         "scenario found none that breaks a limit."
     )
