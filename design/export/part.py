@@ -222,8 +222,8 @@ def of_hand_over(
     title: str,
     controller: HandOver,
     sensors: SensorLimits,
-    period: float = SAMPLE_TIME,
-    by_hand: bool = True,
+    period: float,
+    by_hand: bool,
 ) -> Part:
     """A PI with a rate limit and, where it may be commanded by hand, without a jump when it takes over.
 
