@@ -150,8 +150,9 @@ class Stage:
 
     @property
     def timed(self) -> bool:
-        """Whether times of jumps of commands ahead of their rows are known, which were estimated."""
-        return any(p.recording.ahead is not None for p in self.playbacks)
+        """Whether times of jumps of the command, ahead of their rows, that move the channel were estimated:
+        in a stage that a pressure drives they are in that pressure."""
+        return self.drives is None and any(p.recording.ahead is not None for p in self.playbacks)
 
     @cached_property
     def jumps(self) -> NDArray[np.intp]:
