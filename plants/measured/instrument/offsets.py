@@ -36,9 +36,9 @@ FEWEST = 200
 OTHER = 3.0
 """Times a reading, of many that are tried, that may not do better than the reading."""
 
-LOUD, STEPS = 3.0, 1.0
-"""First angles are offset if they differ by more than these times the standard error of their median and the
-resolution of the angle."""
+LOUD, STEPS = 3.0, 2.0
+"""First angles are offset if they differ by more than these times the noise and the resolution of the
+angle."""
 
 
 def offsets_between(campaign: Campaign) -> dict[str, float]:
@@ -138,9 +138,9 @@ def _first_rows(r: Recording) -> int:
 
 
 def _told(r: Recording) -> float:
-    """Least difference of first angles [deg] that is more than noise and steps of the sensor."""
+    """Least difference of angles [deg] that is more than noise and steps of the sensor."""
     angle = _angle(r)[r.fresh("angle_deg")]
-    return float(max(LOUD * noise_floor(angle) / _first_rows(r) ** 0.5, STEPS * resolution(angle)))
+    return max(LOUD * noise_floor(angle), STEPS * resolution(angle))
 
 
 def _angle(r: Recording) -> Array:
