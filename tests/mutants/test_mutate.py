@@ -56,7 +56,7 @@ def test_a_room_has_all_tests_that_import_its_modules():
     of_certificates, of_laws = "tests/robustness/test_robust_mpc.py", "tests/laws/test_signals.py"
     assert {of_certificates, of_laws} <= set(files_of("kernels"))
     assert of_laws not in files_of("certificates")
-    assert "tests/measured/test_zero_of_a_log.py" in files_of("export")
+    assert "tests/measured/test_sign_of_a_log.py" in files_of("export")
 
 
 def test_survivors_of_an_earlier_run_are_found_again_on_another_line(tmp_path):
