@@ -39,8 +39,8 @@ NEEDS_DATA = "measured-data"
 COLOURS = 256
 """Colours of a stored picture."""
 
-LONGEST = 300
-"""Seconds that one cell may take."""
+LONGEST = 1800
+"""Seconds after which a cell is taken to hang; how fast it is, is measured elsewhere."""
 
 
 class ThisInterpreter(AsyncKernelManager):

@@ -68,16 +68,23 @@ class SampledLearntBlock(NamedTuple):
         """What is added [deg] at a pressure, of which `ahead` is the distance from the slow one in half the
         range; at rest at the rest pressure nothing."""
         at = (pressure - self.first) / self.half
+        moving = direction * curve(self.turning, at) + ahead * curve(self.slow, at)
+        return self.still(pressure) + moving
+
+    def still(self, pressure: Number) -> Number:
+        """The static part [deg] at a pressure [kPa]."""
         wide = 0.5 * _per_knot(self.static_part)  # of two knots: a bump of one would be one of the splines
         away = spline((pressure - self.rest_pressure) / self.half * wide) / spline(0.0)
-        static = curve(self.static_part, at) - self.at_rest * away
-        return static + direction * curve(self.turning, at) + ahead * curve(self.slow, at)
+        return curve(self.static_part, (pressure - self.first) / self.half) - self.at_rest * away
 
 
 def curve(coefficients: tuple[Number, ...], at: Number) -> Number:
     """The sum of splines at knots from 0 to 2."""
-    per_knot = _per_knot(coefficients)
-    return sum(c * spline(at * per_knot - k) for k, c in enumerate(coefficients))
+    place = at * _per_knot(coefficients)
+    if isinstance(place, float | np.ndarray):  # all splines at once: searches for a rest ask often
+        knots = np.arange(len(coefficients)).reshape(-1, *(1 for _ in np.shape(place)))
+        return sum(c * one for c, one in zip(coefficients, spline(place - knots), strict=True))
+    return sum(c * spline(place - k) for k, c in enumerate(coefficients))
 
 
 def _per_knot(coefficients: tuple[Number, ...]) -> float:
@@ -170,16 +177,16 @@ class LearntBlock(Effect):
         return LearntMemory(0.0 * pressure, pressure, added, added)
 
     def beside(self, wrist: Any, pressure: Number) -> Number:
-        return self._with(wrist, 0.0).added(pressure, 0.0, 0.0)
+        return self._with(wrist, 0.0).still(pressure)
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         """Slopes between the least and the largest that any direction and any distance from the slow pressure
         within the range of the command make, turning or not."""
         block, p = self._with(wrist, 0.0), np.linspace(*reach, 2001)
         step, span = p[1] - p[0], float(np.ptp(wrist.reach)) / wrist.rig.half_range
-        static = np.gradient(block.added(p, 0.0, 0.0), step)
-        turning = block.added(p, 1.0, 0.0) - block.added(p, 0.0, 0.0)
-        slow = block.added(p, 0.0, 1.0) - block.added(p, 0.0, 0.0)
+        static = np.gradient(block.still(p), step)
+        turning = block.added(p, 1.0, 0.0) - block.still(p)
+        slow = block.added(p, 0.0, 1.0) - block.still(p)
         swing = np.abs(np.gradient(turning, step)) + span * np.abs(np.gradient(slow, step))
         engaged, moved = turning / float(self.turn), slow / wrist.rig.half_range
         least = float(np.min(static - swing + np.minimum(engaged, 0.0) + np.minimum(moved, 0.0)))
