@@ -2,7 +2,8 @@
 
 from typing import TYPE_CHECKING, Any
 
-from plants.measured.trace.search.choose import WORTH, SearchRound
+from plants.measured.trace.search.candidate import WORTH
+from plants.measured.trace.search.choose import SearchRound
 from plants.measured.trace.search.screening import Ranked
 from plants.measured.trace.trace import StageTrace
 from reports.shared.figures.style import BLACK, BLUE, DASHED, GREEN, PALE, VERMILLION, new_figure, styled

@@ -6,7 +6,8 @@ from design.synthesis.retune import Control, JudgedStep, RetunedSide
 from plants.measured.begin import measured
 from plants.measured.free_run import FreeRun
 from plants.measured.residual.examine import Examination, Finding
-from plants.measured.trace.search.choose import Candidate, SearchRound
+from plants.measured.trace.search.candidate import Candidate
+from plants.measured.trace.search.choose import SearchRound
 from plants.measured.trace.trace import Trace
 from plants.parameters.quantities import Assumed, Fitted, Learnt, Provenance
 from reports.shared.names import CHANNELS

@@ -14,7 +14,7 @@ from design.studies.check.campaigns import campaign_change
 from plants.measured.campaign import load_campaign, shipped
 from plants.measured.trace.change.two_steps import sensitivity
 from plants.measured.trace.declared import driven
-from plants.measured.trace.search.choose import Candidate
+from plants.measured.trace.search.candidate import Candidate
 from reports.shared.html import Made
 from reports.trace.change.page import draw_differences, write_change
 from reports.trace.change.words import summary, title

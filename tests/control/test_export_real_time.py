@@ -15,7 +15,7 @@ from design.mpc.prediction import coefficients, linearise, start_of
 from design.mpc.problem import MPCProblem, MPCWeights, robust
 from design.mpc.real_time import real_time_mpc
 from plants.kernel import pytrees as tree
-from tests.control.c_target import CC, WRIST, exported, needs_compiler, program, run
+from tests.control.c_target import CC, OWN, WRIST, exported, needs_compiler, program, run
 
 N = 12
 PROBLEMS = {
@@ -194,3 +194,15 @@ def test_the_stack_that_is_told_is_about_what_the_compiler_gives_its_functions()
     assert told is not None
     # The large ones stand in one chain of calls: a step, an attempt, and the solver or the slopes.
     assert float(told[1]) == pytest.approx(sum(s for s in sizes if s > 500) / 1000.0, rel=0.15)
+
+
+@needs_compiler
+def test_the_stack_that_a_step_takes_is_what_is_said(tmp_path):
+    """Of the compiler's own count: a step calls one of the three largest functions within another."""
+    made, folder = exported("mpc-real-time")
+    counted = run(CC, *OWN, "-fstack-usage", "-c", f"{made.name}.c", "-o", tmp_path / "m.o", folder=folder)
+    if counted.returncode:
+        pytest.skip("this compiler does not count stacks (-fstack-usage)")
+    frames = sorted(int(line.split("\t")[1]) for line in (tmp_path / "m.su").read_text().splitlines())
+    said = re.search(r"takes about (\d+) kB of stack", " ".join((folder / "README.md").read_text().split()))
+    assert int(said[1]) == pytest.approx(sum(frames[-3:]) / 1000.0, rel=0.05)

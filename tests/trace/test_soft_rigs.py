@@ -85,3 +85,22 @@ def test_sensors_zeroed_anew_hide_no_effect(tmp_path):
     named = {e.name for e in trace.effects}
     assert {"dead-time", "creep"} <= named <= TRUE["bender"]
     assert trace.after["angle_deg"] < 2.0 * trace.noise["angle_deg"]
+
+
+def test_a_law_that_fits_each_recording_for_itself_does_not_replace_another(tmp_path):
+    """Four segments with a softening, a load step and creep have the smaller error on held-out blocks, and
+    twice the error on recordings left out whole: held-out data were simulated with three times the error."""
+    soft_actuator(530).write(tmp_path / "soft", recordings(530), ("check",))
+    trace = trace_campaign(load_campaign(tmp_path / "soft"))
+    assert {e.name for e in trace.effects} == {"dead-time", "fill-exhaust-asymmetry", "creep"}
+    assert trace.law.name == "prandtl-ishlinskii"
+    assert trace.after["angle_deg"] < 0.3 * trace.before["angle_deg"]
+
+
+def test_an_effect_that_serves_single_recordings_is_not_named(tmp_path):
+    """A softening took half of chi-square, and left each recording twice the error by a fit to the other."""
+    soft_actuator(502).write(tmp_path / "soft", recordings(502), ("check",))
+    trace = trace_campaign(load_campaign(tmp_path / "soft"))
+    assert {e.name for e in trace.effects} == {"dead-time", "fill-exhaust-asymmetry"}
+    assert "one that is left out is simulated better" in trace.cannot_judge["softening"]
+    assert trace.after["angle_deg"] < 0.3 * trace.before["angle_deg"]

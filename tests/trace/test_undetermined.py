@@ -8,7 +8,7 @@ from plants.hysteresis import PrandtlIshlinskii
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.stage import Stage
-from plants.measured.trace.search.choose import Candidate
+from plants.measured.trace.search.candidate import Candidate
 from plants.measured.trace.search.undetermined import at_neutral, without_bends
 from plants.measured.trace.stages.model import Model
 from plants.parameters.files import built_in

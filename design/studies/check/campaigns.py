@@ -28,7 +28,7 @@ from plants.measured.recording import Recording
 from plants.measured.trace.change.refit import StageRefit, refit, seen_alike
 from plants.measured.trace.change.two_steps import white_errors
 from plants.measured.trace.result import Named, Trace
-from plants.measured.trace.search.choose import WORTH
+from plants.measured.trace.search.candidate import WORTH
 from plants.measured.trace.stages.model import Model
 from plants.parameters.remainder import CHANNELS, RemainderSize
 

@@ -15,7 +15,7 @@ from plants.measured.recording import Recording
 from plants.measured.residual.series.denoised import denoised
 from plants.measured.stage import Stage, begun
 from plants.measured.trace.law import LawChoice
-from plants.measured.trace.search.choose import Candidate
+from plants.measured.trace.search.candidate import Candidate
 from plants.measured.trace.stages.model import Model
 from plants.parameters.quantities import ParameterSet, loop_names
 from plants.simulation.open_loop import open_loop

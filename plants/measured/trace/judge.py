@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.trace.search.choose import Candidate, EffectSearch
+from plants.measured.trace.search.candidate import Candidate
+from plants.measured.trace.search.choose import EffectSearch
 from plants.measured.trace.search.screening import Ranked
 from plants.measured.trace.stages.model import Model
 

@@ -17,7 +17,7 @@ from plants.measured.guess.regressors import smooth_pressure
 from plants.measured.guess.rig import guessed_set
 from plants.measured.playback import Playback
 from plants.measured.stage import Stage
-from plants.measured.trace.search.choose import Candidate
+from plants.measured.trace.search.candidate import Candidate
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.start import Start
 from plants.parameters.quantities import ParameterSet, loop_names

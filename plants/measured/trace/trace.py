@@ -26,11 +26,11 @@ from plants.measured.trace.experiments import sentence, separate
 from plants.measured.trace.judge import alternatives, explained, many, not_logged, unexcited
 from plants.measured.trace.law import LawChoice, law_of_rig
 from plants.measured.trace.result import Named, StageTrace, Trace
+from plants.measured.trace.search.candidate import Candidate, carries_over, falls
 from plants.measured.trace.search.choose import (
-    Candidate,
     EffectSearch,
+    carried_over,
     enough,
-    falls,
     from_command,
     search,
     simplest,
@@ -53,6 +53,12 @@ Array = NDArray[np.float64]
 SLOW_NOISE = 100.0
 """Chi-square up to which a residual without structure, of which no effect takes a good part away, is
 slow noise whose floor was taken too low."""
+
+ALONE = (
+    "it serves only the recordings that it was fitted on: without it, one that is left out is simulated "
+    "better; record more"
+)
+"""Why an effect that a search found is not kept."""
 
 RETRACED = 2
 """How often a campaign is traced again with what the command of a closed loop did between rows, by the model
@@ -141,8 +147,8 @@ def _under_others(
 ) -> tuple[LawChoice, StageTrace]:  # fmt: skip
     """The last stage under each of the laws, where that which was chosen before effects were looked for
     leaves it unexplained, and the choice: another than that only with effects that are adopted, if on rows
-    left out the error of a free run is lower for certain and as much goes as an effect must take away.  The
-    laws alone have been compared before."""
+    left out the error of a free run is lower for certain and as much goes as an effect must take away, and no
+    recording left out whole says clearly otherwise.  The laws alone have been compared before."""
     before, found = traced[:-1], {law.name: traced[-1]}
     for name in law.others:
         base = base_fit(fit, law.taking(name))
@@ -156,9 +162,14 @@ def _under_others(
     for name in law.others:
         now, other = (found[n].search.chosen for n in (best, name))
         adopted = other.model.forms and (found[name].explained or _helps(found[name].search, fit))
-        worth = adopted and falls(now, other) and enough(now.held_out, other.held_out, now.held_out)
-        best = name if worth else best
+        best = name if adopted and _better(now, other) else best
     return replace(law if best == law.name else law.taking(best), with_effects=errors), found[best]
+
+
+def _better(now: Candidate, other: Candidate) -> bool:
+    """Whether another law is, with the effects of both."""
+    on_blocks = falls(now, other) and enough(now.held_out, other.held_out, now.held_out)
+    return on_blocks and not carries_over(other, now)
 
 
 def _free_error(stage: StageTrace) -> float:
@@ -185,6 +196,9 @@ def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: i
     stage = declared.stage
     logged = [n for n in stage.effects if not not_logged(declared, n)]
     found = search(declared, logged, lambda what: tell(f"{stage.name}: {what}"), seed)
+    searched = found.chosen.model.effects
+    found = replace(found, chosen=carried_over(found.chosen))
+    alone = {n: ALONE for n in searched if n not in found.chosen.model.effects}
     if found.chosen.model.forms and (explained(found) or _calm(found.chosen) or _helps(found, fit)):
         found = replace(found, chosen=simplest(found.chosen))
     if not explained(found):
@@ -192,7 +206,7 @@ def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: i
     found = replace(found, chosen=without_bends(at_neutral(found.chosen)))
     model, blind = found.chosen.model, unexcited(declared, found.rounds[0].ranking)
     borrowed = {n: why for r in found.rounds for n, why in r.borrowed.items()}
-    blind = {**blind, **{n: why for n, why in borrowed.items() if n not in model.effects}}
+    blind = {**blind, **{n: why for n, why in (borrowed | alone).items() if n not in model.effects}}
     before, after = found.declared.examined, found.chosen.examined
     good = explained(found) or _calm(found.chosen)
     words = None if good else smooth_curves(remainders(model), _numeric(after.depends_on))

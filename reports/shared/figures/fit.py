@@ -153,7 +153,10 @@ def law_sentence(law: LawChoice) -> str:
     if errors[0][0] == law.name:
         return said
     if law.with_effects:
-        return f"{said} Another law replaces it only if its error is smaller for certain, and by enough."
+        return (
+            f"{said} Another law replaces it only if its error is smaller for certain and by enough, and not "
+            "larger on recordings that are left out whole."
+        )
     if errors[0][0] in law.others:
         return f"{said} Another law replaces the declared one only if its error is 10 % smaller."
     return f"{said} The best fit of {errors[0][0]} makes no such loop; check that no columns are swapped."

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from design.studies.check.campaigns import CONFIDENCE, CampaignChange, ParameterChange, RecordingResidual
 from plants.effects import EFFECTS
 from plants.measured.trace.result import Named
-from plants.measured.trace.search.choose import WORTH
+from plants.measured.trace.search.candidate import WORTH
 from reports.shared.tables import listed, number, with_error
 
 NAMED = 4

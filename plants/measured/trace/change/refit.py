@@ -13,7 +13,8 @@ from plants.measured.trace.change.two_steps import std_errors
 from plants.measured.trace.declared import driven, stages_of
 from plants.measured.trace.judge import alternatives, not_logged
 from plants.measured.trace.result import Named, Trace
-from plants.measured.trace.search.choose import MOST, WORTH, Candidate, falls, search, simplest
+from plants.measured.trace.search.candidate import WORTH, Candidate, falls
+from plants.measured.trace.search.choose import MOST, search, simplest
 from plants.measured.trace.stages.between_rows import with_command
 from plants.measured.trace.stages.model import Model
 from plants.wrist import Wrist

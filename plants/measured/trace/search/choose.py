@@ -2,27 +2,20 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plants.effects import EFFECTS
-from plants.measured.blocks import lower
-from plants.measured.residual.examine import Examination, examine
 from plants.measured.trace.search.backwards import turns_back
+from plants.measured.trace.search.candidate import WORTH, Candidate, carries_over, falls
 from plants.measured.trace.search.excitation import Excitation, excitation
-from plants.measured.trace.search.likelihood import demanded, log_likelihood
+from plants.measured.trace.search.likelihood import demanded
 from plants.measured.trace.search.screening import Ranked, Screen, screen
 from plants.measured.trace.search.together import fitted_with
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.stages.remainders import remainders
 
 Array = NDArray[np.float64]
-WORTH = 0.05
-"""Least fall of chi-square per row that an effect must bring.  With tens of thousands of rows far
-smaller ones are beyond doubt, but they are imperfections of a form as often as effects."""
-
 SHARE = 0.25
 """Least share of what chi-square has above 1 that an effect must take away."""
 
@@ -55,56 +48,8 @@ LEAVES = 0.1
 """Share that two effects tried together may leave, on rows left out, of what the declared model leaves above
 the noise: of many pairs some fit nearly anything by half."""
 
-FOLDS = 4
-"""Parts that the blocks are dealt to in turn, each left out of one fit: with two, a fit to the other half
-need not have met the ranges that it is judged on."""
-
-PARTIAL_FIT = (8, 1e-4)
-"""Evaluations and tolerance of fits to parts of the rows: they begin at the fit to all of them."""
-
 ROUGH = 1e-4
 """Relative change of chi-square at which a candidate is fitted well enough to be compared."""
-
-
-@dataclass(frozen=True)
-class LeftOut:
-    """Residuals (rows,) over the noise, each of a fit to the other parts of the data: under the pressure that
-    drives the stage, and in a free run from the command."""
-
-    driven: Array
-    free: Array
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A model that was fitted."""
-
-    model: Model
-
-    @cached_property
-    def left_out(self) -> LeftOut:
-        """What it leaves of rows that did not fit it."""
-        return left_out(self.model)
-
-    @property
-    def held_out(self) -> float:
-        """Its chi-square per row on blocks that did not fit it."""
-        return float(np.mean(self.left_out.driven**2))
-
-    @cached_property
-    def examined(self) -> Examination:
-        """What its residual shows."""
-        return examine(remainders(self.model))
-
-    @cached_property
-    def log_likelihood(self) -> float:
-        """Of what it leaves, as noise of a colour of its own."""
-        return log_likelihood(self.model)
-
-    @property
-    def lacks_something(self) -> bool:
-        """Whether its residual is large enough to look further."""
-        return self.model.chi2 > 1.0 + WORTH
 
 
 @dataclass(frozen=True)
@@ -127,23 +72,6 @@ class EffectSearch:
     rounds: tuple[SearchRound, ...]
     chosen: Candidate
     declared: Candidate
-
-
-def left_out(model: Model) -> LeftOut:
-    """Residuals on the blocks of the stage, each of a fit to the rows of the other folds."""
-    fold = model.stage.left_out_blocks % FOLDS
-    driven, free = np.empty(fold.size), np.empty(fold.size)
-    for k in range(FOLDS):
-        apart = fold == k
-        fitted = model.fitted(*PARTIAL_FIT, ~apart)
-        driven[apart] = fitted.residual[apart]
-        free[apart] = fitted.freely.residual[apart]
-    return LeftOut(driven, free)
-
-
-def falls(before: Candidate, after: Candidate) -> bool:
-    """Whether the error of a free run from the command falls on rows left out, for certain (`lower`)."""
-    return lower(before.left_out.free, after.left_out.free, before.model.stage.left_out_blocks)
 
 
 def search(
@@ -335,6 +263,18 @@ def pruned(now: Candidate, declared: Candidate) -> Candidate:
         less = Candidate(now.model.without(name).fitted())
         if not worth_it(less, now, declared):
             now = less
+    return now
+
+
+def carried_over(now: Candidate) -> Candidate:
+    """The model without effects that serve only the recordings that they were fitted on: without them,
+    recordings left out whole are simulated clearly better."""
+    while now.model.forms:
+        less = [Candidate(now.model.without(name).fitted()) for name in now.model.effects]
+        better = [c for c in less if carries_over(now, c)]
+        if not better:
+            break
+        now = min(better, key=lambda c: c.over_recordings or 0.0)
     return now
 
 

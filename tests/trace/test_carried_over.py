@@ -1,0 +1,55 @@
+"""An effect is kept only where recordings that it was not fitted on are not simulated the worse for it."""
+
+import numpy as np
+import pytest
+
+from plants.effects import Creep, LoadStep
+from plants.measured.playback import Playback
+from plants.measured.recording import Recording
+from plants.measured.stage import Stage
+from plants.measured.trace.search.candidate import Candidate, carries_over
+from plants.measured.trace.search.choose import carried_over
+from plants.measured.trace.stages.model import Model
+from plants.parameters.files import built_in
+from plants.simulation.open_loop import open_loop
+from plants.wrist import Wrist
+
+DECLARED, NOISE = built_in("flexion"), 0.05
+TIME = 0.01 * np.arange(3000)
+FAST, SLOW = (2.0 + 1.2 * np.sin(w * TIME) for w in (1.5, 0.6))
+
+
+def candidate(*effects, loads=(), rig=None, commands=(FAST, SLOW)):
+    """A model with effects, fitted to a recording of each command; loads: deg of each after 12 s."""
+    rng, found = np.random.default_rng(0), []
+    wrist = Wrist.of(DECLARED) if rig is None else Wrist.of(DECLARED) + rig
+    for i, command in enumerate(commands):
+        angle = open_loop(wrist, np.repeat(command, 10)).angle[:-1:10]
+        angle = angle + (loads[i] * (TIME > 12.0) if loads else 0.0) + rng.normal(0.0, NOISE, TIME.size)
+        found.append(Playback(Recording(f"run{i}", TIME, command, angle=angle), DECLARED.rig.sample_time))
+    stage = Stage("whole", "angle_deg", NOISE, tuple(found), ("a1", "a2"), DECLARED.rig)
+    values = dict(DECLARED.values)
+    for effect in effects:
+        values |= effect.values
+    return Candidate(Model(stage, DECLARED, values, tuple(map(type, effects))).fitted())
+
+
+def test_what_happened_in_one_recording_alone_is_not_carried_over():
+    found, without = (candidate(*e, loads=(3.0, -0.5)) for e in ((LoadStep(1.0, 11.9),), ()))
+    assert found.model.chi2 < 0.9 * without.model.chi2  # it fits better, and says less
+    assert carries_over(found, without)
+    assert carried_over(found).model.effects == ()
+
+
+def test_what_the_rig_has_is():
+    found = candidate(Creep(0.1, 3.0), rig=Creep(0.15, 4.0))
+    assert carried_over(found) is found
+    assert found.over_recordings == pytest.approx(1.0, abs=0.05)
+    assert carries_over(candidate(rig=Creep(0.15, 4.0)), found)
+
+
+def test_a_single_recording_says_nothing_of_it():
+    found = candidate(LoadStep(1.0, 11.9), loads=(2.0,), commands=(FAST,))
+    assert found.over_recordings is None
+    assert carried_over(found) is found
+    assert not carries_over(found, candidate(loads=(2.0,), commands=(FAST,)))
