@@ -197,7 +197,7 @@ def _trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: i
     logged = [n for n in stage.effects if not not_logged(declared, n)]
     found = search(declared, logged, lambda what: tell(f"{stage.name}: {what}"), seed)
     searched = found.chosen.model.effects
-    found = replace(found, chosen=carried_over(found.chosen))
+    found = replace(found, chosen=carried_over(found.chosen, found.declared))
     alone = {n: ALONE for n in searched if n not in found.chosen.model.effects}
     if found.chosen.model.forms and (explained(found) or _calm(found.chosen) or _helps(found, fit)):
         found = replace(found, chosen=simplest(found.chosen))

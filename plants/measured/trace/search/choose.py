@@ -266,16 +266,24 @@ def pruned(now: Candidate, declared: Candidate) -> Candidate:
     return now
 
 
-def carried_over(now: Candidate) -> Candidate:
-    """The model without effects that serve only the recordings that they were fitted on: without them,
-    recordings left out whole are simulated clearly better."""
-    while now.model.forms:
+def carried_over(now: Candidate, declared: Candidate) -> Candidate:
+    """The model without effects that serve only the recordings that they were fitted on: with them, those
+    left out whole are simulated clearly worse, by a larger factor than those that fit are simulated better.
+
+    Where the declared model leaves no structure, rows left out say nothing of an effect; see `worth_it`.
+    """
+    while now.model.forms and declared.examined.structured:
         less = [Candidate(now.model.without(name).fitted()) for name in now.model.effects]
-        better = [c for c in less if carries_over(now, c)]
+        better = [c for c in less if carries_over(now, c) and _both(c) < _both(now)]
         if not better:
             break
-        now = min(better, key=lambda c: c.over_recordings or 0.0)
+        now = min(better, key=_both)
     return now
+
+
+def _both(found: Candidate) -> float:
+    """The product of the errors, over the noise, on recordings that fit and on those left out whole."""
+    return float(np.sqrt(found.model.freely.chi2)) * (found.over_recordings or 1.0)
 
 
 def simplest(now: Candidate) -> Candidate:
