@@ -272,7 +272,7 @@ def carried_over(now: Candidate, declared: Candidate) -> Candidate:
 
     Where the declared model leaves no structure, rows left out say nothing of an effect; see `worth_it`.
     """
-    while now.model.forms and declared.examined.structured:
+    while now.model.forms and declared.examined.structured and now.over_recordings is not None:
         less = [Candidate(now.model.without(name).fitted()) for name in now.model.effects]
         better = [c for c in less if carries_over(now, c) and _both(c) < _both(now)]
         if not better:
