@@ -10,6 +10,7 @@ from typing import Any
 from plants.hysteresis.four_segment import FourSegment, Memory
 from plants.hysteresis.law import SIDES, STARTS, Bend, HysteresisLaw, Role, Side, Start
 from plants.hysteresis.prandtl_ishlinskii import PlayMemory, PrandtlIshlinskii
+from plants.hysteresis.rough_loop import RoughLoop
 
 LAWS: dict[str, type[HysteresisLaw]] = {
     law.NAME: law
@@ -22,7 +23,7 @@ LAWS: dict[str, type[HysteresisLaw]] = {
 
 __all__ = [
     "LAWS", "SIDES", "STARTS", "Bend", "FourSegment", "HysteresisLaw", "Memory", "PlayMemory",
-    "PrandtlIshlinskii", "Role", "Side", "Start",
+    "PrandtlIshlinskii", "Role", "RoughLoop", "Side", "Start",
     "law_of", "register", "with_values",
 ]  # fmt: skip
 

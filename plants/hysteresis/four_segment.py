@@ -32,6 +32,7 @@ import numpy as np
 
 from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Role, Side, Start
 from plants.hysteresis.play import kept
+from plants.hysteresis.rough_loop import RoughLoop
 from plants.meanings import remembers
 from plants.parameters.spec import Kind
 from plants.rig import built_in_rig
@@ -98,10 +99,10 @@ class FourSegment(HysteresisLaw):
         return {"outer": ("a1", "a2"), "inner": ("s",), "width": ("w1", "w2")}
 
     @classmethod
-    def guess(cls, outer: float, inner: float, gap: float, rest: float, reach: float) -> dict[str, float]:
+    def guess(cls, loop: RoughLoop) -> dict[str, float]:
         """Parallel lines."""
-        width = (outer - inner) * gap
-        return {"a1": outer, "w1": width, "a2": outer, "w2": width, "s": inner, "rest_pressure": rest}
+        a, w = loop.outer, loop.width
+        return {"a1": a, "w1": w, "a2": a, "w2": w, "s": loop.inner, "rest_pressure": loop.rest}
 
     def problem(self, low: float, high: float) -> str | None:
         """Why the four segments make no loop between two pressures [kPa], or None if they do.

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
+from plants.hysteresis.rough_loop import RoughLoop
 from plants.parameters.spec import Kind
 
 Number = Any
@@ -102,9 +103,8 @@ class HysteresisLaw(ABC):
 
     @classmethod
     @abstractmethod
-    def guess(cls, outer: float, inner: float, gap: float, rest: float, reach: float) -> dict[str, float]:
-        """Parameters of a loop that is known roughly: slope of its outer branches and slope after a reversal
-        [deg/kPa], half its width [kPa], rest pressure and largest excursion from it [kPa]."""
+    def guess(cls, loop: RoughLoop) -> dict[str, float]:
+        """Parameters of a loop that is known roughly."""
 
     @abstractmethod
     def problem(self, low: float, high: float) -> str | None:

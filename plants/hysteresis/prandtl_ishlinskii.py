@@ -4,10 +4,11 @@ With x = P - rest_pressure, n plays p_i of thresholds r_i = reach i / n and weig
 
     u = v0 x + sum_i v_i p_i,        p_i+ = min(max(p_i, x - r_i), x + r_i),        h = C(u),
 
-where C is a superposition of one-sided dead zones: piecewise linear and rising, of slope 1 between -span
-and span, c1 and c2 beyond span and 2 span, b1 and b2 below -span and -2 span.  It makes the loop curved and
-lets it be narrow at one end.  The law that most of the literature on pneumatic muscles and piezo stages uses
-(Kuhnen, European J. Control 9 (2003) 407, doi 10.3166/ejc.9.407-418).
+where C is a superposition of one-sided dead zones: piecewise linear and rising, C(0) = 0, and of slope 1 for
+u - centre between -span and span, c1 and c2 beyond span and 2 span, b1 and b2 below -span and -2 span.  It
+makes the loop curved and lets it be narrow at one end.  The centre is that of what a rig reaches, so that a
+rig that bends to one side only has all five pieces there.  The law that most of the literature on pneumatic
+muscles and piezo stages uses (Kuhnen, European J. Control 9 (2003) 407, doi 10.3166/ejc.9.407-418).
 
 Four straight segments with equal slopes are the special case of one play and a straight curve: s = v0,
 a = v0 + v1, w = v1 reach.  Only the initial curve differs: here it has the slope v0, there it has none.
@@ -26,7 +27,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Role, Side, Start
+from plants.hysteresis.output_curve import OutputCurve
 from plants.hysteresis.play import kept, play
+from plants.hysteresis.rough_loop import RoughCurve, RoughLoop
 from plants.meanings import remembers
 from plants.parameters.spec import Kind
 from plants.rig import built_in_rig
@@ -39,7 +42,10 @@ LEVEL = 1e-30
 PLAYS = 4
 """Plays of a set that does not say how many."""
 
-CURVE = ("span", "b2", "b1", "c1", "c2")
+LEAST_SPAN, LEAST_WEIGHT = 0.5, 1e-3
+"""Of a guess: span of the curve [deg], and weight of a play over that of all, so that a fit has a start."""
+
+CURVE = ("centre", "span", "b2", "b1", "c1", "c2")
 
 REVERSED = "after a reversal"
 """The branch on which no play is engaged."""
@@ -59,7 +65,7 @@ class PlayMemory(NamedTuple):
 @dataclass(frozen=True)
 class PrandtlIshlinskii(HysteresisLaw):
     """Parameters: weights v0 and v = (v1, ... vn) [deg/kPa] of the plays, largest threshold `reach` [kPa],
-    span of the curve [deg] and its slopes relative to the middle, rest_pressure [kPa].
+    centre and span of the curve [deg] and its slopes relative to the middle, rest_pressure [kPa].
 
     >>> loop = PrandtlIshlinskii(0.08, (0.28,), 20.0)     # four segments of slopes 0.36 and 0.08
     >>> up = loop.step(loop.initial(), 100.0, 150.0)
@@ -81,6 +87,7 @@ class PrandtlIshlinskii(HysteresisLaw):
     c1: Number = 1.0
     c2: Number = 1.0
     rest_pressure: Number = built_in_rig().rest_pressure
+    centre: Number = 0.0
 
     @classmethod
     def kinds(cls, names: Iterable[str] = ()) -> dict[str, Kind]:
@@ -92,11 +99,12 @@ class PrandtlIshlinskii(HysteresisLaw):
             "v0": Kind("deg/kPa", "weight of the pressure itself: slope after a reversal", 0.0, 5.0),
             **{f"v{i}": Kind("deg/kPa", f"weight of play {i} of {n}", 0.0, 5.0) for i in range(1, n + 1)},
             "reach": Kind("kPa", "threshold of the largest play: half the loop's width", 0.1, 1000.0),
-            "span": Kind("deg", "angle beyond which the output curve bends", 0.5, 1000.0),
-            "b2": Kind("1", f"{slope}below -2 span", 0.05, 20.0),
-            "b1": Kind("1", f"{slope}from -2 span to -span", 0.05, 20.0),
-            "c1": Kind("1", f"{slope}from span to 2 span", 0.05, 20.0),
-            "c2": Kind("1", f"{slope}above 2 span", 0.05, 20.0),
+            "centre": Kind("deg", "sum of the plays in the middle of the output curve", -60.0, 60.0),
+            "span": Kind("deg", "distance from there at which the curve bends", LEAST_SPAN, 1000.0),
+            "b2": Kind("1", f"{slope}more than 2 span below the centre", 0.05, 20.0),
+            "b1": Kind("1", f"{slope}from 2 span to span below it", 0.05, 20.0),
+            "c1": Kind("1", f"{slope}from span to 2 span above it", 0.05, 20.0),
+            "c2": Kind("1", f"{slope}more than 2 span above it", 0.05, 20.0),
             "rest_pressure": REST_PRESSURE,
         }
 
@@ -121,12 +129,21 @@ class PrandtlIshlinskii(HysteresisLaw):
         return {"outer": weights, "inner": ("v0",), "width": ("reach",)}
 
     @classmethod
-    def guess(cls, outer: float, inner: float, gap: float, rest: float, reach: float) -> dict[str, float]:
-        """Equal weights; the mean threshold is the loop's half width, the curve is straight."""
-        largest = 2.0 * gap * PLAYS / (PLAYS + 1.0)
-        weights = {f"v{i}": (outer - inner) / PLAYS for i in range(1, PLAYS + 1)}
-        curve = {"span": max(outer * reach / 3.0, 0.5), "b2": 1.0, "b1": 1.0, "c1": 1.0, "c2": 1.0}
-        return {"v0": inner, **weights, "reach": largest, **curve, "rest_pressure": rest}
+    def guess(cls, loop: RoughLoop) -> dict[str, float]:
+        """The plays, none without a weight, and the curve, its pieces equally long where it is straight."""
+        curve = loop.curve
+        if curve is None:
+            middle, span = 0.5 * (loop.low + loop.high), loop.outer * (loop.high - loop.low) / 6.0
+            about = OutputCurve(max(span, LEAST_SPAN))
+            curve = RoughCurve(1.0, loop.outer * middle, about, loop.outer * (middle - loop.rest))
+        outer, zero = curve.slope * loop.outer, curve.zero
+        least = LEAST_WEIGHT * outer
+        plays = {f"v{i}": max(curve.slope * w, least) for i, w in enumerate(loop.weights, start=1)}
+        about = curve.about._replace(span=max(curve.about.span, LEAST_SPAN))
+        return {
+            "v0": curve.slope * loop.inner, **plays, "reach": loop.reach, "centre": curve.centre - zero,
+            **about._asdict(), "rest_pressure": zero / outer,
+        }  # fmt: skip
 
     def problem(self, low: float, high: float) -> str | None:
         """Nothing is wrong with plays whose weights are not negative, of which one at least acts."""
@@ -140,20 +157,18 @@ class PrandtlIshlinskii(HysteresisLaw):
         n = len(self.v)
         return tuple(self.reach * (i / n) for i in range(1, n + 1))
 
+    @property
+    def _about(self) -> OutputCurve:
+        """The output curve about its centre."""
+        return OutputCurve(self.span, self.b2, self.b1, self.c1, self.c2)
+
     def curve(self, u: Number) -> Number:
         """The output curve C: what the sum of plays u [deg] is seen as [deg]."""
-        s = self.span
-        up = self.c1 * (kept(u, s, 2.0 * s) - s) + self.c2 * (np.maximum(u, 2.0 * s) - 2.0 * s)
-        down = self.b1 * (kept(u, -2.0 * s, -s) + s) + self.b2 * (np.minimum(u, -2.0 * s) + 2.0 * s)
-        return kept(u, -s, s) + up + down
+        return self._about.value(u - self.centre) - self._about.value(-self.centre)
 
     def uncurved(self, angle: Number) -> Number:
-        """The inverse of the output curve, in closed form: it is piecewise linear."""
-        s = self.span
-        high, low = s * (1.0 + self.c1), -s * (1.0 + self.b1)
-        up = (kept(angle, s, high) - s) / self.c1 + (np.maximum(angle, high) - high) / self.c2
-        down = (kept(angle, low, -s) + s) / self.b1 + (np.minimum(angle, low) - low) / self.b2
-        return kept(angle, -s, s) + up + down
+        """The inverse of the output curve, in closed form."""
+        return self.centre + self._about.inverse(angle + self._about.value(-self.centre))
 
     def initial(self) -> PlayMemory:
         """All plays at 0."""
@@ -283,8 +298,8 @@ class PrandtlIshlinskii(HysteresisLaw):
         with a curve has all three names, even where its pieces there have one slope."""
         outer, width = float(self._outer), float(self._width)
         ends = [outer * (p - float(self.rest_pressure)) + w for p in (low, high) for w in (-width, width)]
-        s = float(self.span)
-        knots = (-np.inf, -2.0 * s, -s, s, 2.0 * s, np.inf)
+        s, c = float(self.span), float(self.centre)
+        knots = (-np.inf, c - 2.0 * s, c - s, c + s, c + 2.0 * s, np.inf)
         slopes = (self.b2, self.b1, 1.0, self.c1, self.c2)
         reached = [
             float(m)

@@ -1,6 +1,7 @@
 """Where recordings start, and what was measured in them."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,8 @@ from plants.measured.recording import Recording
 from plants.wrist import Number, State
 
 Array = NDArray[np.float64]
+NEAR = 5.0, 1.0
+"""Pressures [kPa] and angles [deg] closer together than this are those of the same rest."""
 
 
 @dataclass(frozen=True)
@@ -43,11 +46,24 @@ def first_begin(recording: Recording, rest_pressure: float) -> Begin:
     return Begin(pressure, angle, at_rest(recording, rest_pressure))
 
 
+def like_fitted(recording: Recording, rest_pressure: float, fitted: Sequence[Begin]) -> Begin:
+    """The start that the first rows of a held-out recording show, on the virgin curve or not as recordings to
+    fit on are that start there: `fitted`, of which that was estimated."""
+    own = first_begin(recording, rest_pressure)
+    pressure, angle = NEAR
+    same = [
+        b.virgin
+        for b in fitted
+        if abs(b.pressure - own.pressure) < pressure and abs(b.angle - own.angle) < angle
+    ]
+    return replace(own, virgin=2 * sum(same) >= len(same)) if same else own
+
+
 def at_rest(recording: Recording, rest_pressure: float) -> bool:
     """Whether the first rows of a recording look like a wrist that rests at its rest pressure."""
     off = 0.0 if recording.pressure is None else float(np.median(recording.pressure[:3])) - rest_pressure
     angle = 0.0 if recording.angle is None else float(np.median(recording.angle[:3]))
-    return abs(off) < 5.0 and abs(angle) < 1.0
+    return abs(off) < NEAR[0] and abs(angle) < NEAR[1]
 
 
 def measured(recording: Recording, channel: str) -> Array | None:

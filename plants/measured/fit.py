@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from plants.errors import InputError, InputWarning
 from plants.hysteresis import with_values
-from plants.measured.begin import Begin, at_rest, first_begin, measured
+from plants.measured.begin import Begin, at_rest, first_begin, like_fitted, measured
 from plants.measured.campaign import Campaign
 from plants.measured.determined import estimate_determined
 from plants.measured.estimate import Estimate
@@ -254,7 +254,9 @@ def _runs(
     """Every recording beside its simulations; where the start is unknown, from the estimated
     start for recordings that were fitted, from the first rows for those held out."""
     apart = (
-        None if begins is None else [first_begin(r, start.values["rest_pressure"]) for r in campaign.validate]
+        None
+        if begins is None
+        else [like_fitted(r, start.values["rest_pressure"], begins) for r in campaign.validate]
     )
     roles: tuple[tuple[Role, tuple[Recording, ...], Sequence[Begin] | None], ...] = (
         ("fit", campaign.fit, begins),

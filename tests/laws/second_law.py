@@ -44,5 +44,5 @@ def sums_of_plays(draw: st.DrawFn) -> PrandtlIshlinskii:
     curve = between(0.3, 3.0)
     return PrandtlIshlinskii(
         draw(between(0.0, 0.3)), v, draw(between(1.0, 40.0)), draw(between(1.0, 30.0)),
-        draw(curve), draw(curve), draw(curve), draw(curve), REST,
+        draw(curve), draw(curve), draw(curve), draw(curve), REST, draw(between(-40.0, 40.0)),
     )  # fmt: skip

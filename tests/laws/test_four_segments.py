@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from plants import FourSegment
+from plants.hysteresis import RoughLoop
 from tests.laws.law_strategies import between
 
 
@@ -13,7 +14,9 @@ from tests.laws.law_strategies import between
 def test_a_first_guess_has_the_slopes_and_the_width_that_were_seen(outer, share, gap, rest):
     """The dead zone after a reversal is as wide on the pressure axis as twice the gap."""
     inner = share * outer
-    loop = FourSegment.from_values(FourSegment.guess(outer, inner, gap, rest, 100.0))
+    loop = FourSegment.from_values(
+        FourSegment.guess(RoughLoop.of_equal_plays(outer, inner, gap, rest, 0.0, 200.0))
+    )
     assert loop.problem(0.0, 200.0) is None
     assert loop.steepness == pytest.approx((outer, outer))
     assert (loop.flattest, loop.rest_pressure) == (inner, rest)

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from plants.hysteresis import PrandtlIshlinskii
 from plants.measured.campaign import load_campaign
+from plants.measured.guess.output_curve import rough_curve
 from plants.measured.guess.rig import guessed_rig, guessed_set
 from plants.measured.guess.rough_models import first_order, largest_error, loop_guess, plays
 from plants.measured.recording import Recording
@@ -55,10 +57,40 @@ def test_the_loop_of_a_play_is_found():
     t = np.arange(6000) / 100
     x = 50.0 + 40.0 * np.sin(0.5 * t) * np.exp(-t / 60.0)
     y = 0.1 * (x - 20.0) + 0.3 * (plays(x, np.array([6.0]))[:, 0] - 20.0)
-    found = loop_guess([Recording("loop", t, x, angle=y, pressure=x)], [x])
+    found = loop_guess([Recording("loop", t, x, angle=y, pressure=x)], [x]).loop
     assert found.outer == pytest.approx(0.4, rel=0.05)
     assert found.width == pytest.approx(0.3 * 6.0, rel=0.15)
     assert found.rest == pytest.approx(20.0, abs=1.0)
+
+
+def joint(total):
+    """One that does not move at first, then does, and is half as steep in the end."""
+    return np.maximum(total - 10.0, 0.0) - 0.5 * np.maximum(total - 40.0, 0.0)
+
+
+def test_the_curve_of_a_joint_that_does_not_move_at_first_is_found():
+    total = np.random.default_rng(3).uniform(0.0, 60.0, 3000)
+    found = rough_curve(total, joint(total))
+    seen = found.angle + found.about.value(found.slope * total - found.centre)
+    assert np.std(seen - joint(total)) < 0.03 * 40.0
+    assert found.about.b2 < 0.2
+    assert found.about.c2 == pytest.approx(0.5, rel=0.1)
+    assert rough_curve(total, -total) is None
+
+
+def test_a_bent_loop_is_guessed_as_it_is_bent():
+    """The angle of the guess where the pressure rests is 0, and along the branches it is the joint's."""
+    t = np.arange(6000) / 100
+    x = 50.0 - 50.0 * np.cos(0.5 * t) * np.linspace(1.0, 0.4, 6000)
+    total = 0.1 * x + 0.5 * plays(x, np.array([8.0]))[:, 0]
+    found = loop_guess([Recording("loop", t, x, angle=joint(total), pressure=x)], [x])
+    law = PrandtlIshlinskii.from_values(PrandtlIshlinskii.guess(found.loop))
+    assert float(law.curve(0.0)) == 0.0
+    p = np.linspace(5.0, 95.0, 50)
+    for branch, side in ((law.ascending, -1.0), (law.descending, 1.0)):
+        assert np.abs(branch(p) - joint(0.6 * p + side * 0.5 * 8.0)).max() < 0.08 * joint(60.0)
+    known = PrandtlIshlinskii.from_values(PrandtlIshlinskii.guess(found.loop.at_rest(30.0)))
+    assert known.rest_pressure == pytest.approx(30.0)
 
 
 def test_ranges_and_motion_are_those_of_the_log(soft):

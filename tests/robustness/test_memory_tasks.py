@@ -22,7 +22,7 @@ from design.robustness.loop_model import LoopModel
 from design.status import Status
 from plants import Wrist
 from plants.effects.regulator.dead_time import DeadTime
-from plants.hysteresis.prandtl_ishlinskii import PrandtlIshlinskii
+from plants.hysteresis import PrandtlIshlinskii, RoughLoop
 from plants.parameters.files import built_in
 from plants.simulation.disturbance import burdened
 
@@ -158,7 +158,8 @@ def test_a_limit_cycle_is_disproved() -> None:
 
 def test_a_law_of_many_plays_has_no_line() -> None:
     wrist = WRISTS["flexion"]
-    law = PrandtlIshlinskii.from_values(PrandtlIshlinskii.guess(0.36, 0.08, 20.0, 100.0, 80.0))
+    rough = RoughLoop.of_equal_plays(0.36, 0.08, 20.0, 100.0, 20.0, 180.0)
+    law = PrandtlIshlinskii.from_values(PrandtlIshlinskii.guess(rough))
     other = replace(wrist, hysteresis=law)
     assert lines_of(Plants.of(LoopModel.of(other, PI(1.2, 2.2))), law) == {}
     assert isinstance(certified(other, 1.2, 2.2, 0.0).reason, NotOnePlay)

@@ -6,10 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from plants.measured.begin import Begin, first_begin, like_fitted
 from plants.measured.blocks import LEAST_BLOCKS, blocks
 from plants.measured.campaign import load_campaign
 from plants.measured.fit import fit_campaign
 from plants.measured.playback import Playback
+from plants.measured.recording import Recording
 from plants.measured.stage import Stage
 from plants.measured.trace.declared import stages_of
 from plants.measured.trace.start import starting
@@ -30,6 +32,17 @@ def test_a_recording_begins_at_what_its_first_rows_show(stages):
         for playback, begin in zip(stage.playbacks, stage.begins, strict=True):
             assert begin.pressure == pytest.approx(np.median(playback.recording.pressure[:3]))
             assert begin.angle == pytest.approx(np.median(playback.recording.angle[:3]))
+
+
+def test_a_held_out_recording_is_virgin_where_those_are_that_start_there():
+    """The rest pressure of a law that has one more zone without a slope says little of where it rests."""
+    t = np.arange(10) * 0.1
+    log = Recording("check", t, 0.0 * t, pressure=0.0 * t + 3.0, angle=0.0 * t)
+    there, elsewhere = Begin(3.2, 0.1, True), Begin(40.0, 0.1, True)
+    assert not first_begin(log, 10.0).virgin
+    assert like_fitted(log, 10.0, (there, elsewhere)) == Begin(3.0, 0.0, True)
+    assert like_fitted(log, 10.0, (elsewhere,)) == first_begin(log, 10.0)
+    assert not like_fitted(log, 3.0, (replace(there, virgin=False),)).virgin
 
 
 def test_a_short_recording_makes_blocks_enough_for_every_fold(tmp_path):

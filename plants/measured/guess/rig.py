@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.hysteresis import LAWS, HysteresisLaw
+from plants.hysteresis import LAWS, HysteresisLaw, RoughLoop
 from plants.measured.campaign import Campaign
 from plants.measured.guess.rough_models import (
     Lagged,
@@ -129,15 +129,15 @@ def guessed_set(
     }  # fmt: skip
     if campaign.stage == "wrist":
         runs = [r for r in campaign.fit if r.pressure is not None] if logged else list(campaign.fit)
-        loop = loop_guess(runs, drives)
+        guess = loop_guess(runs, drives)
         if campaign.start == "rest":
             rest = float(np.median([np.median(d[:3]) for d in drives]))
-            loop = replace(loop, rest=rest)
-        own, around = _of_law(kind, loop, rig, runs)
+            guess = replace(guess, loop=guess.loop.at_rest(rest))
+        own, around = _of_law(kind, guess, rig, runs)
         values |= own
         bounds |= around
     else:
-        own = kind.guess(0.1, 0.02, 0.05 * span, low, span)
+        own = kind.guess(RoughLoop.of_equal_plays(0.1, 0.02, 0.05 * span, low, low, high))
         values |= own | {"Tw": 0.1}
         bounds |= {n: (min(0.0, v), max(2.0 * v, 1.0)) for n, v in own.items()} | {"Tw": (0.005, 5.0)}
     why = Guessed(f"{campaign.name} (sha256 {campaign.checksum[:12]})")
@@ -159,18 +159,13 @@ def _followed_channel(recordings: Sequence[Recording]) -> str:
 
 
 def _of_law(
-    law: type[HysteresisLaw], loop: LoopGuess, rig: Rig, runs: Sequence[Recording]
+    law: type[HysteresisLaw], guess: LoopGuess, rig: Rig, runs: Sequence[Recording]
 ) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
     """Values and bounds of the parameters of a law and of the joint."""
     span = rig.pressure_range[1] - rig.pressure_range[0]
     stroke = float(np.ptp(extent([r.angle for r in runs if r.angle is not None])))
     slope = stroke / span
-    gap = loop.width / max(loop.outer - loop.inner, 1e-9)
-    values = law.guess(loop.outer, loop.inner, gap, loop.rest, span) | {"Tw": max(loop.lag, 0.02)}
-    plays = [n for n in values if n[:1] == "v" and n != "v0"]
-    if len(plays) == len(loop.weights):
-        values |= dict(zip(plays, (max(w, 1e-3 * slope) for w in loop.weights), strict=True))
-        values["reach"] = loop.reach
+    values = law.guess(guess.loop) | {"Tw": max(guess.lag, 0.02)}
     bounds = {}
     for name, kind in declared_kinds(law, values).items():
         if name not in values:
@@ -179,9 +174,9 @@ def _of_law(
             case "deg/kPa":
                 bounds[name] = (0.0 if kind.low == 0.0 else 0.02 * slope, 8.0 * slope)
             case "deg":
-                bounds[name] = (0.02 * stroke if name == "span" else -stroke, 2.0 * stroke)
+                bounds[name] = (0.02 * stroke if kind.low > 0.0 else -stroke, 2.0 * stroke)
             case "kPa" if name == "rest_pressure":
-                bounds[name] = (loop.rest - span, loop.rest + span)
+                bounds[name] = (guess.loop.rest - span, guess.loop.rest + span)
             case "kPa":
                 bounds[name] = (1e-3 * span, span)
             case _:

@@ -6,12 +6,14 @@ Squares Problems, 1974): both are linear but for two numbers, which are tried on
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.hysteresis import RoughLoop
+from plants.measured.guess.output_curve import rough_curve
 from plants.measured.recording import Recording
 
 Array = NDArray[np.float64]
@@ -59,26 +61,11 @@ class Lagged:
 
 @dataclass(frozen=True)
 class LoopGuess:
-    """Slopes just after a reversal and of the outer branches [deg/kPa], weights of the plays, the largest
-    threshold [kPa], pressure of zero angle [kPa], lag of the joint [s]; rms: what it leaves [deg]."""
+    """A loop, the lag of the joint [s] behind it, and what both leave [deg]."""
 
-    inner: float
-    weights: tuple[float, ...]
-    reach: float
-    rest: float
+    loop: RoughLoop
     lag: float
     rms: float
-
-    @property
-    def outer(self) -> float:
-        """Slope of the outer branches."""
-        return self.inner + sum(self.weights)
-
-    @property
-    def width(self) -> float:
-        """Half the width of the loop [deg]."""
-        n = len(self.weights)
-        return sum(w * self.reach * (i + 1) / n for i, w in enumerate(self.weights))
 
 
 def recorded(recordings: Sequence[Recording], field: str) -> list[tuple[Array, Array, float]]:
@@ -171,12 +158,13 @@ def loop_guess(runs: Sequence[Recording], drives: Sequence[Array]) -> LoopGuess:
     from scipy.optimize import nnls
 
     smooth = list(map(smoothed, drives))
-    span = float(np.ptp(extent(smooth)))
+    low, high = extent(smooth)
+    span = high - low
     thresholds = np.array([reach * span * (i + 1) / PLAYS for reach in REACHES for i in range(PLAYS)])
     played = [np.column_stack([d, plays(d, thresholds)]) for d in smooth]
     y = np.concatenate([r.angle for r in runs if r.angle is not None])
     thin = slice(None, None, max(1, len(y) // ROWS))
-    best: LoopGuess | None = None
+    best: tuple[LoopGuess, Array] | None = None
     for tau in JOINT_LAGS:
         columns = np.concatenate(
             [lagged(p, median_step(r), tau, 0.0) for p, r in zip(played, runs, strict=True)]
@@ -188,15 +176,18 @@ def loop_guess(runs: Sequence[Recording], drives: Sequence[Array]) -> LoopGuess:
             outer = float(weights[: PLAYS + 1].sum())
             if outer <= 0.0:
                 continue
-            offset = float(weights[-2] - weights[-1])
-            found = LoopGuess(
-                float(weights[0]), tuple(map(float, weights[1 : PLAYS + 1])), reach * span, -offset / outer,
-                tau,
-                float(left / np.sqrt(len(own))),
-            )  # fmt: skip
-            best = found if best is None or found.rms < best.rms else best
-    # An angle that does not rise with the pressure at all: a loop as flat as can be, for the fit to find out.
-    return best or LoopGuess(0.0, (1e-3,) * PLAYS, 0.1 * span, float(smooth[0][0]), 0.1, float(np.std(y)))
+            rest = -float(weights[-2] - weights[-1]) / outer
+            inner, *others = map(float, weights[: PLAYS + 1])
+            loop = RoughLoop(inner, tuple(others), reach * span, rest, low, high)
+            found = LoopGuess(loop, tau, float(left / np.sqrt(len(own))))
+            if best is None or found.rms < best[0].rms:
+                best = found, own @ weights[: PLAYS + 1]
+    if best is None:
+        # An angle that does not rise with the pressure at all: a loop as flat as can be, for the fit to find.
+        flat = RoughLoop(0.0, (1e-3,) * PLAYS, 0.1 * span, float(smooth[0][0]), low, high)
+        return LoopGuess(flat, 0.1, float(np.std(y)))
+    found, total = best
+    return replace(found, loop=replace(found.loop, curve=rough_curve(total, y[thin])))
 
 
 def smoothed(pressure: Array) -> Array:
@@ -218,8 +209,9 @@ def plays(x: Array, thresholds: Array, start: float = 0.0) -> Array:
     return found
 
 
-def static_guess(loop: LoopGuess, drives: Sequence[Array]) -> list[Array]:
-    """The static angle [deg] of a guessed loop under pressures [kPa], but for a constant."""
+def static_guess(loop: RoughLoop, drives: Sequence[Array]) -> list[Array]:
+    """The static angle [deg] of a rough loop, its curve taken for straight, under pressures [kPa], but for a
+    constant."""
     n = len(loop.weights)
     thresholds = np.array([loop.reach * (i + 1) / n for i in range(n)])
     return [loop.inner * d + plays(d, thresholds) @ np.array(loop.weights) for d in drives]

@@ -55,7 +55,7 @@ def delay_between(campaign: Campaign) -> float:
     best = 0.0
     # The guess of the loop hangs on the delay, so that both are found in turn.
     for _ in range(2):
-        static = static_guess(loop_guess(runs, [_moved(d, dt, best) for d in drives]), drives)
+        static = static_guess(loop_guess(runs, [_moved(d, dt, best) for d in drives]).loop, drives)
         plain = min(_left(joint, angles, ends, over) for joint in _joints(static, dt))
         slow = [[lagged(h, dt, tau, 0.0) for h in static] for tau in LAGS]
         found = [min(_left([_moved(h, dt, d) for h in s], angles, ends, over) for s in slow) for d in delays]

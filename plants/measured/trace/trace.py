@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.effects.wrist.learnt_block import LearntBlock
-from plants.measured.begin import first_begin
+from plants.measured.begin import like_fitted
 from plants.measured.campaign import Campaign
 from plants.measured.estimate import EstimateErrors, corner_of, uncertainty
 from plants.measured.fit import CHANNELS, Fit, fit_campaign
@@ -328,7 +328,9 @@ def _played(fit: Fit, wrist: Wrist, changed: bool) -> list[FreeRun]:
             rest = fit.before.values["rest_pressure"]
             fitted = run.role == "fit"
             begin = (
-                begin_of(run.recording, next(fitted_begins)) if fitted else first_begin(run.recording, rest)
+                begin_of(run.recording, next(fitted_begins))
+                if fitted
+                else like_fitted(run.recording, rest, fit.begins)
             )
         after = run.pressure, run.angle
         if wrist.effects or changed:
