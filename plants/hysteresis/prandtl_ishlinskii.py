@@ -280,7 +280,8 @@ class PrandtlIshlinskii(HysteresisLaw):
             for piece in pieces[1:]:
                 best = np.minimum(best, piece) if sign > 0 else np.maximum(best, piece)
             ends.append(self.rest_pressure + best)
-        moved = np.where(angle > memory.h, ends[0], ends[1])
+        # By rounding alone a piece without a slope may lead the other way.
+        moved = np.where(angle > memory.h, np.maximum(ends[0], before), np.minimum(ends[1], before))
         return np.where(angle == memory.h, before, moved)
 
     def turn(self, memory: PlayMemory, before: Number, end: Number, up: Number) -> tuple[Number, Number]:
