@@ -3,12 +3,14 @@
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plants.measured.begin import Begin
 from plants.measured.estimate import Estimate, estimate
 from plants.measured.problem import FitProblem
 from plants.parameters.quantities import ParameterSet
 
+Array = NDArray[np.float64]
 TOO_WIDE = 0.5
 """A standard error beyond this share of the width of its bounds says nothing about a parameter."""
 
@@ -52,6 +54,20 @@ def _least_determined(problem: FitProblem, found: Estimate, start: ParameterSet)
     return worst if worst is not None and shares[worst] > TOO_WIDE else None
 
 
+def remembered(problem: FitProblem, x: Array) -> tuple[Begin, ...]:
+    """Where recordings start at a vector (n,), each on the virgin curve or off it, as fits better by 1 %; of
+    a problem whose recordings do not start at rest."""
+    begins = problem.begins_at(x) or ()
+    better = list(begins)
+    for i, begin in enumerate(begins):
+        other = replace(begin, virgin=not begin.virgin)
+        flipped = begun_at(problem, (*begins[:i], other, *begins[i + 1 :]))
+        sizes = [float(np.mean(np.abs(p.residuals_of(i, x[None, :])))) for p in (problem, flipped)]
+        if sizes[1] < 0.99 * sizes[0]:
+            better[i] = other
+    return tuple(better)
+
+
 def _with_memory(
     problem: FitProblem, found: Estimate, start: ParameterSet, seed: int
 ) -> tuple[FitProblem, Estimate]:
@@ -59,15 +75,9 @@ def _with_memory(
     begins = problem.begins_at(found.x)
     if begins is None or problem.stage.channel != "angle_deg":
         return problem, found
-    better = list(begins)
-    for i, begin in enumerate(begins):
-        other = replace(begin, virgin=not begin.virgin)
-        flipped = begun_at(problem, (*begins[:i], other, *begins[i + 1 :]))
-        sizes = [float(np.mean(np.abs(p.residuals_of(i, found.x[None, :])))) for p in (problem, flipped)]
-        if sizes[1] < 0.99 * sizes[0]:
-            better[i] = other
-    if tuple(better) == begins:
+    better = remembered(problem, found.x)
+    if better == begins:
         return problem, found
     values = {**problem.values, **{n: float(found.x[i]) for i, n in enumerate(problem.names)}}
-    problem = begun_at(replace(problem, values=values), tuple(better))
+    problem = begun_at(replace(problem, values=values), better)
     return problem, estimate(problem, problem.bounds(start), 1, seed)

@@ -36,7 +36,7 @@ def base_fit(fit: Fit, law: LawChoice | None) -> Fit:
     """The fit that is revised: that of the declared wrist, or one of another hysteresis law."""
     if law is None or law.name == fit.fitted.law.NAME:
         return fit
-    return replace(fit, fitted=law.parameters, undetermined=())
+    return replace(fit, fitted=law.parameters, undetermined=(), begins=law.begins[law.name])
 
 
 def stages_of(campaign: Campaign, fit: Fit) -> list[Stage]:

@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.hysteresis import LAWS
+from plants.measured.begin import Begin
 from plants.measured.campaign import Campaign
+from plants.measured.determined import remembered
 from plants.measured.fit import Fit
 from plants.measured.guess.regressors import smooth_pressure
 from plants.measured.guess.rig import guessed_set
@@ -38,13 +40,15 @@ class LawChoice:
     """The law that was chosen, its parameter set with values fitted to the loop, and the error on rows left
     out [deg] of each law that was tried, by name.
 
-    others: parameter sets of the laws that were not chosen but make a loop, by name; with_effects: errors as
-    held_out, in a free run from the command and with the effects that each law needs, where they decided.
+    begins: where the recordings to fit on start under each law, None at rest.  others: parameter sets of the
+    laws that were not chosen but make a loop, by name; with_effects: errors as held_out, in a free run from
+    the command and with the effects that each law needs, where they decided.
     """
 
     name: str
     parameters: ParameterSet
     held_out: Mapping[str, float]
+    begins: Mapping[str, tuple[Begin, ...] | None]
     others: Mapping[str, ParameterSet] = field(default_factory=dict)
     with_effects: Mapping[str, float] = field(default_factory=dict)
 
@@ -67,7 +71,7 @@ def choose_law(campaign: Campaign, fit: Fit, seed: int = 0) -> LawChoice:
     found: dict[str, tuple[Model, float]] = {}
     for name in LAWS:
         start = _start(campaign, fit, name)
-        model = _best(_model(campaign, fit, start), seed)
+        model = _best(_remembered(_model(campaign, fit, start)), seed)
         found[name] = (model, model.stage.noise * float(np.sqrt(Candidate(model).held_out)))
     makes = [n for n, (m, _) in found.items() if not m.wrist.hysteresis.problem(*_ends(m, fit))] or [declared]
     best = min(makes, key=lambda n: found[n][1])
@@ -76,7 +80,26 @@ def choose_law(campaign: Campaign, fit: Fit, seed: int = 0) -> LawChoice:
         best = declared
     origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
     sets = {n: fit.fitted if n == declared else _fitted(found[n][0], origin) for n in {*makes, best}}
-    return LawChoice(best, sets.pop(best), {n: e for n, (_, e) in found.items()}, sets)
+    begins = {n: _begins(campaign, fit, m) for n, (m, _) in found.items()}
+    return LawChoice(best, sets.pop(best), {n: e for n, (_, e) in found.items()}, begins, sets)
+
+
+def _remembered(model: Model) -> Model:
+    """The model with each recording on the virgin curve or off it, as fits better: under another law that was
+    another question."""
+    if model.stage.begins is None:
+        return model
+    return replace(model, stage=replace(model.stage, begins=remembered(model.problem, model.vector)))
+
+
+def _begins(campaign: Campaign, fit: Fit, model: Model) -> tuple[Begin, ...] | None:
+    """Where the recordings to fit on start, under the law of the model those with an angle."""
+    if fit.begins is None or model.stage.begins is None:
+        return fit.begins
+    of_law = iter(model.stage.begins)
+    return tuple(
+        b if r.angle is None else next(of_law) for r, b in zip(campaign.fit, fit.begins, strict=True)
+    )
 
 
 def _fitted(model: Model, origin: str) -> ParameterSet:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.effects.wrist.learnt_block import LearntBlock
-from plants.measured.begin import like_fitted
+from plants.measured.begin import Begin, like_fitted
 from plants.measured.campaign import Campaign
 from plants.measured.estimate import EstimateErrors, corner_of, uncertainty
 from plants.measured.fit import CHANNELS, Fit, fit_campaign
@@ -268,7 +268,7 @@ def _result(
         values |= {n: v for n, v in block.values.items() if n.startswith(f"{LearntBlock.NAME}.")}
     origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
     revised = base.fitted.revised(forms, values, errors, origin) if values else fit.fitted
-    runs = tuple(_played(fit, Wrist.of(revised), changed))
+    runs = tuple(_played(fit, base.begins, Wrist.of(revised), changed))
     effects = tuple(n for s in stages for n in _named(s, errors, revised))
     before = fit.validate_rmse
     after = {c: rmse(runs, c) for c in CHANNELS} if values else before
@@ -318,19 +318,20 @@ def errors_of(model: Model) -> EstimateErrors:
     return replace(found, std_errors=kept)
 
 
-def _played(fit: Fit, wrist: Wrist, changed: bool) -> list[FreeRun]:
-    """Every recording beside the free runs of both wrists; changed: whether the law is another one."""
+def _played(fit: Fit, begins: Sequence[Begin] | None, wrist: Wrist, changed: bool) -> list[FreeRun]:
+    """Every recording beside the free runs of both wrists; begins: where those to fit on start under the law
+    of the revised one; changed: whether that is another one."""
     found = []
-    fitted_begins = iter(fit.begins or ())
+    fitted_begins = iter(begins or ())
     for run in fit.runs:
         begin = None
-        if fit.begins is not None:
+        if begins is not None:
             rest = fit.before.values["rest_pressure"]
             fitted = run.role == "fit"
             begin = (
                 begin_of(run.recording, next(fitted_begins))
                 if fitted
-                else like_fitted(run.recording, rest, fit.begins)
+                else like_fitted(run.recording, rest, begins)
             )
         after = run.pressure, run.angle
         if wrist.effects or changed:
