@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.guess.rough_models import lagged
-from plants.measured.trace.errors import interval
+from plants.measured.trace.revision.errors import interval
 
 Array = NDArray[np.float64]
 TRIED_ON = 0.2

@@ -6,9 +6,9 @@ from design.synthesis.retune import Control
 from plants.measured.blocks import BLOCK
 from plants.measured.free_run import rmse
 from plants.measured.residual.examine import Examination
+from plants.measured.trace.result import StageTrace, Trace
 from plants.measured.trace.search.candidate import WORTH
 from plants.measured.trace.search.choose import SHARE, TRIFLE
-from plants.measured.trace.trace import StageTrace, Trace
 from reports.shared.figures.fit import LOOP_SECONDS
 from reports.shared.names import CHANNELS
 from reports.shared.tables import listed, number

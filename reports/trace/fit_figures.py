@@ -7,7 +7,7 @@ import numpy as np
 from design.synthesis.retune import Control
 from plants.measured.begin import measured
 from plants.measured.free_run import FreeRun
-from plants.measured.trace.trace import Trace
+from plants.measured.trace.result import Trace
 from reports.shared.figures.fit import LOOP_SECONDS
 from reports.shared.figures.style import (
     BLACK,

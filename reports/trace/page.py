@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from design.synthesis.retune import Control
 from plants.effects import EFFECTS
-from plants.measured.trace.trace import StageTrace, Trace
+from plants.measured.trace.result import StageTrace, Trace
 from reports.shared.card import Card
 from reports.shared.figures.style import save, svg
 from reports.shared.html import Made, Shown, markup, render

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.trace.trace import Trace
+from plants.measured.trace.result import Trace
 from plants.parameters.quantities import Fitted
 from reports.shared.figures.style import BLACK, BLUE, new_figure, styled
 from reports.shared.tables import fixed, number

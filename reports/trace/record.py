@@ -6,7 +6,7 @@ from typing import Any
 from design.synthesis.answer import UNITS as GAIN_UNITS
 from design.synthesis.retune import Control, RetunedSide
 from plants.measured.instrument.remark import habits
-from plants.measured.trace.trace import Named, StageTrace, Trace
+from plants.measured.trace.result import Named, StageTrace, Trace
 from reports.shared.figures.fit import correlation_record
 from reports.shared.tuning import refused
 from reports.trace.words import NO_LOOP, UNITS, describe

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from plants.measured.residual.curves import BinnedCurve
 from plants.measured.residual.series.remainder import Remainder
-from plants.measured.trace.trace import StageTrace, remainders
+from plants.measured.trace.result import StageTrace
+from plants.measured.trace.stages.remainders import remainders
 from reports.shared.figures.style import BLACK, BLUE, DASHED, GREY, PALE, VERMILLION, new_figure, styled
 from reports.shared.names import CHANNELS
 from reports.trace.tables import strength

@@ -6,9 +6,9 @@ from design.synthesis.retune import Control, JudgedStep, RetunedSide
 from plants.measured.begin import measured
 from plants.measured.free_run import FreeRun
 from plants.measured.residual.examine import Examination, Finding
+from plants.measured.trace.result import Trace
 from plants.measured.trace.search.candidate import Candidate
 from plants.measured.trace.search.choose import SearchRound
-from plants.measured.trace.trace import Trace
 from plants.parameters.quantities import Assumed, Fitted, Learnt, Provenance
 from reports.shared.names import CHANNELS
 from reports.shared.plant_tables import provenance

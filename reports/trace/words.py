@@ -7,8 +7,8 @@ from design.synthesis.answer import UNITS as GAIN_UNITS
 from design.synthesis.retune import Control, RetunedSide
 from plants.effects import EFFECTS
 from plants.measured.residual.examine import Examination
+from plants.measured.trace.result import Named, StageTrace, Trace
 from plants.measured.trace.search.description import Description
-from plants.measured.trace.trace import Named, StageTrace, Trace
 from reports.shared.figures.fit import law_sentence
 from reports.shared.names import limit_name
 from reports.shared.tables import fixed, listed, number

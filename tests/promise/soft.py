@@ -20,7 +20,8 @@ from design.synthesis.designed_plant import designed
 from plants.effects.regulator.dead_time import DeadTime
 from plants.errors import InputError
 from plants.measured.campaign import load_campaign
-from plants.measured.trace.trace import Trace, trace_campaign
+from plants.measured.trace.result import Trace
+from plants.measured.trace.trace import trace_campaign
 from plants.parameters.quantities import ParameterSet
 from tests.promise.held import LATE, Held
 from tests.rig.core import TICK, Controller
@@ -66,7 +67,7 @@ def _traced(seed: int, either_way: bool) -> Trace | None:
             print(f"{seed:4d} refused: {wrong}", flush=True)
             return None
     before, after, noise = (errors["angle_deg"] for errors in (trace.before, trace.after, trace.noise))
-    named = ", ".join(e.name for e in trace.effects) or "nothing"
+    named = ", ".join("|".join((e.name, *e.alternatives)) for e in trace.effects) or "nothing"
     print(
         f"{seed:4d} {trace.verdict}: {before:.3f} to {after:.3f} deg, noise {noise:.3f}; {trace.law.name}; "
         f"{named}; {time.process_time() - began:.0f} s",

@@ -37,7 +37,8 @@ from plants.measured.campaign import Campaign, load_campaign
 from plants.measured.fit import Fit
 from plants.measured.free_run import FreeRun
 from plants.measured.recording import Recording
-from plants.measured.trace.trace import Trace, trace_campaign
+from plants.measured.trace.result import Trace
+from plants.measured.trace.trace import trace_campaign
 from tests.rig.campaign import make_campaign
 
 QUICK = {**MAKERS, LQI_NAME: partial(design_lqi, generations=3)}

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from plants.kernel.batches import default_jobs
 from plants.measured.campaign import load_campaign
-from plants.measured.trace.trace import Trace, trace_campaign
+from plants.measured.trace.result import Trace
+from plants.measured.trace.trace import trace_campaign
 from plants.parameters.files import built_in
 
 OUTSIDE, NOTHING, KNOWN = "unexplained", "nothing-missing", "explained"

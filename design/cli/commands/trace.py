@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from design.studies.check.campaigns import CampaignChange
     from design.synthesis.retune import Control
     from plants.measured.campaign import Campaign
-    from plants.measured.trace.trace import Named, Trace
+    from plants.measured.trace.result import Named, Trace
     from reports.shared.html import Made
 
 NAME = "trace"

@@ -33,6 +33,10 @@ CALM = 1.25
 MOVES = 5.0
 """A channel that an effect needs moves if it moves by more than this, in its own unit."""
 
+ALIKE = 0.1
+"""Share of what the chosen model leaves above the noise by which another may leave more and still be the
+cause: neither explains that, so that it is no evidence for the one that happens to follow it a little."""
+
 SEEN = 0.02
 """An effect whose response, at any strength tried, adds less than this to the mean square of the
 residual in units of the noise is not excited by the data."""
@@ -70,7 +74,8 @@ def _without_wander(model: Model) -> float:
 
 def alternatives(search: EffectSearch) -> dict[str, tuple[Candidate, ...]]:
     """For each effect that was chosen, models with another in its place that this data does not tell
-    from it: the errors on blocks of time do not differ by more than their scatter."""
+    from it: the errors on blocks of time do not differ by more than their scatter, or by little against
+    what neither explains."""
     chosen = search.chosen
     found: dict[str, tuple[Candidate, ...]] = {}
     names = set(chosen.model.effects)
@@ -86,11 +91,14 @@ def alternatives(search: EffectSearch) -> dict[str, tuple[Candidate, ...]]:
 
 
 def _tied(best: Model, other: Model) -> bool:
-    """Whether two models differ by no more than two standard errors over blocks, nor by much."""
+    """Whether two models differ by no more than two standard errors over blocks, nor by much; or by no more
+    than `ALIKE` of what the better one leaves."""
+    rise = other.chi2 - best.chi2
     blocks = best.stage.left_out_blocks
     difference = np.bincount(blocks, other.residual**2 - best.residual**2)
     scatter = float(np.std(difference, ddof=1)) * np.sqrt(len(difference))
-    return float(difference.sum()) < 2.0 * scatter and other.chi2 - best.chi2 < 0.1
+    by_chance = float(difference.sum()) < 2.0 * scatter and rise < 0.1
+    return by_chance or rise < ALIKE * (best.chi2 - 1.0)
 
 
 def unexcited(model: Model, ranking: Sequence[Ranked]) -> Mapping[str, str]:

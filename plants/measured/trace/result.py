@@ -11,10 +11,10 @@ from plants.measured.instrument.remark import Remark
 from plants.measured.residual.examine import Examination
 from plants.measured.stage import Stage
 from plants.measured.trace.law import LawChoice
+from plants.measured.trace.revision.size import explained_share
 from plants.measured.trace.search.candidate import Candidate
 from plants.measured.trace.search.choose import EffectSearch
 from plants.measured.trace.search.description import Description
-from plants.measured.trace.size import explained_share
 from plants.measured.trace.stages.model import Model
 from plants.parameters.correlation import ParameterCorrelation
 from plants.parameters.quantities import ParameterSet

@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.trace.revision.revised import errors_of
 from plants.measured.trace.stages.model import Model, ordered
-from plants.measured.trace.trace import errors_of
 
 Array = NDArray[np.float64]
 
