@@ -8,11 +8,13 @@ from numpy.typing import NDArray
 
 from plants.hysteresis import HysteresisLaw
 from plants.measured.recording import Recording
+from plants.rig import Rig
 from plants.wrist import Number, State
 
 Array = NDArray[np.float64]
 NEAR = 5.0, 1.0
-"""Pressures [kPa] and angles [deg] closer together than this are those of the same rest."""
+"""Pressures [kPa] and angles [deg] closer together than this are those of the same rest; of a rig in other
+units, such a share of its range and its step (`plants.rig.Rig.scaled`)."""
 
 
 @dataclass(frozen=True)
@@ -35,35 +37,36 @@ def begun(loop: HysteresisLaw, pressure: Number, angle: Number, virgin: bool) ->
     return State(pressure, memory, angle)
 
 
-def first_begin(recording: Recording, rest_pressure: float) -> Begin:
-    """The start that the first rows of a recording show.
-
-    Where a channel was not logged the wrist's rest stands in for it.  A wrist at
-    rest in both is taken to be on the virgin curve.
-    """
+def first_rows(recording: Recording, rest_pressure: float = 0.0) -> tuple[float, float]:
+    """Pressure [kPa] and angle [deg] in the first rows of a recording; where a channel was not logged the
+    rest stands in for it."""
     pressure = rest_pressure if recording.pressure is None else float(np.median(recording.pressure[:3]))
-    angle = 0.0 if recording.angle is None else float(np.median(recording.angle[:3]))
-    return Begin(pressure, angle, at_rest(recording, rest_pressure))
+    return pressure, 0.0 if recording.angle is None else float(np.median(recording.angle[:3]))
 
 
-def like_fitted(recording: Recording, rest_pressure: float, fitted: Sequence[Begin]) -> Begin:
+def first_begin(recording: Recording, rest_pressure: float, rig: Rig) -> Begin:
+    """The start that the first rows of a recording show; a wrist at rest is taken to be on the virgin
+    curve."""
+    return Begin(*first_rows(recording, rest_pressure), at_rest(recording, rest_pressure, rig))
+
+
+def like_fitted(recording: Recording, rest_pressure: float, rig: Rig, fitted: Sequence[Begin]) -> Begin:
     """The start that the first rows of a held-out recording show, on the virgin curve or not as recordings to
     fit on are that start there: `fitted`, of which that was estimated."""
-    own = first_begin(recording, rest_pressure)
-    pressure, angle = NEAR
-    same = [
-        b.virgin
-        for b in fitted
-        if abs(b.pressure - own.pressure) < pressure and abs(b.angle - own.angle) < angle
-    ]
+    own = first_begin(recording, rest_pressure, rig)
+    same = [b.virgin for b in fitted if _near(b.pressure - own.pressure, b.angle - own.angle, rig)]
     return replace(own, virgin=2 * sum(same) >= len(same)) if same else own
 
 
-def at_rest(recording: Recording, rest_pressure: float) -> bool:
+def at_rest(recording: Recording, rest_pressure: float, rig: Rig) -> bool:
     """Whether the first rows of a recording look like a wrist that rests at its rest pressure."""
-    off = 0.0 if recording.pressure is None else float(np.median(recording.pressure[:3])) - rest_pressure
-    angle = 0.0 if recording.angle is None else float(np.median(recording.angle[:3]))
-    return abs(off) < NEAR[0] and abs(angle) < NEAR[1]
+    pressure, angle = first_rows(recording, rest_pressure)
+    return _near(pressure - rest_pressure, angle, rig)
+
+
+def _near(pressure: float, angle: float, rig: Rig) -> bool:
+    """Whether differences of pressure [kPa] and angle [deg] are within the same rest."""
+    return abs(pressure) < rig.scaled(NEAR[0], "kPa") and abs(angle) < rig.scaled(NEAR[1], "deg")
 
 
 def measured(recording: Recording, channel: str) -> Array | None:

@@ -228,10 +228,10 @@ def _begins(recordings: Sequence[Recording], campaign: Campaign, start: Paramete
     """First guess of where recordings start; None where they start at rest."""
     rest = start.values["rest_pressure"]
     if campaign.start == "unknown":
-        return [first_begin(r, rest) for r in recordings]
+        return [first_begin(r, rest, start.rig) for r in recordings]
     for r in recordings:
-        if not at_rest(r, rest):
-            begin = first_begin(r, rest)
+        if not at_rest(r, rest, start.rig):
+            begin = first_begin(r, rest, start.rig)
             warnings.warn(
                 f"{campaign.name}/{r.name}: starts at {begin.pressure:.4g} kPa and {begin.angle:.3g} deg, "
                 f'not at rest at {rest:g} kPa; set start = "unknown", or map the column with an offset',
@@ -256,7 +256,7 @@ def _runs(
     apart = (
         None
         if begins is None
-        else [like_fitted(r, start.values["rest_pressure"], begins) for r in campaign.validate]
+        else [like_fitted(r, start.values["rest_pressure"], start.rig, begins) for r in campaign.validate]
     )
     roles: tuple[tuple[Role, tuple[Recording, ...], Sequence[Begin] | None], ...] = (
         ("fit", campaign.fit, begins),

@@ -15,6 +15,7 @@ from plants.measured.recording import Recording
 from plants.measured.stage import Stage
 from plants.measured.trace.declared import stages_of
 from plants.measured.trace.start import starting
+from plants.rig import Units, built_in_rig
 from tests.rig.soft import CAMPAIGNS, bender, stairs
 
 
@@ -39,10 +40,22 @@ def test_a_held_out_recording_is_virgin_where_those_are_that_start_there():
     t = np.arange(10) * 0.1
     log = Recording("check", t, 0.0 * t, pressure=0.0 * t + 3.0, angle=0.0 * t)
     there, elsewhere = Begin(3.2, 0.1, True), Begin(40.0, 0.1, True)
-    assert not first_begin(log, 10.0).virgin
-    assert like_fitted(log, 10.0, (there, elsewhere)) == Begin(3.0, 0.0, True)
-    assert like_fitted(log, 10.0, (elsewhere,)) == first_begin(log, 10.0)
-    assert not like_fitted(log, 3.0, (replace(there, virgin=False),)).virgin
+    rig = built_in_rig()
+    assert not first_begin(log, 10.0, rig).virgin
+    assert like_fitted(log, 10.0, rig, (there, elsewhere)) == Begin(3.0, 0.0, True)
+    assert like_fitted(log, 10.0, rig, (elsewhere,)) == first_begin(log, 10.0, rig)
+    assert not like_fitted(log, 3.0, rig, (replace(there, virgin=False),)).virgin
+
+
+@pytest.mark.parametrize(("pressure", "rests"), [(1.02, True), (1.2, False)])
+def test_a_rest_is_as_near_as_the_units_of_the_rig_make_it(pressure, rests):
+    """0.2 bar are 20 kPa, a tenth of the range of the rig."""
+    rig = replace(built_in_rig(), units=Units("V", "bar", "deg"), pressure_range=(0.0, 2.0))
+    t = np.arange(10) * 0.1
+    log = Recording("log", t, 0.0 * t, pressure=0.0 * t + pressure, angle=0.0 * t)
+    assert first_begin(log, 1.0, rig).virgin == rests
+    others = (Begin(1.03, 0.0, True), Begin(1.5, 0.0, False))
+    assert like_fitted(log, 0.0, rig, others).virgin == rests
 
 
 def test_a_short_recording_makes_blocks_enough_for_every_fold(tmp_path):

@@ -175,7 +175,7 @@ def not_contradicted(box: Box, old: Trace, shares: Array) -> Array:
     squares: dict[str, list[Array]] = {channel: [] for channel in CHANNELS}
     for r in (*old.campaign.fit, *old.campaign.validate):
         playback = Playback(r, wrist.rig.sample_time)
-        begin = first_begin(r, float(wrist.hysteresis.rest_pressure))
+        begin = first_begin(r, float(wrist.hysteresis.rest_pressure), wrist.rig)
         runs = (free_readings(playback, w, begin) for w in (moved, wrist))
         for channel, by, own in zip(CHANNELS, *runs, strict=True):
             squares[channel].append((by - own) ** 2)

@@ -154,7 +154,7 @@ def _played(
     assert log.angle is not None
     count = int(playback.rows[-1]) + 1
     asked = np.append(log.reference[_rows_of(playback)], log.reference[-1])
-    calm = at_rest(log, wrist.hysteresis.rest_pressure)
+    calm = at_rest(log, float(wrist.hysteresis.rest_pressure), wrist.rig)
     begin = 0.0 if calm else float(np.median(log.angle[:3]))
     found = []
     for piece in range(-(-samples // AT_ONCE)):

@@ -90,7 +90,7 @@ def residual(playback: Playback, box: Box, seed: int) -> ResidualCheck:
     """Hold a log against free runs of a plant, from the logged command; what is new is tried against the
     changes of rigs."""
     channels, wrist = channel_residuals(playback, box, drawn(box, seed)), box.wrist
-    begin = first_begin(playback.recording, float(wrist.hysteresis.rest_pressure))
+    begin = first_begin(playback.recording, float(wrist.hysteresis.rest_pressure), wrist.rig)
     new = any(c.new for c in channels)
     return ResidualCheck(channels, _change(playback, wrist, begin, channels) if new else None)
 
@@ -104,7 +104,7 @@ def channel_residuals(playback: Playback, box: Box, shares: Array) -> tuple[Chan
     """The channels of a log beside free runs of a plant, from the logged command; shares: places of other
     plants in its box, (intervals, lanes)."""
     wrist, log = box.wrist, playback.recording
-    begin = first_begin(log, float(wrist.hysteresis.rest_pressure))
+    begin = first_begin(log, float(wrist.hysteresis.rest_pressure), wrist.rig)
     nominal = free_readings(playback, wrist, begin)
     others = free_readings(playback, box.at(shares), begin) if box.intervals else nominal
     found = []

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.begin import Begin, first_begin, measured
+from plants.measured.begin import Begin, first_rows, measured
 from plants.measured.campaign import Campaign
 from plants.measured.fit import Fit
 from plants.measured.playback import Playback
@@ -63,10 +63,10 @@ def stages_of(campaign: Campaign, fit: Fit) -> list[Stage]:
 def begin_of(recording: Recording, found: Begin) -> Begin:
     """Where a recording starts, of the fit of the declared wrist: at the first rows of what was logged, as
     one that is held out does.  What the fit made of that makes up for what the declared wrist lacks."""
-    first = first_begin(recording, 0.0)
+    pressure, angle = first_rows(recording)
     if recording.pressure is not None:
-        found = replace(found, pressure=first.pressure)
-    return found if recording.angle is None else replace(found, angle=first.angle)
+        found = replace(found, pressure=pressure)
+    return found if recording.angle is None else replace(found, angle=angle)
 
 
 def declared_model(

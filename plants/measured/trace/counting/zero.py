@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.regulator.fill_exhaust import PressureDependentRates
-from plants.measured.begin import Begin, first_begin
+from plants.measured.begin import Begin, first_rows
 from plants.measured.campaign import Campaign
 from plants.measured.estimate import corner_of, minimise, uncertainty
 from plants.measured.guess.rig import guessed_set
@@ -77,7 +77,7 @@ def counted(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     noise = noise_of_campaign(logged, "pressure_kPa") or 1.0
     begins = None
     if campaign.start == "unknown":
-        begins = tuple(Begin(first_begin(r, 0.0).pressure, 0.0, True) for r in logged)
+        begins = tuple(Begin(first_rows(r)[0], 0.0, True) for r in logged)
     stage = Stage("regulator", "pressure_kPa", noise, played, (), start.rig, None, begins)
     late = Model(stage, start, start.values).plus(DeadTime, {"delay": seen.delay})
     model = late.plus(PressureDependentRates, {"ratio": 0.9, "fill": 0.0, "exhaust": 0.0})

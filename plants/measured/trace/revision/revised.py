@@ -145,7 +145,7 @@ def _played(fit: Fit, begins: Sequence[Begin] | None, wrist: Wrist, changed: boo
             begin = (
                 begin_of(run.recording, next(fitted_begins))
                 if fitted
-                else like_fitted(run.recording, rest, begins)
+                else like_fitted(run.recording, rest, wrist.rig, begins)
             )
         after = run.pressure, run.angle
         if wrist.effects or changed:
