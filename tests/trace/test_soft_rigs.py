@@ -100,10 +100,11 @@ def test_a_law_that_fits_each_recording_for_itself_does_not_replace_another(tmp_
 
 
 def test_an_effect_that_serves_single_recordings_is_not_named(tmp_path):
-    """A softening takes half of chi-square, and leaves each recording twice the error by a fit to the other."""
+    """A softening took half of chi-square, and left each recording twice the error by a fit to the other."""
     soft_actuator(502).write(tmp_path / "soft", recordings(502), ("check",))
     trace = trace_campaign(load_campaign(tmp_path / "soft"))
     assert {e.name for e in trace.effects} == {"dead-time", "fill-exhaust-asymmetry"}
+    assert "one that is left out is simulated better" in trace.cannot_judge["softening"]
     assert trace.after["angle_deg"] < 0.3 * trace.before["angle_deg"]
 
 
