@@ -1,10 +1,9 @@
 """Rollouts side by side: a law compiled once, run over many lanes on any number of threads."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-from itertools import pairwise
 from threading import Lock
 from typing import Any, TypeVar
 
@@ -104,72 +103,54 @@ def run_lanes(
     lanes = max(sizes, default=1)
     if sizes - {1, lanes}:
         raise ValueError(f"lanes differ in number: {sorted(sizes)}")
-    padded = -(-lanes // LANES) * LANES
-    s, c = _stack(flat_s, lanes, padded), _stack(flat_c, lanes, padded)
-    each, steps = steps if isinstance(steps, np.ndarray) else None, int(np.max(steps))
-    if each is not None and (every or own):
+    blocks = -(-lanes // LANES)
+    if np.ndim(steps) and (every or own):
         raise ValueError("lanes of lengths of their own are not recorded, and have no signals of their own")
+    each = np.broadcast_to(steps, (lanes,)) if np.ndim(steps) else None  # steps of each lane
+    ends = [] if each is None else [int(np.max(each[i : i + LANES])) for i in range(0, lanes, LANES)]
+    most = int(np.max(steps))
     shared = [np.asarray((signals or {})[name], float) for name in inputs if name not in ("sample", *own)]
-    if any(len(signal) < steps for signal in shared) or any(len(x) * hold < steps for x in own.values()):
-        raise ValueError(f"a signal is shorter than the {steps} steps asked for")
-    given = np.array([signal[:steps] for signal in shared]) if shared else np.zeros((1, 1))
+    if any(len(signal) < most for signal in shared) or any(len(x) * hold < most for x in own.values()):
+        raise ValueError(f"a signal is shorter than the {most} steps asked for")
+    given = np.array([signal[:most] for signal in shared]) if shared else np.zeros((1, 1))
     names = pytrees.names(state) if record else []
-    recorded = np.array([names.index(r) for r in record], dtype=np.int64)
+    recorded = np.array([names.index(r) for r in record], dtype=np.int64) + len(flat_c)
 
     run = kernel(law, state, inputs, coefficients, tuple(own))
-    if each is not None:
-        ends = np.pad(np.broadcast_to(each, (lanes,)), (0, padded - lanes), "edge")
-        _run_blocks(run, c, s, given, ends.reshape(-1, LANES).max(axis=1), jobs or default_jobs())
-        return pytrees.like(state, s[:, :lanes]), np.empty((0, 0, lanes))
-    by_lane = _by_lane(own, lanes, padded)
-    blocks, threads = padded // LANES, min(jobs or default_jobs(), padded // LANES)
-    pieces = [slice(a, b) for a, b in pairwise(blocks * i // threads * LANES for i in range(threads + 1))]
+    memory = _in_blocks([*flat_c, *flat_s, *[0.0] * len(own)], lanes, blocks)
+    rows = np.empty((len(record), most // every + 1 if every else 0, blocks * LANES))
+    if every:
+        rows[:, 0] = _side_by_side(memory[:, recorded])
+    by_lane = _by_lane(own, lanes, blocks * LANES)
+    more = (by_lane, hold) if own else ()
 
-    def work(piece: slice) -> tuple[Array, Array]:
-        part = np.ascontiguousarray(s[:, piece])
-        rows = np.empty((len(record), steps // every + 1 if every else 0, part.shape[1]))
-        if every:
-            rows[:, 0] = part[recorded]
-        more = (by_lane, hold, piece.start) if own else ()
-        run(np.ascontiguousarray(c[:, piece]), part, given, *more, steps, every, recorded, rows)
-        return part, rows
+    def work(some: Iterable[int]) -> None:
+        for i in some:
+            run(memory[i], i * LANES, given, *more, ends[i] if ends else most, every, recorded, rows)
 
-    if len(pieces) == 1:
-        last, rows = work(pieces[0])
-    else:
-        done = list(_pool(threads).map(work, pieces))
-        last, rows = (np.concatenate(parts, axis=-1) for parts in zip(*done, strict=True))
-    return pytrees.like(state, last[:, :lanes]), rows[:, :, :lanes]
-
-
-def _run_blocks(
-    run: Callable[..., None], c: Array, s: Array, given: Array, steps: NDArray[np.intp], jobs: int
-) -> None:
-    """Advance the state, (rows, lanes), each block by steps of its own, (blocks,), in place."""
-    nothing, rows = np.array([], np.int64), np.empty((0, 0, LANES))
-
-    def work(blocks: NDArray[np.intp]) -> None:
-        for i in blocks:
-            lanes = slice(i * LANES, (i + 1) * LANES)
-            part = np.ascontiguousarray(s[:, lanes])
-            run(np.ascontiguousarray(c[:, lanes]), part, given, int(steps[i]), 0, nothing, rows)
-            s[:, lanes] = part
-
-    threads = min(jobs, steps.size)
-    order = np.argsort(-steps, kind="stable")  # in turns, so that each thread has as much to do
+    threads = min(jobs or default_jobs(), blocks)
+    # In turns, so that each thread has as much to do.
+    order = sorted(range(blocks), key=ends.__getitem__, reverse=True) if ends else range(blocks)
     if threads == 1:
         work(order)
     else:
         list(_pool(threads).map(work, [order[i::threads] for i in range(threads)]))
+    last = _side_by_side(memory[:, len(flat_c) : len(flat_c) + len(flat_s)])
+    return pytrees.like(state, last[:, :lanes]), rows[..., :lanes]
 
 
-def _stack(flat: Sequence[Any], lanes: int, padded: int) -> Array:
-    """Leaves as rows of one array, the last lane repeated to fill the last block."""
-    out = np.empty((len(flat), padded))
-    for row, value in zip(out, flat, strict=True):
+def _in_blocks(flat: Sequence[Any], lanes: int, blocks: int) -> Array:
+    """Leaves as rows of blocks, (blocks, rows, `LANES`), the last lane repeated to fill the last block."""
+    made = np.empty((len(flat), blocks * LANES))
+    for row, value in zip(made, flat, strict=True):
         row[:lanes] = value
-    out[:, lanes:] = out[:, lanes - 1 : lanes]
-    return out
+    made[:, lanes:] = made[:, lanes - 1 : lanes]
+    return np.ascontiguousarray(made.reshape(len(flat), blocks, LANES).transpose(1, 0, 2))
+
+
+def _side_by_side(blocks: Array) -> Array:
+    """Rows of blocks, (blocks, rows, `LANES`), as rows of all lanes, (rows, lanes)."""
+    return blocks.transpose(1, 0, 2).reshape(blocks.shape[1], blocks.shape[0] * LANES)
 
 
 def _by_lane(held: dict[str, Array], lanes: int, padded: int) -> Array:

@@ -74,9 +74,9 @@ def cache_folder() -> Path | None:
 
 def load(source: str) -> Callable[..., None]:
     """The ``run`` of an emitted module, compiled at its first call in any process."""
-    from plants.kernel import selection
+    from plants.kernel import arithmetic
 
-    of = source.encode() + Path(selection.__file__).read_bytes()  # what it calls is compiled into it
+    of = source.encode() + Path(arithmetic.__file__).read_bytes()  # what it calls is compiled into it
     name = f"k{hashlib.sha256(of).hexdigest()[:24]}"
     loaded, shown = ModuleType(name), f"<{name}>"
     linecache.cache[shown] = (len(source), None, source.splitlines(keepends=True), shown)  # for tracebacks

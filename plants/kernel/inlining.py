@@ -2,20 +2,31 @@
 
 import re
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from plants.kernel import pytrees
 from plants.kernel.cache import load
-from plants.kernel.emitter import statements
+from plants.kernel.emitter import program
 from plants.kernel.graphs import graph
 from plants.kernel.templates import module
 
 
+class Inlined(NamedTuple):
+    """A law as a program; the variables that it is called with, and those that its results are put into."""
+
+    program: str
+    given: list[str]
+    targets: list[str]
+
+
 def inlined(
     law: Callable[..., Any], arguments: list[Any], names: list[list[str]], targets: list[str]
-) -> list[str]:
-    """Statements in scalar Python of a law on trees like `arguments`, whose leaves are called `names`."""
-    return statements(graph(law, *arguments), names, targets)
+) -> Inlined:
+    """A law on trees like `arguments`, whose leaves are called `names`, for `compiled` to lay into a loop."""
+    given = [name for each in names for name in each]
+    places = iter(range(len(given)))
+    inputs = [[("argument", next(places)) for _ in each] for each in names]
+    return Inlined(program(graph(law, *arguments), inputs, [*range(len(targets))]), given, targets)
 
 
 def scalars(prefix: str, tree: Any) -> list[str]:
@@ -28,15 +39,21 @@ def unpacked(names: Sequence[str], array: str) -> list[str]:
     return [f"{n} = {array}[{i}]" for i, n in enumerate(names)]
 
 
-def compiled(name: str, loop: str, **parts: Sequence[str]) -> Callable[..., None]:
+def compiled(name: str, loop: str, **parts: Sequence[str] | Inlined) -> Callable[..., None]:
     """The function ``run`` of a loop in plain Python over numbers and arrays, compiled at its first call.
 
-    A line of the loop that is the name of a part in braces is replaced by its statements, indented alike;
-    within a line, braces stand for the part's names, with commas.
+    A line of the loop that is the name of a part in braces is replaced by its statements, indented alike, or
+    by a call of its law; within a line, braces stand for the part's names, with commas.
     """
-    for part, lines in parts.items():
+    laws = {}
+    for part, what in parts.items():
+        if isinstance(what, Inlined):
+            laws[f"law_{part}"] = f'arithmetic.evaluate("""\\\n{what.program}""")'
+            lines = [f"{', '.join(what.targets)}, = law_{part}({', '.join(what.given)})"]
+        else:
+            lines = [*what]
         alone = re.search(rf"^( *)\{{{part}\}}$", loop, re.MULTILINE)
         if alone:
             loop = loop.replace(alone[0], "\n".join(alone[1] + line for line in lines))
         loop = loop.replace(f"{{{part}}}", ", ".join(lines))
-    return load(module(name, loop))
+    return load(module(name, loop, **laws))

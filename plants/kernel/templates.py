@@ -5,7 +5,7 @@ from typing import Any
 
 from plants.actuator.delay import LONGEST, DelayLine, SampledDelay
 from plants.kernel import pytrees
-from plants.kernel.emitter import statements
+from plants.kernel.emitter import program
 from plants.kernel.graphs import graph
 
 LANES = 16
@@ -15,45 +15,32 @@ _HEAD = '''"""Emitted code: {name}. Do not edit; it is made anew when the law ch
 import math
 import numpy as np
 from numba import njit
-from plants.kernel.selection import select
+from plants.kernel import arithmetic
 
-@njit(nogil=True, error_model="numpy", fastmath={{"contract", "nsz", "arcp"}})
 '''
+_RUN = '@njit(nogil=True, error_model="numpy", fastmath={"contract", "nsz", "arcp"})\n'
 
 _LANES = """\
-def run(coefficients, state, signals{given}, steps, every, recorded, rows):
-    # One array for everything, so that the compiler sees that no two rows overlap.
-    m = np.empty({total} * {lanes})
+def run(m, lane, signals{given}, steps, every, recorded, rows):
 {lines}
-    for block in range(state.shape[1] // {lanes}):
-        first = block * {lanes}
-        for j in range({n_coefficients}):
-            for l in range({lanes}):
-                m[j * {lanes} + l] = coefficients[j, first + l]
-        for j in range({n_state}):
-            for l in range({lanes}):
-                m[({n_coefficients} + j) * {lanes} + l] = state[j, first + l]
-{filled}
-        for k in range(steps):
+    for k in range(steps):
 {inputs}
 {read}
-            for l in range({lanes}):
-{body}
+        for l in range({lanes}):
+            law(m, l, {arguments})
 {written}
-            if every > 0 and (k + 1) % every == 0:
-                for j in range(recorded.shape[0]):
-                    row = ({n_coefficients} + recorded[j]) * {lanes}
-                    for l in range({lanes}):
-                        rows[j, (k + 1) // every, first + l] = m[row + l]
-        for j in range({n_state}):
-            for l in range({lanes}):
-                state[j, first + l] = m[({n_coefficients} + j) * {lanes} + l]
+        if every > 0 and (k + 1) % every == 0:
+            for j in range(recorded.size):
+                for l in range({lanes}):
+                    rows[j, (k + 1) // every, lane + l] = m[recorded[j], l]
 """
 
 
-def module(name: str, run: str) -> str:
-    """Source of a module whose function `run` is compiled at its first call."""
-    return _HEAD.format(name=name) + run
+def module(name: str, run: str, **laws: str) -> str:
+    """Source of a module whose function `run` is compiled at its first call; laws: what it calls, as the
+    source of an intrinsic of `plants.kernel.arithmetic`."""
+    made = "".join(f"{law} = {source}\n" for law, source in laws.items())
+    return _HEAD.format(name=name) + made + _RUN + run
 
 
 def emit(
@@ -64,38 +51,41 @@ def emit(
     coefficients: Any,
     held: tuple[str, ...] = (),
 ) -> str:
-    """Source of a module whose ``run`` advances blocks of lanes by ``step(state, inputs, coefficients)``.
+    """Source of a module whose ``run`` advances a block of lanes by ``step(state, inputs, coefficients)``.
 
     `state` and `coefficients` are examples of the trees; `inputs` names the
     signals that all lanes share, of which ``sample`` is the index of the step,
-    and those of `held`, of which each lane has its own.
+    and those of `held`, of which each lane has its own.  What lanes have of
+    their own are the rows of one array, (rows, `LANES`): coefficients, then the
+    state, then what is held.
     """
-    function = graph(step, state, inputs, coefficients)
     n_c, n_s = len(pytrees.leaves(coefficients)), len(pytrees.leaves(state))
-    cell = [f"m[{j * LANES} + l]" for j in range(n_c + n_s)]
-    loads = [f"c{j} = {cell[j]}" for j in range(n_c)] + [f"s{j} = {cell[n_c + j]}" for j in range(n_s)]
-    rows = {i: n_c + n_s + j for j, i in enumerate(held)}  # of `m`, that keep a value while it is held
-    loads += [f"u_{i} = m[{row * LANES} + l]" for i, row in rows.items()]
-    # Prefixed, so that no signal is called like a variable of the template.
-    sources = [[f"s{j}" for j in range(n_s)], [f"u_{i}" for i in inputs], [f"c{j}" for j in range(n_c)]]
-    body = loads + statements(function, sources, cell[n_c:])
-    delays = _delays(state, coefficients, n_c)
-    signals = [i for i in inputs if i != "sample" and i not in held]
-    reads = [f"u_{i} = signals[{j}, k]" for j, i in enumerate(signals)] + ["u_sample = float(k)"]
-    return module(name, _LANES.format(
-        lanes=LANES, total=n_c + n_s + len(held), n_coefficients=n_c, n_state=n_s,
-        given=", held, hold, lane" if held else "",
-        inputs="\n".join(" " * 12 + r for r in reads + _held_code(rows)),
-        body="\n".join(" " * 16 + s for s in body),
-        **_delay_code(delays),
-    ))  # fmt: skip
+    kept = {i: n_c + n_s + j for j, i in enumerate(held)}  # rows of what keeps a value while it is held
+    shared = [i for i in inputs if i not in held]
+    of_state = [("row", n_c + j) for j in range(n_s)]
+    of_inputs = [("row", kept[i]) if i in kept else ("argument", shared.index(i)) for i in inputs]
+    of_coefficients = [("row", j) for j in range(n_c)]
+    law = program(
+        graph(step, state, inputs, coefficients), [of_state, of_inputs, of_coefficients],
+        [row for _, row in of_state],
+    )  # fmt: skip
+    # Read before lanes are gone through: within, what a lane writes might be a signal.
+    signals = [i for i in shared if i != "sample"]
+    reads = [f"        u{j} = " + (f"signals[{signals.index(i)}, k]" if i in signals else "float(k)")
+             for j, i in enumerate(shared)]  # fmt: skip
+    run = _LANES.format(
+        lanes=LANES, given=", held, hold" if held else "",
+        inputs="\n".join(reads + _held_code([*kept.values()])),
+        arguments=", ".join(f"u{j}" for j in range(len(shared))),
+        **_delay_code(_delays(state, coefficients, n_c)),
+    )  # fmt: skip
+    return module(name, run, law=f'arithmetic.advance("""\\\n{law}""", {LANES})')
 
 
-def _held_code(rows: dict[str, int]) -> list[str]:
+def _held_code(rows: list[int]) -> list[str]:
     """What a template needs to renew, every `hold` steps, the signals of which each lane has its own."""
-    renew = [f"        m[{row * LANES} + l] = held[{j}, k // hold, lane + first + l]"
-             for j, row in enumerate(rows.values())]  # fmt: skip
-    return ["if k % hold == 0:", f"    for l in range({LANES}):", *renew] if rows else []
+    renew = [f"                m[{row}, l] = held[{j}, k // hold, lane + l]" for j, row in enumerate(rows)]
+    return ["        if k % hold == 0:", f"            for l in range({LANES}):", *renew] if rows else []
 
 
 def _delays(state: Any, coefficients: Any, offset: int) -> list[tuple[int, int]]:
@@ -106,17 +96,13 @@ def _delays(state: Any, coefficients: Any, offset: int) -> list[tuple[int, int]]
 
 def _delay_code(delays: list[tuple[int, int]]) -> dict[str, str]:
     """What a template needs to keep delay lines: ring buffers, of a power of two of samples."""
-    size, made, filled, read, written = LONGEST + 1, [], [], [], []
-    for i, (row, delay) in enumerate(delays):
-        near, far, newest = (f"m[{(row + j) * LANES} + l]" for j in range(3))
-        made.append(f"    line{i} = np.empty({size} * {LANES})")
-        filled += [f"        for j in range({size}):", f"            for l in range({LANES}):",
-                   f"                line{i}[j * {LANES} + l] = {newest}"]  # fmt: skip
-        read += [f"            for l in range({LANES}):",
-                 f"                back = k - int(m[{delay * LANES} + l])",
-                 f"                {near} = line{i}[(back & {size - 1}) * {LANES} + l]",
-                 f"                {far} = line{i}[((back - 1) & {size - 1}) * {LANES} + l]"]  # fmt: skip
-        written += [f"            for l in range({LANES}):",
-                    f"                line{i}[(k & {size - 1}) * {LANES} + l] = {newest}"]  # fmt: skip
-    parts = {"lines": made, "filled": filled, "read": read, "written": written}
-    return {name: "\n".join(part) for name, part in parts.items()}
+    size, lines, read, written = LONGEST + 1, [], [], []
+    for i, (near, delay) in enumerate(delays):
+        far, newest, lanes = near + 1, near + 2, f"for l in range({LANES}):"
+        lines += [f"    line{i} = np.empty(({size}, {LANES}))", f"    for j in range({size}):",
+                  f"        {lanes}", f"            line{i}[j, l] = m[{newest}, l]"]  # fmt: skip
+        read += [f"        {lanes}", f"            back = k - int(m[{delay}, l])",
+                 f"            m[{near}, l] = line{i}[back & {size - 1}, l]",
+                 f"            m[{far}, l] = line{i}[(back - 1) & {size - 1}, l]"]  # fmt: skip
+        written += [f"        {lanes}", f"            line{i}[k & {size - 1}, l] = m[{newest}, l]"]
+    return {name: "\n".join(part) for name, part in (("lines", lines), ("read", read), ("written", written))}

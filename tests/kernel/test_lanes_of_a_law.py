@@ -140,3 +140,8 @@ def test_work_goes_to_threads_where_there_are_two_and_it_takes_long(monkeypatch,
     found = in_turn_or_side_by_side(lambda i: (i, threading.current_thread()), range(count), steps)
     assert [i for i, _ in found] == list(range(count))
     assert all((t is not threading.main_thread()) == threads for _, t in found)
+
+
+def test_rows_of_no_leaf_are_empty():
+    _, rows = run_lanes(law, Sum(0.0, 0.0), Share(np.ones(20)), 10, {"seen": SIGNAL}, ("seen",), every=5)
+    assert rows.shape == (0, 3, 20)

@@ -45,6 +45,7 @@ def operations(s: Pair, _inputs: tuple[()], c: Gain) -> tuple[Any, ...]:
         np.where(a == a, k, b), np.where(a != b, a - b, 0.0), np.where(np.logical_not(a < b), a, b),
         np.fabs(a) + np.sqrt(k), np.exp(-k), np.tanh(a), np.sin(a) * np.cos(b), np.log(k),
         a * a + a + a, 1.0 / k, k**2.5, k**a, 2.0**b, -a / k,
+        np.where(a - b, a, k), (a < b) * k, np.floor(a),
     )  # fmt: skip
 
 
@@ -114,9 +115,27 @@ def test_a_choice_is_one_selection_and_no_sum_of_two():
     def law(s: Pair, _inputs: tuple[()], c: Gain) -> Pair:
         return Pair(np.where(s.a < s.b, s.a, c.k), s.b)
 
-    text = emit("law", law, Pair("a", "b"), (), Gain("k"))
-    less, value = re.search(r"(\w+) = s0 < s1\n[\s\S]*?m\[\d+ \+ l\] = (\w+)\n", text).groups()
-    assert f"{value} = select({less}, s0, c0)" in text
+    lines = program_of(emit("law", law, Pair("a", "b"), (), Gain("k")))
+    into = next(line for line in lines if line[0] == "into" and line[2] == "1")  # k is row 0, a row 1
+    kind, condition, *of = lines[int(into[1])]
+    assert (kind, lines[int(condition)][0]) == ("select", "lt")
+    assert [lines[int(i)] for i in (*lines[int(condition)][1:], *of)] == [
+        ["row", "1"], ["row", "2"], ["row", "1"], ["row", "0"]
+    ]  # fmt: skip
+
+
+def test_what_is_computed_twice_stands_once():
+    def law(s: Pair, _inputs: tuple[()], c: Gain) -> Pair:
+        return Pair(np.exp(s.a * c.k), np.exp(s.a * c.k) + s.b)
+
+    lines = program_of(emit("law", law, Pair("a", "b"), (), Gain("k")))
+    assert [line[0] for line in lines].count("exp") == 1
+
+
+def program_of(source: str) -> list[list[str]]:
+    """The instructions in the source of a kernel."""
+    (text,) = re.findall(r'"""\\\n([\s\S]*?)"""', source)
+    return [line.split() for line in text.splitlines()]
 
 
 def test_an_operation_without_code_is_refused_by_name():
