@@ -23,6 +23,9 @@ SCREEN = 0.02
 """Excess of a linear limit, as a share, up to which gains are simulated all the same: a search that comes
 from outside sees where it is heading."""
 
+ALIKE = 1e-6
+"""Relative difference of results within which they are the same but for rounding."""
+
 
 @dataclass(frozen=True)
 class Evaluation:
@@ -139,8 +142,20 @@ def evaluate_with(problem: Problem, many: Controller, Kp: Array, Ki: Array) -> E
     own = {n: np.broadcast_to(getattr(many, n), Kp.shape) for n in getattr(many, "TUNED", ())}
     cost, of_run, excess = screened(problem, many, values, problem.held_to)
     values |= {n: v.max(axis=1) for n, v in of_run.items()}
-    at |= {n: v.argmax(axis=1) for n, v in of_run.items()}
-    return Evaluation(Kp, Ki, cost.max(axis=1), cost.argmax(axis=1), values, at, excess, own)
+    at |= {n: largest_at(v) for n, v in of_run.items()}
+    return Evaluation(Kp, Ki, cost.max(axis=1), largest_at(cost), values, at, excess, own)
+
+
+def largest_at(values: Array) -> NDArray[np.intp]:
+    """Place (n,) of the largest of each row of values (n, cases), the first of those that are as large: by
+    the symmetry of a rig two cases are alike, and rounding would choose.
+
+    >>> largest_at(np.array([[1.0, 2.0, 2.0 + 1e-12]]))
+    array([1])
+    """
+    largest = values.max(axis=1, keepdims=True)
+    found: NDArray[np.intp] = np.isclose(values, largest, ALIKE, 0.0, equal_nan=True).argmax(axis=1)
+    return found
 
 
 def screened(

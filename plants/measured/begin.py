@@ -58,6 +58,20 @@ def like_fitted(recording: Recording, rest_pressure: float, rig: Rig, fitted: Se
     return replace(own, virgin=2 * sum(same) >= len(same)) if same else own
 
 
+def same_places(begins: Sequence[Begin], rig: Rig) -> tuple[tuple[int, ...], ...]:
+    """Indices of starts that are near each other, place by place: each belongs to the first it is near."""
+    found: list[list[int]] = []
+    for i, begin in enumerate(begins):
+        for group in found:
+            first = begins[group[0]]
+            if _near(begin.pressure - first.pressure, begin.angle - first.angle, rig):
+                group.append(i)
+                break
+        else:
+            found.append([i])
+    return tuple(map(tuple, found))
+
+
 def at_rest(recording: Recording, rest_pressure: float, rig: Rig) -> bool:
     """Whether the first rows of a recording look like a wrist that rests at its rest pressure."""
     pressure, angle = first_rows(recording, rest_pressure)

@@ -1,11 +1,12 @@
 """Estimating what the recordings determine, and leaving alone what they do not."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.begin import Begin
+from plants.measured.begin import Begin, same_places
 from plants.measured.estimate import Estimate, estimate
 from plants.measured.problem import FitProblem
 from plants.parameters.quantities import ParameterSet
@@ -55,17 +56,30 @@ def _least_determined(problem: FitProblem, found: Estimate, start: ParameterSet)
 
 
 def remembered(problem: FitProblem, x: Array) -> tuple[Begin, ...]:
-    """Where recordings start at a vector (n,), each on the virgin curve or off it, as fits better by 1 %; of
-    a problem whose recordings do not start at rest."""
+    """Where recordings start at a vector (n,), on the virgin curve or off it, as fits better by 1 %; of a
+    problem whose recordings do not start at rest.
+
+    Those that start at the same place rested alike: they are asked together.
+    """
     begins = problem.begins_at(x) or ()
+    sizes = {
+        virgin: _sizes(begun_at(problem, tuple(replace(b, virgin=virgin) for b in begins)), x)
+        for virgin in (False, True)
+    }
     better = list(begins)
-    for i, begin in enumerate(begins):
-        other = replace(begin, virgin=not begin.virgin)
-        flipped = begun_at(problem, (*begins[:i], other, *begins[i + 1 :]))
-        sizes = [float(np.mean(np.abs(p.residuals_of(i, x[None, :])))) for p in (problem, flipped)]
-        if sizes[1] < 0.99 * sizes[0]:
-            better[i] = other
+    for group in same_places(begins, problem.stage.rig):
+        now = 2 * sum(begins[i].virgin for i in group) >= len(group)
+        size, flipped = (sum(sizes[v][i] for i in group) for v in (now, not now))
+        for i in group:
+            better[i] = replace(begins[i], virgin=now if flipped >= 0.99 * size else not now)
     return tuple(better)
+
+
+def _sizes(problem: FitProblem, x: Array) -> list[float]:
+    """Sum of the residuals of each recording at a vector (n,)."""
+    edges = problem.stage.edges
+    whole = replace(problem, rows=None).residuals(x[None, :])[:, 0]
+    return [float(np.abs(whole[a:b]).sum()) for a, b in pairwise(edges)]
 
 
 def _with_memory(

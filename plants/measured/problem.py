@@ -97,12 +97,6 @@ class FitProblem:
         found = self._off_jumps(self._over_noise(found))
         return found if self.rows is None else found[self.rows]
 
-    def residuals_of(self, i: int, x: Array) -> Array:
-        """The same for the i-th recording alone."""
-        begun, wrists = self._begun(x)
-        first, last = self.stage.edges[i : i + 2]
-        return self._over_noise(begun.play(i, wrists) - self.stage.target[first:last, None])
-
     def _begun(self, x: Array) -> tuple[Stage, Wrist]:
         """The stage, its recordings starting where vectors say, and the wrists that they stand for."""
         stage = replace(self.stage, begins=self.begins_at(x.T)) if self.free else self.stage

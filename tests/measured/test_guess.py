@@ -119,6 +119,14 @@ def test_a_guess_is_a_set_that_says_that_it_is_guessed(soft, law, tmp_path):
     assert "guessed" in (tmp_path / "guess.toml").read_text()
 
 
+def test_the_widest_play_is_turned_well_before_the_ends_of_strokes(soft):
+    """A play of threshold r is turned by strokes of more than 2 r."""
+    _, campaign = soft
+    found = guessed_set(campaign, "prandtl-ishlinskii")
+    low, high = found.rig.pressure_range
+    assert 2.0 * found.parameters["reach"].high <= 0.91 * (high - low)
+
+
 def test_the_largest_error_is_that_of_the_largest_step():
     x = np.repeat([0.0, 1.0, 0.2, 0.8, 0.5], 300)
     run = x, 40.0 * x, 0.01

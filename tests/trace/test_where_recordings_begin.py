@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plants.measured.begin import Begin, first_begin, like_fitted
+from plants.measured.begin import Begin, first_begin, like_fitted, same_places
 from plants.measured.blocks import LEAST_BLOCKS, blocks
 from plants.measured.campaign import load_campaign
 from plants.measured.fit import fit_campaign
@@ -45,6 +45,11 @@ def test_a_held_out_recording_is_virgin_where_those_are_that_start_there():
     assert like_fitted(log, 10.0, rig, (there, elsewhere)) == Begin(3.0, 0.0, True)
     assert like_fitted(log, 10.0, rig, (elsewhere,)) == first_begin(log, 10.0, rig)
     assert not like_fitted(log, 3.0, rig, (replace(there, virgin=False),)).virgin
+
+
+def test_recordings_that_start_at_the_same_place_rested_alike():
+    begins = [Begin(p, 0.0, virgin=False) for p in (3.0, 40.0, 4.0, 42.0, 6.0)]
+    assert same_places(begins, built_in_rig()) == ((0, 2, 4), (1, 3))
 
 
 @pytest.mark.parametrize(("pressure", "rests"), [(1.02, True), (1.2, False)])

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from plants.hysteresis import LAWS, HysteresisLaw, RoughLoop
 from plants.measured.campaign import Campaign
 from plants.measured.guess.rough_models import (
+    REACHES,
     Lagged,
     LoopGuess,
     extent,
@@ -178,7 +179,7 @@ def _of_law(
             case "kPa" if name == "rest_pressure":
                 bounds[name] = (guess.loop.rest - span, guess.loop.rest + span)
             case "kPa":
-                bounds[name] = (1e-3 * span, span)
+                bounds[name] = (1e-3 * span, REACHES[-1] * span)
             case _:
                 bounds[name] = (kind.low, kind.high)
     return values, bounds

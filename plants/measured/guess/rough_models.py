@@ -40,7 +40,9 @@ SMOOTHED = 9
 
 PLAYS = 4
 REACHES = (0.02, 0.04, 0.07, 0.12, 0.2, 0.3, 0.45)
-"""Largest thresholds of the plays that are tried, as shares of the range of the pressure."""
+"""Largest thresholds of the plays that are tried, as shares of the range of the pressure.  The last one is as
+far as a fit may go: strokes turn that play before their ends, and of a wider one the weight would be known
+from the ends alone, so that what goes a little further would be far off."""
 
 JOINT_LAGS = (0.0, 0.03, 0.1, 0.3)
 """Time constants of the joint that are tried [s]."""

@@ -25,6 +25,10 @@ need not have met the ranges that it is judged on."""
 PARTIAL_FIT = (8, 1e-4)
 """Evaluations and tolerance of fits to parts of the rows: they begin at the fit to all of them."""
 
+BEYOND = 0.1
+"""Share of the range of the others that a recording may reach beyond them and still be simulated by a fit to
+them: further out it would be extrapolated, where a model has been told nothing."""
+
 CARRIES = 0.9
 """Share of the error on recordings left out whole that another model may have to be clearly better there."""
 
@@ -56,7 +60,8 @@ class Candidate:
 
     @cached_property
     def over_recordings(self) -> float | None:
-        """Its error over the noise in a free run, of each recording by a fit to the others; None of one."""
+        """Its error over the noise in a free run, of each recording by a fit to the others; see
+        `over_recordings`."""
         return over_recordings(self.model)
 
     @cached_property
@@ -89,24 +94,30 @@ def left_out(model: Model) -> LeftOut:
 
 def over_recordings(model: Model) -> float | None:
     """Root mean square over the noise of a free run from the command, of each recording by a fit to the
-    others to the end; None where there is one recording only.
+    others to the end, where it stays in their range; None where none does, as where there is one only.
 
     Blocks are left out of recordings whose other blocks fit the model, so that what belongs to a recording
     alone, such as a load at some moment of it, is taken for a cause.
     """
     edges, found = model.stage.edges, []
-    if len(edges) < 3:
-        return None
     for first, last in pairwise(edges):
         others = np.ones(edges[-1], bool)
         others[first:last] = False
-        found.append(float(np.mean(model.fitted(rows=others).freely.residual[first:last] ** 2)))
-    return float(np.sqrt(np.mean(found)))
+        if others.any() and _within(model.stage.target[first:last], model.stage.target[others]):
+            found.append(float(np.mean(model.fitted(rows=others).freely.residual[first:last] ** 2)))
+    return float(np.sqrt(np.mean(found))) if found else None
+
+
+def _within(own: Array, others: Array) -> bool:
+    """Whether a channel of a recording stays within the range of the others, or `BEYOND` beyond it."""
+    low, high = float(others.min()), float(others.max())
+    reach = BEYOND * (high - low)
+    return bool(own.min() > low - reach and own.max() < high + reach)
 
 
 def carries_over(before: Candidate, after: Candidate) -> bool:
     """Whether recordings that did not fit it are simulated clearly better by a model than by another; False
-    where there is one recording only."""
+    where none can be simulated by a fit to the others."""
     now, then = after.over_recordings, before.over_recordings
     return now is not None and then is not None and now < CARRIES * then
 
