@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.robustness.certificates.continuous import popov, quadratic
-from design.robustness.certificates.continuous.search import search
+from design.robustness.certificates.continuous import check, lmi, popov, quadratic
+from design.robustness.certificates.continuous.search import confirmed, program, search
 from design.robustness.certificates.continuous.signals import LoopSignals
 from design.robustness.loop_model import LoopModel
 from plants import Wrist
@@ -79,3 +79,14 @@ def test_what_is_under_way_changes_as_its_integrals_do(decay: float) -> None:
             price = quadratic.paid(signals, sign * decay)[0]
             assert price["R"] == pytest.approx(1.0 / tau - sign * 2.0 * decay)
             assert price["S"] == pytest.approx(-sign * 2.0 * decay)
+
+
+def test_one_moment_is_enough_for_a_short_dead_time() -> None:
+    model, tau = LoopModel(2.0, 3.0, {"only": 0.36}, 2.0, 2.0, TW), 0.02
+    signals = LoopSignals.of(model, tau, open_law=False, order=1)
+    u = program(signals, quadratic.RUNG, 0.0, signals.scale)
+    found = confirmed(lambda: lmi.widest(u), signals, quadratic.RUNG, 0.0, tau)
+    assert found.form is not None
+    assert found.form.order == 1
+    assert check.margin(found.form, model, tau) > check.CONFIRMED
+    assert check.margin(found.form, model, 0.0) < 0.0
