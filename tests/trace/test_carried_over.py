@@ -7,7 +7,7 @@ from plants.effects import Creep, LoadStep
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.stage import Stage
-from plants.measured.trace.search.candidate import Candidate, carries_over, over_recordings
+from plants.measured.trace.search.candidate import Candidate, carries_over
 from plants.measured.trace.search.choose import carried_over
 from plants.measured.trace.stages.model import Model
 from plants.parameters.files import built_in
@@ -64,4 +64,4 @@ def test_a_recording_beyond_the_range_of_the_others_is_not_held_against_a_model(
     one, other = (both.model.stage.edges[i : i + 2] for i in (0, 1))
     left = both.model.fitted(rows=np.arange(2 * TIME.size) >= other[0]).residual[one[0] : one[1]]
     assert both.over_recordings == pytest.approx(float(np.sqrt(np.mean(left**2))))
-    assert over_recordings(candidate(commands=(small, 1.1 * small - 0.12)).model) is not None
+    assert candidate(commands=(small, 1.1 * small - 0.12)).over_recordings is not None
