@@ -12,8 +12,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from plants.errors import InputError
 from plants.toml import Reader, read_toml
 
@@ -153,19 +151,12 @@ class Rig:
         (36.0, 5.0)
         """
         own = built_in_rig()
-        sizes = {
-            own.units.command: np.ptp(self.command_range) / np.ptp(own.command_range),
-            own.units.pressure: self.half_range / own.half_range,
-            own.units.angle: self.task.step / own.task.step,
-        }
-        factor, power = 1.0, 1.0
-        for part in re.split(r"([/ ()]+)", unit):
-            if "/" in part:
-                power = -1.0
-            named = part.strip("/ ()^2")
-            if named in sizes and self.unit(named) != named:
-                factor *= float(sizes[named]) ** (power * (2.0 if part.endswith("^2") else 1.0))
-        return value * factor
+        sizes = (
+            _span(self.command_range) / _span(own.command_range),
+            self.half_range / own.half_range,
+            self.task.step / own.task.step,
+        )
+        return value * _factor(unit, self.units, sizes)
 
     @property
     def record(self) -> dict[str, Any]:
@@ -192,6 +183,26 @@ class Rig:
                 "resolution": u.resolution,
             },
         }  # fmt: skip
+
+
+def _span(ends: tuple[float, float]) -> float:
+    return ends[1] - ends[0]
+
+
+@cache
+def _factor(unit: str, units: Units, sizes: tuple[float, float, float]) -> float:
+    """What a value [unit] of the built-in rig is multiplied by in a rig of other units, whose command range,
+    pressure range and step of the task are so many times those of the built-in one."""
+    own = built_in_rig().units
+    of = dict(zip(vars(own).values(), sizes, strict=True))
+    factor, power = 1.0, 1.0
+    for part in re.split(r"([/ ()]+)", unit):
+        if "/" in part:
+            power = -1.0
+        named = part.strip("/ ()^2")
+        if named in of and units.of(named, own) != named:
+            factor *= of[named] ** (power * (2.0 if part.endswith("^2") else 1.0))
+    return factor
 
 
 @cache

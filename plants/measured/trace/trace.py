@@ -5,13 +5,14 @@ errors before and after come from the others, simulated freely from the command.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.campaign import Campaign
 from plants.measured.fit import Fit, fit_campaign
+from plants.measured.stage import Stage
 from plants.measured.trace.declared import LOWER, base_fit, declared_model, stages_of
 from plants.measured.trace.law import LawChoice, law_of_rig
 from plants.measured.trace.result import StageTrace, Trace
@@ -22,7 +23,7 @@ from plants.measured.trace.stages.between_rows import with_commands
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.start import Start, starting
 from plants.measured.trace.suspect import check
-from plants.measured.trace.traced_stage import helps, trace_stage, with_learnt_block
+from plants.measured.trace.traced_stage import adopted, helps, trace_stage, with_learnt_block
 from plants.parameters.quantities import ParameterSet
 
 Array = NDArray[np.float64]
@@ -60,17 +61,41 @@ def _trace(
     learning: bool, either_way: bool,
 ) -> Trace:  # fmt: skip
     begun = starting(campaign, given, either_way)
-    found = _traced(begun, seed, tell, learning)
     for _ in range(RETRACED):
-        timed = with_commands(begun, found.stages[0].search.chosen.model)
+        first = _first_stage(begun, seed, tell)
+        timed = with_commands(begun, first.model)
         if timed is None:
-            break
+            return _traced(first, seed, tell, learning)
         begun = timed
-        found = _traced(begun, seed, tell, learning)
-    return found
+    return _traced(_first_stage(begun, seed, tell), seed, tell, learning)
 
 
-def _traced(begun: Start, seed: int, tell: Callable[[str, float], None], learning: bool) -> Trace:
+@dataclass(frozen=True)
+class _FirstStage:
+    """What is known of a campaign when its first stage is traced.
+
+    remarks: on the campaign.  fit: of the declared wrist; law: the choice of its hysteresis law; base: the
+    fit with that law.  start: starting values and bounds of the declared parameters.  stages: all that can
+    be traced, of which `traced` is the first.
+    """
+
+    begun: Start
+    remarks: tuple[str, ...]
+    fit: Fit
+    law: LawChoice | None
+    base: Fit
+    start: ParameterSet
+    stages: tuple[Stage, ...]
+    traced: StageTrace
+
+    @property
+    def model(self) -> Model:
+        """Of the first stage, with the effects that are adopted."""
+        return adopted(self.traced, self.fit).search.chosen.model
+
+
+def _first_stage(begun: Start, seed: int, tell: Callable[[str, float], None]) -> _FirstStage:
+    """A campaign as far as what its commands did between rows can be told."""
     campaign = begun.campaign
     remarks = check(campaign)
     tell("fitting the declared wrist", 0.0)
@@ -79,21 +104,28 @@ def _traced(begun: Start, seed: int, tell: Callable[[str, float], None], learnin
     law = law_of_rig(begun, fit, seed)
     base = base_fit(fit, law)
     start = base.fitted if base is not fit else begun.parameters
-    values: dict[str, float] = dict(base.fitted.values)
-    traced: list[StageTrace] = []
-    for stage in stages_of(campaign, base):
-        share = 0.15 + 0.4 * len(traced)
-        declared = declared_model(stage, start, base, values, traced[0].search.chosen if traced else None)
+    stages = tuple(stages_of(campaign, base))
+    declared = declared_model(stages[0], start, base, base.fitted.values, None)
+    if base is fit:
+        base = fit = _once_more(campaign, start, fit, declared, seed)
+    traced = trace_stage(declared, base, _part(tell, 0.15), seed)
+    return _FirstStage(begun, remarks, fit, law, base, start, stages, traced)
+
+
+def _traced(first: _FirstStage, seed: int, tell: Callable[[str, float], None], learning: bool) -> Trace:
+    begun, fit, law, base = first.begun, first.fit, first.law, first.base
+    campaign, traced = begun.campaign, [first.traced]
+    for stage in first.stages[1:]:
+        values = {**base.fitted.values, **{n: v for s in traced for n, v in _fitted(s).items()}}
+        declared = declared_model(stage, first.start, base, values, traced[0].search.chosen)
         if base is fit:
-            base = fit = _once_more(campaign, start, fit, declared, seed)
-        found = trace_stage(declared, base, _part(tell, share), seed)
-        values |= {n: found.model.values[n] for n in found.model.names}
-        traced.append(found)
+            base = fit = _once_more(campaign, first.start, fit, declared, seed)
+        traced.append(trace_stage(declared, base, _part(tell, 0.55), seed))
     if law is not None and not traced[-1].explained:
         law, traced[-1] = _under_others(campaign, fit, law, traced, _part(tell, 0.8), seed)
         base = base_fit(fit, law)
     tell("judging", 0.9)
-    named = revise(campaign, fit, base, tuple(traced), remarks, law, begun.instrument)
+    named = revise(campaign, fit, base, tuple(traced), first.remarks, law, begun.instrument)
     if not learning:
         return named
     tell("learning what is left", 0.92)
@@ -102,6 +134,11 @@ def _traced(begun: Start, seed: int, tell: Callable[[str, float], None], learnin
         return replace(named, learning=True)
     whole = revise(campaign, fit, base, stages, named.remarks, law, begun.instrument)
     return replace(whole, named_only=named.after, learning=True)
+
+
+def _fitted(stage: StageTrace) -> dict[str, float]:
+    """Values that were fitted of a stage."""
+    return {n: stage.model.values[n] for n in stage.model.names}
 
 
 def _under_others(
@@ -115,9 +152,7 @@ def _under_others(
     before, found = traced[:-1], {law.name: traced[-1]}
     for name in law.others:
         base = base_fit(fit, law.taking(name))
-        values = dict(base.fitted.values)
-        for s in before:
-            values |= {n: s.model.values[n] for n in s.model.names}
+        values = {**base.fitted.values, **{n: v for s in before for n, v in _fitted(s).items()}}
         regulator = before[0].search.chosen if before else None
         declared = declared_model(stages_of(campaign, base)[-1], base.fitted, base, values, regulator)
         found[name] = trace_stage(declared, base, tell, seed)

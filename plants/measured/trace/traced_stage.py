@@ -70,6 +70,12 @@ def with_learnt_block(stage: StageTrace) -> StageTrace:
     return replace(stage, block=block, after=block.examined, description=words)
 
 
+def adopted(stage: StageTrace, fit: Fit) -> StageTrace:
+    """The stage, without effects where they neither explain it nor help."""
+    idle = stage.search.chosen.model.forms and not (stage.explained or helps(stage.search, fit))
+    return stage.without_effects if idle else stage
+
+
 def helps(found: EffectSearch, fit: Fit) -> bool:
     """Whether effects that do not explain all of a stage are worth having: with the hysteresis law they take
     away most of what chi-square of the declared model has above 1.  That a free run from the command falls on

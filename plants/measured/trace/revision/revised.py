@@ -30,7 +30,7 @@ from plants.measured.trace.revision.size import (
     span,
 )
 from plants.measured.trace.stages.model import Model
-from plants.measured.trace.traced_stage import excess, helps
+from plants.measured.trace.traced_stage import adopted, excess
 from plants.measured.trace.two_rigs import rigs_differ
 from plants.parameters.correlation import ParameterCorrelation, all_pairs
 from plants.wrist import Wrist
@@ -77,12 +77,12 @@ def _without_what_takes_little(
     stages: tuple[StageTrace, ...], fit: Fit
 ) -> tuple[tuple[StageTrace, ...], list[str]]:
     """The stages, without effects where they neither explain one nor help; and the remark that says so."""
-    idle = [s for s in stages if s.search.chosen.model.forms and not (s.explained or helps(s.search, fit))]
+    kept = tuple(adopted(s, fit) for s in stages)
+    idle = [s for s, k in zip(stages, kept, strict=True) if k is not s]
     if not idle:
         return stages, []
     tried = ", ".join(f.NAME for s in idle for f in s.model.forms)
-    said = f"Tried and not adopted, since too little of what is left goes with it: {tried}."
-    return tuple(s.without_effects if s in idle else s for s in stages), [said]
+    return kept, [f"Tried and not adopted, since too little of what is left goes with it: {tried}."]
 
 
 def _parameters(
