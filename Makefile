@@ -17,9 +17,8 @@ compare: design
 test: $(ENV)
 	$(BIN)/python -m pytest -n 2
 
-# Three on two cores: files of tests last from seconds to ten minutes, so that with two one waits at the end.
 suite: $(ENV)
-	$(BIN)/python -m pytest -n 3 -m suite
+	$(BIN)/python -m pytest -n 2 -m suite
 
 # Compiled kernels with every index checked: what is written past an end is silent without.
 bounds: $(ENV)

@@ -23,6 +23,13 @@ TOGETHER = {
 }  # fmt: skip
 """What files share that is made once a process, and which do."""
 
+APART = (
+    "tests/docs/test_additions.py", "tests/measured/test_closed_loop_logs.py",
+    "tests/notebooks/test_notebooks_run.py", "tests/trace/test_logs_as_loggers_write_them.py",
+    "tests/trace/test_soft_rigs.py",
+)  # fmt: skip
+"""Files whose tests take minutes and share nothing but by their parameter: each may run by itself."""
+
 
 def pytest_collection_finish() -> None:
     """What is loaded stays: the collector need not look through it, some million objects, again and again."""
@@ -37,6 +44,8 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     class ByFile(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
             shared = (of for of, files in TOGETHER.items() if nodeid.startswith(files))
+            if nodeid.startswith(APART):
+                return nodeid.partition("[")[2] or nodeid
             return next(shared, nodeid.partition("::")[0])
 
     return ByFile(config, log)

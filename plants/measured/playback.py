@@ -108,11 +108,42 @@ class Playback:
         return slice(0, len(at)) if at[-1] == len(at) - 1 else at
 
     def play(self, wrist: Wrist, state: State | None = None) -> tuple[Array, Array]:
-        """Pressure [kPa] and angle [deg] of a wrist at the recording's rows.
+        """Pressure [kPa] and angle [deg] of a wrist at the recording's rows, as its logger writes them.
 
         Shape (n,), or (n, lanes) for a wrist with arrays as parameters.
         """
         other = self.other_pressure if wrist.effects else None
         first = float(self.recording.time[0])
         response: Any = open_loop(wrist, self.commands, state, self.every, 1, other, first)
-        return response.pressure[self.kept], response.angle[self.kept]
+        pressure, angle = response.pressure[self.kept], response.angle[self.kept]
+        return self.as_logged(pressure, "pressure_kPa"), self.as_logged(angle, "angle_deg")
+
+    def as_logged(self, values: Array, channel: str) -> Array:
+        """Values (n,) or (n, lanes) of a simulated channel, with straight lines over the rows at which the
+        channel was not renewed, as the recording has: no error of those lines is one of the simulation.
+
+        >>> renewed = {"angle_deg": np.array([True, False, False, True])}
+        >>> log = Recording("a", np.arange(4) * 0.01, np.zeros(4), angle=np.zeros(4), renewed=renewed)
+        >>> Playback(log, 0.01).as_logged(np.array([0.0, 5.0, 5.0, 3.0]), "angle_deg").tolist()
+        [0.0, 1.0, 2.0, 3.0]
+        """
+        if channel not in self.recording.renewed:
+            return values
+        before, after, share = self._lines[channel]
+        share = share if values.ndim == 1 else share[:, None]
+        found: Array = values[before] + share * (values[after] - values[before])
+        return found
+
+    @cached_property
+    def _lines(self) -> dict[str, tuple[NDArray[np.intp], NDArray[np.intp], Array]]:
+        """Of each channel that is not renewed in all rows: the rows between which the straight line of a row
+        is, and how far along it the row is, (n,) each."""
+        time, found = self.recording.time, {}
+        for channel, fresh in self.recording.renewed.items():
+            own = np.flatnonzero(fresh)
+            place = np.searchsorted(own, np.arange(len(time)), side="right")
+            before, after = own[np.maximum(place - 1, 0)], own[np.minimum(place, len(own) - 1)]
+            lasts = time[after] - time[before]
+            share = np.divide(time - time[before], lasts, out=np.zeros(len(time)), where=lasts > 0.0)
+            found[channel] = before, after, np.clip(share, 0.0, 1.0)
+        return found

@@ -146,7 +146,7 @@ class Stage:
             None if other is None else other[::stride], float(playback.recording.time[0]),
             stride * playback.dt,
         )  # fmt: skip
-        return rows[playback.kept]
+        return playback.as_logged(rows[playback.kept], self.channel)
 
     @property
     def timed(self) -> bool:

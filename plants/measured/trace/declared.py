@@ -138,9 +138,12 @@ def _under(declared: Model, regulator: Candidate, put_back: bool) -> Model:
         ).pressure
         simulated.append(pressure)
         if playback.recording.pressure is not None:
-            left = playback.recording.pressure - pressure[playback.rows]
+            # Between renewed values there is nothing to denoise but straight lines.
+            fresh = playback.recording.fresh("pressure_kPa")
+            rows = playback.rows[fresh]
+            left = playback.recording.pressure[fresh] - pressure[rows]
             there = denoised(left, regulator.model.stage.noise)
-            pressure = pressure + np.interp(np.arange(len(pressure)), playback.rows, there)
+            pressure = pressure + np.interp(np.arange(len(pressure)), rows, there)
         drives.append(pressure)
     free = tuple(simulated)
     driven = (
