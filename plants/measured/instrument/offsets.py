@@ -4,7 +4,7 @@ Under one pressure, as at rest, a rig starts at one angle, but for what its join
 that is zeroed anew.  What it remembers is forgotten once the pressure has crossed its range; an offset stays.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +35,9 @@ FEWEST = 200
 
 OTHER = 3.0
 """Times a reading, of many that are tried, that may not do better than the reading."""
+
+REFINED = 0.005
+"""Time constants of the joint [s] are looked for to about this."""
 
 LOUD, STEPS = 3.0, 2.0
 """First angles are offset if they differ by more than these times the noise and the resolution of the
@@ -97,16 +100,29 @@ def _persist(runs: Sequence[Recording], known: Array, offsets: Array, tests: int
     angles = np.concatenate([_angle(r)[own] for r, own in zip(runs, rows, strict=True)]) - known[number]
     first = np.cumsum([0, *(len(r.time) for r in runs[:-1])])
     blocks = judged_blocks([r.time for r in runs])[np.concatenate([*map(np.add, rows, first)])]
-    found = []
-    for regressors in (Regressors.of(runs, lag) for lag in JOINT_LAGS):
-        columns = np.concatenate([regressors.over(r)[own] for r, own in zip(runs, rows, strict=True)])
-        found.append((left_by(columns, angles), left_by(columns, angles - offsets[number])))
-    as_logged, without = min(found, key=lambda left: float(np.mean(left[0] ** 2)))
+
+    def left(lag: float) -> tuple[Array, Array]:
+        of = Regressors.of(runs, lag)
+        columns = np.concatenate([of.over(r)[own] for r, own in zip(runs, rows, strict=True)])
+        return left_by(columns, angles), left_by(columns, angles - offsets[number])
+
+    as_logged, without = left(_lag(lambda lag: float(np.mean(left(lag)[0] ** 2))))
     # What is left is linear in the offsets: of many tried one that should be far larger is there by chance.
     more = as_logged + OTHER * (without - as_logged)
     if tests > 1 and float(without @ without) >= float(more @ more):
         return False
     return lower(as_logged, without, np.unique(blocks, return_inverse=True)[1], tests)
+
+
+def _lag(error: Callable[[float], float]) -> float:
+    """The time constant of the joint [s] at which an error is least: the best of some, refined between its
+    neighbours, since a lag that is a little off leaves more than an offset does."""
+    from scipy.optimize import minimize_scalar
+
+    k = int(np.argmin([error(lag) for lag in JOINT_LAGS]))
+    bounds = JOINT_LAGS[max(k - 1, 0)], JOINT_LAGS[min(k + 1, len(JOINT_LAGS) - 1)]
+    found = minimize_scalar(error, bounds=bounds, method="bounded", options={"xatol": REFINED})
+    return float(found.x)
 
 
 def _past_first_stroke(runs: Sequence[Recording], r: Recording) -> NDArray[np.intp]:
