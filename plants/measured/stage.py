@@ -45,7 +45,8 @@ class Stage:
     ``whole`` (command to angle).  noise: floor of the channel.  loop: parameters of hysteresis and joint
     that are fitted; rig: whose motion was recorded.  drives: pressure
     [kPa] of every ms, for ``wrist``; free_drives: that simulated from the command, where `drives` holds what
-    was measured too.  begins: where recordings start, None at rest.
+    was measured too.  begins: where recordings start, None at rest.  form: error of the channel that the form
+    of a hysteresis law may leave which was chosen from the log.
     """
 
     name: Name
@@ -57,6 +58,7 @@ class Stage:
     drives: tuple[Array, ...] | None = None
     begins: tuple[Begin, ...] | None = None
     free_drives: tuple[Array, ...] | None = None
+    form: float = 0.0
 
     @property
     def freely(self) -> "Stage":

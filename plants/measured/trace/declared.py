@@ -15,6 +15,7 @@ from plants.measured.recording import Recording
 from plants.measured.residual.series.denoised import denoised
 from plants.measured.stage import Stage, begun
 from plants.measured.trace.law import LawChoice
+from plants.measured.trace.revision.size import MATTERS, span
 from plants.measured.trace.search.candidate import Candidate
 from plants.measured.trace.stages.model import Model
 from plants.parameters.quantities import ParameterSet, loop_names
@@ -32,6 +33,11 @@ LOWER = 0.9
 """A minimum is another one if its chi-square is lower than this share of the first's."""
 
 
+FORM = 0.5 * MATTERS
+"""Share of the range of the angle that the form of a law may leave which was chosen from the log.  No rig has
+quite that form, and what is left of so little is followed by effects that it does not have."""
+
+
 def base_fit(fit: Fit, law: LawChoice | None) -> Fit:
     """The fit that is revised: that of the declared wrist, or one of another hysteresis law."""
     if law is None or law.name == fit.fitted.law.NAME:
@@ -39,8 +45,9 @@ def base_fit(fit: Fit, law: LawChoice | None) -> Fit:
     return replace(fit, fitted=law.parameters, undetermined=(), begins=law.begins[law.name])
 
 
-def stages_of(campaign: Campaign, fit: Fit) -> list[Stage]:
-    """What can be traced of a campaign one after the other; of the fit, noise and where recordings begin."""
+def stages_of(campaign: Campaign, fit: Fit, chosen: bool = False) -> list[Stage]:
+    """What can be traced of a campaign one after the other; of the fit, noise and where recordings begin.
+    chosen: whether the hysteresis law was, from the log."""
 
     def made(name: str, channel: str) -> Stage:
         used = [i for i, r in enumerate(campaign.fit) if measured(r, channel) is not None]
@@ -51,7 +58,8 @@ def stages_of(campaign: Campaign, fit: Fit) -> list[Stage]:
         rig = fit.before.rig
         played = tuple(Playback(campaign.fit[i], rig.sample_time) for i in used)
         loop = loop_names(fit.fitted.parameters, campaign.start == "rest")
-        return Stage(name, channel, floor, played, loop, rig, None, begins)  # type: ignore[arg-type]
+        form = FORM * span(fit.runs, channel) if chosen and channel == "angle_deg" else 0.0
+        return Stage(name, channel, floor, played, loop, rig, None, begins, form=form)  # type: ignore[arg-type]
 
     pressure = any(r.pressure is not None for r in campaign.fit)
     stages = [made("regulator", "pressure_kPa")] if pressure else []

@@ -104,7 +104,7 @@ def _first_stage(begun: Start, seed: int, tell: Callable[[str, float], None]) ->
     law = law_of_rig(begun, fit, seed)
     base = base_fit(fit, law)
     start = base.fitted if base is not fit else begun.parameters
-    stages = tuple(stages_of(campaign, base))
+    stages = tuple(stages_of(campaign, base, law is not None))
     declared = declared_model(stages[0], start, base, base.fitted.values, None)
     if base is fit:
         base = fit = _once_more(campaign, start, fit, declared, seed)
@@ -154,7 +154,7 @@ def _under_others(
         base = base_fit(fit, law.taking(name))
         values = {**base.fitted.values, **{n: v for s in before for n, v in _fitted(s).items()}}
         regulator = before[0].search.chosen if before else None
-        declared = declared_model(stages_of(campaign, base)[-1], base.fitted, base, values, regulator)
+        declared = declared_model(stages_of(campaign, base, True)[-1], base.fitted, base, values, regulator)
         found[name] = trace_stage(declared, base, tell, seed)
     errors, best = {n: _free_error(s) for n, s in found.items()}, law.name
     for name in law.others:

@@ -76,8 +76,10 @@ class Candidate:
 
     @property
     def lacks_something(self) -> bool:
-        """Whether its residual is large enough to look further."""
-        return self.model.chi2 > 1.0 + WORTH
+        """Whether its residual is large enough to look further: beyond the noise, and beyond what the form of
+        a law may leave that was chosen from the log."""
+        stage = self.model.stage
+        return self.model.chi2 > 1.0 + max(WORTH, (stage.form / stage.noise) ** 2)
 
 
 def left_out(model: Model) -> LeftOut:
