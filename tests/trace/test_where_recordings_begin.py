@@ -6,11 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from plants.measured import determined
 from plants.measured.begin import Begin, first_begin, like_fitted, same_places
 from plants.measured.blocks import LEAST_BLOCKS, blocks
 from plants.measured.campaign import load_campaign
 from plants.measured.fit import fit_campaign
 from plants.measured.playback import Playback
+from plants.measured.problem import FitProblem
 from plants.measured.recording import Recording
 from plants.measured.stage import Stage
 from plants.measured.trace.declared import stages_of
@@ -50,6 +52,17 @@ def test_a_held_out_recording_is_virgin_where_those_are_that_start_there():
 def test_recordings_that_start_at_the_same_place_rested_alike():
     begins = [Begin(p, 0.0, virgin=False) for p in (3.0, 40.0, 4.0, 42.0, 6.0)]
     assert same_places(begins, built_in_rig()) == ((0, 2, 4), (1, 3))
+
+
+def test_whether_they_rested_is_decided_by_all_of_a_place_together(monkeypatch):
+    """By itself the second would be off the virgin curve, the others on it; what is elsewhere is another
+    question."""
+    left = {True: (80.0, 104.0, 96.0, 30.0), False: (100.0, 100.0, 100.0, 20.0)}
+    monkeypatch.setattr(determined, "_sizes", lambda problem, x: list(left[problem.stage.begins[0].virgin]))
+    begins = tuple(Begin(p, 0.0, virgin=False) for p in (3.0, 4.0, 6.0, 60.0))
+    stage = Stage("wrist", "angle_deg", 1.0, (), (), built_in_rig(), begins=begins)
+    found = determined.remembered(FitProblem(stage, (), (), {}), np.zeros(0))
+    assert [b.virgin for b in found] == [True, True, True, False]
 
 
 @pytest.mark.parametrize(("pressure", "rests"), [(1.02, True), (1.2, False)])
