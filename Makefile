@@ -5,7 +5,7 @@ ENV := .venv/.installed
 # Every process would compile all modules and rewrite all tests anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: design compare test suite bounds fuzz mutants bench lint notebooks docs env clean
+.PHONY: design compare test suite campaigns bounds fuzz mutants bench lint notebooks docs env clean
 
 design: $(ENV)
 	$(BIN)/wrist design plants/measured/examples/flexion plants/measured/examples/deviation --out build/design
@@ -15,10 +15,14 @@ compare: design
 	$(BIN)/wrist compare --design build/design --samples 0 --mpc-plants 0 --out build/compare
 
 test: $(ENV)
-	$(BIN)/python -m pytest -n 2
+	$(BIN)/python -m pytest -n 2 --durations=10
 
 suite: $(ENV)
-	$(BIN)/python -m pytest -n 2 -m suite
+	$(BIN)/python -m pytest -n 2 -m suite --durations=20
+
+# All campaigns of the trace's suite, of which `make suite` takes every second.
+campaigns: $(ENV)
+	WRIST_CAMPAIGNS=all $(BIN)/python -m pytest -n 1 -m suite tests/trace/test_suite.py
 
 # Compiled kernels with every index checked: what is written past an end is silent without.
 bounds: $(ENV)

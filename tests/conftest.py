@@ -31,6 +31,11 @@ APART = (
 """Files whose tests take minutes and share nothing but by their parameter: each may run by itself."""
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """What takes minutes begins first, so that no process waits for it at the end."""
+    items.sort(key=lambda item: not item.nodeid.startswith(APART))
+
+
 def pytest_collection_finish() -> None:
     """What is loaded stays: the collector need not look through it, some million objects, again and again."""
     gc.freeze()

@@ -64,9 +64,10 @@ def trace_without_models(folder: Path) -> Trace:
     return replace(trace_folder(folder), stages=())
 
 
-def judge_suite(root: Path) -> list[Judged]:
-    """All campaigns of a suite, traced side by side and held against its answers."""
+def judge_suite(root: Path, every: int = 1) -> list[Judged]:
+    """The campaigns of a suite, or one of every so many, traced side by side and held against its answers."""
     answers = json.loads((root / "answers.json").read_text())
+    answers = {key: answers[key] for key in list(answers)[::every]}
     folders = [root / key for key in answers]
     with ProcessPoolExecutor(default_jobs(), get_context("spawn")) as pool:
         traces = list(pool.map(trace_without_models, folders))
