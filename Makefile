@@ -20,7 +20,7 @@ test: $(ENV)
 suite: $(ENV)
 	$(BIN)/python -m pytest -n 2 -m suite --durations=20
 
-# All campaigns of the trace's suite, of which `make suite` takes every second.
+# All campaigns of the trace's suite, of which `make suite` takes every third.
 campaigns: $(ENV)
 	WRIST_CAMPAIGNS=all $(BIN)/python -m pytest -n 1 -m suite tests/trace/test_suite.py
 
