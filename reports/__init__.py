@@ -24,7 +24,7 @@ _HOMES = {  # the module of each name, and what it is called there where that is
     "block_words": "reports.trace.words",
     "box_table": "reports.robustness.tables",
     "break_even_figure": "reports.comparison.break_even_figure",
-    "control_sentence": "reports.trace.words",
+    "control_sentence": "reports.trace.control_words",
     "controller_line": "reports.shared.figures.style",
     "cycle_table": "reports.robustness.tables",
     "describing": "reports.robustness.branches.figures",

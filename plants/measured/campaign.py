@@ -14,7 +14,8 @@ from plants.measured.draft import draft
 from plants.measured.formats.columns import Source, parse_columns
 from plants.measured.formats.tables import Table, read_table
 from plants.measured.instrument.stated import StatedHabits, parse_logger
-from plants.measured.recording import RADIANS, Recording, Stage, from_table, required
+from plants.measured.read_table import RADIANS, from_table, required
+from plants.measured.recording import Recording, Stage
 from plants.rig import Rig, built_in_rig
 from plants.toml import check_keys, is_number, parse_toml
 

@@ -1,7 +1,6 @@
-"""A recording: what was commanded and what was measured, checked, in standard units."""
+"""A recording: what was commanded and what was measured, in standard units."""
 
 import math
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
@@ -9,36 +8,14 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.errors import InputError, InputWarning
-from plants.measured.formats.cells import Array, Text, first_bad, shorten
-from plants.measured.formats.columns import STANDARD, Source, turned
-from plants.measured.formats.tables import Table
-from plants.measured.instrument.missing import lines_between, with_missing
-from plants.measured.instrument.rows import mended
-from plants.rig import Rig, Zero
+from plants.rig import Zero
+
+Array = NDArray[np.float64]
 
 Stage = Literal["wrist", "regulator"]
 
-GAP = 2.5
-"""Steps longer than this many sample times are gaps; loggers jitter and may skip one row."""
-
-SHORT_GAP, FEW_GAPS = 25.0, 0.01
-"""Sample times that a gap may last, and share of the steps that may be gaps: packets that were lost."""
-
-FAR = 1.0
-"""Lengths of a recording from zero beyond which its clock counts from something else, such as 1970."""
-
-MEASURED = ("angle_deg", "pressure_kPa", "other_pressure_kPa")
-"""Channels that may lack cells."""
-
 HELD = 0.6
 """Share of rows with a value of their own below which a channel is held between renewals."""
-
-SAMPLE_TIME_TOLERANCE = 0.05
-"""How far the median step may be from the declared sample time, as a part of it."""
-
-RADIANS = 1.2
-"""An angle [deg] that stays within this while the wrist is worked over half its range is in radians."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +32,8 @@ class Recording:
     left ``empty``, how many ``gaps`` its time has, and from when its ``clock`` counts [s].  ahead [s], (n,):
     how long before its row the command jumped, where a set-point changed between two rows; None for a
     command that jumps at rows.  between: whether the command is ``held`` between rows or moves ``straight``;
-    None where it is not known: then held in open loop and straight in a closed one.
+    None where it is not known: then held in open loop and straight in a closed one.  ranges: least
+    and largest value that the sensor of a channel shows, where it saturates at one of them.
 
     A row holds the sensors at its time, before the command of that row acts.
     """
@@ -73,10 +51,17 @@ class Recording:
     mended: Mapping[str, float] = field(default_factory=dict)
     ahead: Array | None = None
     between: Literal["held", "straight"] | None = None
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def fresh(self, channel: str) -> NDArray[np.bool_]:
         """Rows at which a channel was renewed, (n,): all, unless its logger holds it in between."""
         return self.renewed.get(channel, np.ones(len(self.time), bool))
+
+    def shown(self, channel: str) -> NDArray[np.bool_]:
+        """Rows at which a channel was renewed and its sensor was not saturated, (n,)."""
+        low, high = self.ranges.get(channel, (-math.inf, math.inf))
+        values = self.channels[channel]
+        return self.fresh(channel) & (values > low) & (values < high)
 
     def held(self, channel: str) -> bool:
         """Whether a channel was logged in some rows only."""
@@ -111,9 +96,11 @@ class Recording:
             return values if values is None or (by, sign) == (0.0, 1.0) else sign * (values - by)
 
         way = -1.0 if zero.reversed else 1.0
+        first, last = sorted(way * (end - zero.angle) for end in self.ranges.get("angle_deg", (0.0, 0.0)))
         return replace(
             self, pressure=counted(self.pressure, zero.pressure), angle=counted(self.angle, zero.angle, way),
             reference=counted(self.reference, zero.angle, way),
+            ranges={"angle_deg": (first, last)} if self.ranges else {},
         )  # fmt: skip
 
     def until(self, time: float) -> "Recording":
@@ -122,205 +109,3 @@ class Recording:
         arrays: dict[str, Any] = {n: v[kept] for n, v in vars(self).items() if isinstance(v, np.ndarray)}
         extra = {n: v[kept] for n, v in self.extra.items()}
         return replace(self, **arrays, extra=extra, renewed={n: v[kept] for n, v in self.renewed.items()})
-
-
-def from_table(
-    table: Table,
-    sources: Mapping[str, Source] | None = None,
-    stage: Stage = "wrist",
-    sample_time: float | None = None,
-    name: str | None = None,
-    rig: Rig | None = None,
-) -> Recording:
-    """The recording in a table whose columns `sources` maps to the standard names.
-
-    sample_time [s]: what the steps of the time are compared with; None to take the file's own.
-    rig: whose ranges the channels are held against, and whose zero they are counted from; None where it is
-    not known.
-    Raises InputError, in one line with file, row and column, for a column that
-    is missing, cells that are no finite numbers (but for those of measured channels that
-    `plants.measured.instrument.missing` takes out), and a time that repeats, runs
-    backwards (beyond what `plants.measured.instrument.rows` mends), has long gaps or another
-    sample time.  Warns, with InputWarning, of a command outside its range, an angle in radians, and of
-    columns it drops.
-    """
-    sources = _sources(table, sources or {}, stage)
-    table, rows = mended(table, sources["time_s"].name)
-    counts: dict[str, float] = dict(rows)
-    found = {standard: _standard(table, standard, source) for standard, source in sources.items()}
-    time, column = found["time_s"], sources["time_s"].name
-    _check_lengths(table, sources, found)
-    counts |= _check_time(table, column, time, sample_time)
-    if abs(time[0]) > FAR * (time[-1] - time[0]):
-        counts["clock"] = float(time[0])
-        time = time - time[0]
-    renewed = {n: np.isfinite(v) for n, v in found.items() if not np.isfinite(v).all()}
-    if renewed:
-        counts["empty"] = sum(int((~there).sum()) for there in renewed.values())
-    for channel, there in renewed.items():
-        found[channel] = lines_between(time, found[channel], there)
-    if rig is not None:
-        _warn_of_command(table, sources["command_V"].name, found["command_V"], rig)
-    if rig is not None and "angle_deg" in found:
-        _warn_of_radians(table, sources["angle_deg"].name, found, rig)
-    recording = Recording(
-        name or table.path.name,
-        time,
-        found["command_V"],
-        found.get("angle_deg"),
-        found.get("pressure_kPa"),
-        found.get("reference_deg"),
-        found.get("other_pressure_kPa"),
-        _extra(table, {s.name for s in sources.values()}, len(time)),
-        renewed=renewed,
-        mended=counts,
-    )
-    return recording if rig is None else recording.counted_from(rig.zero)
-
-
-def required(stage: Stage) -> tuple[str, ...]:
-    """The standard columns that a recording of a stage cannot do without."""
-    return ("time_s", "command_V", "pressure_kPa" if stage == "regulator" else "angle_deg")
-
-
-def _sources(table: Table, mapped: Mapping[str, Source], stage: Stage) -> dict[str, Source]:
-    """The sources of all columns that are there: mapped, or by their standard name."""
-    own = {name: Source(name) for name in STANDARD if name in table.columns and name not in mapped}
-    note = f"; {table.note}" if table.note else ""
-    for name, source in mapped.items():
-        if source.name not in table.columns:
-            raise InputError(
-                f"{table.path}: no column {source.name!r}, to which [columns] maps {name}; "
-                f"the file has {shorten(list(table.columns))}{note}"
-            )
-    for name in required(stage):
-        if name not in own and name not in mapped:
-            advice = "name it in [columns]"
-            if name == "angle_deg":
-                advice += ', or set stage = "regulator" if only the pressure was measured'
-            has = shorten(list(table.columns))
-            raise InputError(f"{table.path}: no column {name!r}; the file has {has}; {advice}{note}")
-    return {name: mapped.get(name) or own[name] for name in STANDARD if name in mapped or name in own}
-
-
-def _standard(table: Table, standard: str, source: Source) -> Array:
-    """A column in its standard unit, not a number where a measured channel lacks a cell; an error names the
-    first cell that is no finite number."""
-    if source.quaternion:
-        parts = [_standard(table, standard, Source(n)) for n in source.quaternion if n in table.columns]
-        if len(parts) < len(source.quaternion):
-            raise InputError(f"{table.path}: lacks a column of the quaternion {shorten(source.quaternion)}")
-        return turned(*parts)
-    column = table.columns[source.name]
-    bad = first_bad(column)
-    lacking = with_missing(column) if bad is not None and standard in MEASURED else None
-    if lacking is not None:
-        column = lacking
-    elif bad is not None:
-        i, problem = bad
-        where = f"{table.path}: row {table.row(i)}, column {source.name!r}"
-        raise InputError(f"{where}: {problem}; correct it or cut the recording there")
-    assert not isinstance(column, Text), "text has a cell that is no number"
-    return column if source == Source(source.name) else source.scale * column + source.offset
-
-
-def _check_lengths(table: Table, sources: Mapping[str, Source], found: Mapping[str, Array]) -> None:
-    count = len(found["time_s"])
-    for name, values in found.items():
-        if len(values) != count:
-            raise InputError(
-                f"{table.path}: column {sources[name].name!r} has {len(values)} values but the time "
-                f"{sources['time_s'].name!r} has {count}; choose columns that were logged together"
-            )
-    if count < 2:
-        rows = "no rows" if count == 0 else "only 1 row"
-        raise InputError(f"{table.path}: has {rows}; a recording needs at least 2")
-
-
-def _check_time(table: Table, column: str, time: Array, sample_time: float | None) -> dict[str, int]:
-    """How many short ``gaps`` the time has, if any.  Raises InputError for anything worse."""
-    steps = np.diff(time)
-
-    def where(i: int) -> str:
-        return f"{table.path}: row {table.row(i + 1)}, column {column!r}"
-
-    back = np.flatnonzero(steps <= 0.0)
-    if back.size:
-        i = int(back[0])
-        does = "repeats" if steps[i] == 0.0 else f"runs backwards, from {time[i]:.10g}"
-        raise InputError(f"{where(i)}: time {time[i + 1]:.10g} s {does}; it must increase from row to row")
-    median = float(np.median(steps))
-    expected = median if sample_time is None else sample_time
-    if abs(median - expected) > SAMPLE_TIME_TOLERANCE * expected:
-        advice = "correct sample_time_s"
-        if abs(median - 1000.0 * expected) <= SAMPLE_TIME_TOLERANCE * 1000.0 * expected:
-            advice = "the time looks like milliseconds; map it with scale = 0.001"
-        raise InputError(
-            f"{table.path}: column {column!r}: the median step is {median:.4g} s but "
-            f"sample_time_s is {expected:.4g}; {advice}"
-        )
-    gaps = np.flatnonzero(steps > GAP * expected)
-    longer = gaps[steps[gaps] > SHORT_GAP * expected]
-    if longer.size or gaps.size > FEW_GAPS * steps.size:
-        i = int(longer[0] if longer.size else gaps[0])
-        raise InputError(
-            f"{where(i)}: gap of {steps[i]:.4g} s after {time[i]:.10g} s, "
-            f"the sample time being {expected:.4g} s; split the recording there"
-        )
-    return {"gaps": int(gaps.size)} if gaps.size else {}
-
-
-def _warn_of_command(table: Table, column: str, command: Array, rig: Rig) -> None:
-    low, high = rig.command_range
-    outside = np.flatnonzero((command < low) | (command > high))
-    if outside.size:
-        i = int(outside[0])
-        _warn(
-            f"{table.path}: row {table.row(i)}, column {column!r}: command {command[i]:.6g} V is outside "
-            f"{low:g} to {high:g} V ({outside.size} of {len(command)} rows); "
-            "if its unit is not volts, map it with a scale"
-        )
-
-
-def _warn_of_radians(table: Table, column: str, found: Mapping[str, Array], rig: Rig) -> None:
-    if rig.units.angle != "deg":
-        return
-    angle = found["angle_deg"]
-    worked = np.ptp(found["command_V"]) > 0.5 * (rig.command_range[1] - rig.command_range[0])
-    if "pressure_kPa" in found:
-        worked = worked or np.ptp(found["pressure_kPa"]) > 0.5 * (
-            rig.pressure_range[1] - rig.pressure_range[0]
-        )
-    # An angle that never moves is a dead sensor or a locked joint, in any unit.
-    if worked and np.ptp(angle) > 0.0 and np.max(np.abs(angle)) < RADIANS:
-        _warn(
-            f"{table.path}: column {column!r}: the angle stays within {np.max(np.abs(angle)):.3g} deg, "
-            "which looks like radians; map it with scale = 57.29578"
-        )
-
-
-def _extra(table: Table, used: set[str], rows: int) -> dict[str, Array]:
-    """The numeric channels that no standard name uses; a second copy of a used one is no channel."""
-    kept: dict[str, Array] = {}
-    copies = [c for name, c in table.columns.items() if name in used and not isinstance(c, Text)]
-    for name, column in table.columns.items():
-        if name in used:
-            continue
-        if name in STANDARD:
-            _warn(f"{table.path}: column {name!r} is ignored; [columns] maps another column to it")
-            continue
-        bad = first_bad(column) if isinstance(column, Text) or len(column) == rows else None
-        if bad is not None:
-            i, problem = bad
-            _warn(f"{table.path}: row {table.row(i)}, column {name!r}: {problem}; the column is dropped")
-        elif (
-            not isinstance(column, Text)
-            and len(column) == rows
-            and not any(np.array_equal(column, c) for c in copies)
-        ):
-            kept[name] = column
-    return kept
-
-
-def _warn(message: str) -> None:
-    warnings.warn(message, InputWarning, stacklevel=2)

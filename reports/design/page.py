@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from design.studies.design_study import DesignStudy
-from reports.design import figures, tables, words
+from reports.design import alternative_words, figures, tables, words
 from reports.design.record import design_record
 from reports.shared.card import card, step_caption
 from reports.shared.figures.decision_card import draw_card, draw_steps
@@ -47,5 +47,5 @@ def design_page(study: DesignStudy, made: Made, drawn: "dict[str, Figure]") -> s
         summary=words.summary(study), remarks=words.remarks(study),
         decision=card(rows, shown("step", step_caption(rows))), controllers=words.controllers(study),
         price=tables.price_table(study), prices=shown("prices", words.price_caption(study)),
-        alternatives=words.alternatives(study),
+        alternatives=alternative_words.alternatives(study),
     )  # fmt: skip

@@ -3,16 +3,14 @@
 from collections.abc import Mapping
 from math import isfinite
 
-from design.alternatives.designs import LQI_NAME, ROBUST_MPC
 from design.robustness.certificates.memory.ladder import IN_BOX
 from design.robustness.tuning.recommended import PLAIN
 from design.studies.design_study import DesignStudy, MotionDesign
-from design.studies.designs import BARE, CASCADE, FORWARD
+from design.studies.designs import BARE
 from design.synthesis.answer import OutOfReach
 from plants.effects.wrist.remainder import STEEPNESS
 from plants.wrist import Wrist
 from reports.shared.card import broken_words, gains_words
-from reports.shared.names import limit_in_text
 from reports.shared.tables import listed, number
 
 OTHER_MOTION = "other_pressure_kPa"
@@ -171,14 +169,6 @@ def remarks(study: DesignStudy) -> list[str]:
     return found
 
 
-def alternatives(study: DesignStudy) -> list[str]:
-    """What other controllers would change under the same requirement, a motion after the other."""
-    said = [
-        words(m) for m in study.motions for words in (feedforward_words, cascade_words, lqi_words, mpc_words)
-    ]
-    return [s[0].upper() + s[1:] for s in said if s]
-
-
 def remainder_words(m: MotionDesign, left: Mapping[str, float] | None) -> str:
     """What the residual of a motion's plant costs; empty where it is within the noise."""
     if left is None:
@@ -234,98 +224,6 @@ def price_caption(study: DesignStudy) -> str:
         "limit broken. Gains tuned for weaker guarantees may be faster here, but break limits in other "
         "cases."
     )
-
-
-def feedforward_words(m: MotionDesign) -> str:
-    """What a feedforward around a PI's loop would change, and in which case it breaks a limit; nothing where
-    none was found that holds the cases of its tuning."""
-    found = m.designs.get(FORWARD)
-    if found is None or not (found["holds"] or "worst_case" in found):
-        return ""
-    gains, share = found["gains"], _saved(m, FORWARD)
-    error = "" if share is None else f"lowers the worst IAE of the tuning by {number(100 * share, 2)} %. It "
-    words = (
-        f"{m.motion}: an inverse feedforward (filter {number(gains['speed'])} 1/s, model delayed by "
-        f"{number(1000 * gains['dead_time'])} ms) around the loop Kp = {number(gains['Kp'])}, Ki = "
-        f"{number(gains['Ki'])} {error}needs the model and the measured pressure "
-        "on the target, and no certificate covers it."
-    )
-    if found["holds"]:
-        return f"{words} No broken limit was found."
-    excess = number(100 * found["worst_excess"], 2)
-    limit = limit_in_text(found["worst_excess_of"])
-    return (
-        f"{words} It is not recommended: the search found a case that breaks the limit on {limit} "
-        f"by {excess} % ({found['worst_case']})."
-    )
-
-
-def lqi_words(m: MotionDesign) -> str:
-    """What an LQI would change under the same requirement, and which limit it breaks; nothing where there is
-    none."""
-    return _pressure_words(m, LQI_NAME, "a robust LQI")
-
-
-def cascade_words(m: MotionDesign) -> str:
-    """As `lqi_words`, of a cascade with the measured pressure inside."""
-    return _pressure_words(m, CASCADE, "a cascade, a PI around a proportional loop on the pressure")
-
-
-def _saved(m: MotionDesign, name: str) -> float | None:
-    """Share by which the worst IAE of a controller's tuning lies below that of the recommended one; None
-    where one of them has none, since its gains break a limit of the linear loop."""
-    mine, best = m.designs[name]["cost"], m.designs[m.recommended]["cost"]
-    known = all(c is not None and isfinite(c) for c in (mine, best))
-    return 1 - mine / best if known else None
-
-
-def _pressure_words(m: MotionDesign, name: str, what: str) -> str:
-    found = m.designs.get(name)
-    if found is None:
-        return ""
-    values = ", ".join(f"{n} = {number(v)}" for n, v in found["gains"].items())
-    share = _saved(m, name)
-    error = (
-        f"s worst IAE is {number(100 * abs(share), 2)} % {'lower' if share > 0.0 else 'higher'}"
-        if share is not None
-        else "s worst IAE is not known, since gains that break a limit of the linear loop are not simulated"
-    )
-    words = f"{m.motion}: {what} ({values}) needs the measured pressure, and no certificate covers it."
-    if found["holds"]:
-        return f"{words} It{error}; no broken limit was found."
-    limit = f"the limit on {limit_in_text(found['worst_excess_of'])}"
-    if found["worst_excess"] > 0.0:
-        beyond = f"It breaks {limit} by {number(100 * found['worst_excess'], 2)} % in a case that was found"
-    else:
-        beyond = f"No gains of it were found that stay below {limit} by the margin of the tuning"
-    return f"{words} {beyond}; it{error}."
-
-
-def mpc_words(m: MotionDesign) -> str:
-    """What an MPC would change under the same requirement; nothing where none was tuned."""
-    found = m.designs.get(ROBUST_MPC)
-    if found is None:
-        return ""
-    share = _saved(m, ROBUST_MPC)
-    swing, move, delay = (number(found["gains"][n]) for n in ("swing", "move", "delay"))
-    at_rest = found["margins"]
-    words = (
-        f"{m.motion}: a {ROBUST_MPC} (weights {swing} on the change of the error, {move} on that of the "
-        f"command, {delay} periods of dead time in its model) needs a model and the measured pressure, and "
-        "solves a quadratic program every period. No "
-        "certificate covers it. Its linear loop at rest has Ms = "
-        f"{number(at_rest['Ms'])} at most, and a delay margin of at least "
-        f"{number(1000 * at_rest['delay_margin_s'], 2)} ms."
-    )
-    if share is not None:
-        words += f" The worst IAE of its tuning is {number(100 * share, 2)} % lower."
-    if found["holds"]:
-        return (
-            f"{words} No broken limit was found in about {found['search_runs']} runs of a search and in "
-            f"{found['samples']} fresh samples."
-        )
-    excess = number(100 * found["worst_excess"], 2)
-    return f"{words} It breaks the limit on {limit_in_text(found['worst_excess_of'])} by {excess} %."
 
 
 def controller_words(m: MotionDesign) -> str:

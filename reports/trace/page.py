@@ -11,7 +11,7 @@ from reports.shared.card import Card
 from reports.shared.figures.style import save, svg
 from reports.shared.html import Made, Shown, markup, render
 from reports.shared.plant_tables import assumption_table
-from reports.trace import captions, tables, words
+from reports.trace import captions, control_words, tables, words
 from reports.trace.fit_figures import draw_control, draw_errors, draw_loop, draw_series
 from reports.trace.parameter_figure import draw_parameters, parameters_caption
 from reports.trace.record import control_record, trace_record
@@ -146,7 +146,7 @@ def _unexplained(s: StageTrace, adopted: bool, shown: Any) -> dict[str, Any]:
 def _control(trace: Trace, control: Control, drawn: Mapping[str, "Figure"], shown: Any) -> dict[str, Any]:
     caption = captions.control(control)
     return {
-        "sentence": words.control_sentence(control),
+        "sentence": control_words.control_sentence(control),
         "caution": captions.CAUTION if trace.unexplained else "",
         "judge": control.judge,
         "table": tables.control_table(control) if "control" in drawn else None,

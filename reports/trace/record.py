@@ -9,7 +9,8 @@ from plants.measured.instrument.remark import habits
 from plants.measured.trace.result import Named, StageTrace, Trace
 from reports.shared.figures.fit import correlation_record
 from reports.shared.tuning import refused
-from reports.trace.words import NO_LOOP, UNITS, describe
+from reports.trace.control_words import NO_LOOP
+from reports.trace.words import UNITS, describe
 
 
 def trace_record(trace: Trace, control: Mapping[str, Any] | None = None) -> dict[str, Any]:

@@ -15,8 +15,8 @@ from plants.effects import DeadTime, Drift, HardStop
 from plants.files import json_text
 from plants.measured.campaign import load_campaign
 from plants.measured.trace.trace import trace_campaign
+from reports.trace.control_words import control_sentence
 from reports.trace.record import control_record
-from reports.trace.words import control_sentence
 from tests.rig.campaign import make_rig, record
 
 COARSE = Region(points=8)

@@ -15,14 +15,11 @@ from plants.effects.wrist.stick_slip import FreeSlip
 from plants.parameters.files import built_in
 from plants.rig import Zero
 from reports.design import tables
+from reports.design.alternative_words import cascade_words, feedforward_words, lqi_words, mpc_words
 from reports.design.words import (
-    cascade_words,
     controller_words,
     controllers,
-    feedforward_words,
     last_line,
-    lqi_words,
-    mpc_words,
     price_caption,
     remarks,
     summary,

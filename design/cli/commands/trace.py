@@ -76,8 +76,8 @@ def command(
     from plants.measured.campaign import load_campaign
     from plants.measured.trace.trace import trace_campaign
     from plants.parameters.files import dump
+    from reports.trace.control_words import control_sentence
     from reports.trace.record import control_record, trace_record
-    from reports.trace.words import control_sentence
 
     check_places({"--save": save, "--json": json}, out)
     data = load_campaign(campaign, rig_of(plant))

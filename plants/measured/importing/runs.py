@@ -10,7 +10,7 @@ from plants.errors import InputError
 from plants.measured.formats.channel import Array, LoggedChannel
 from plants.measured.importing.channels import Log
 from plants.measured.importing.roles import Role
-from plants.measured.recording import GAP
+from plants.measured.read_table import GAP
 
 REST = 2.0
 """Time [s] for which the command stands at where it began, that a run may end there."""
