@@ -57,6 +57,7 @@ def corrected(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     remarks = _mended(campaign)
     campaign = _renewed(campaign, remarks)
     campaign = _without_spikes(campaign, remarks)
+    campaign = _saturated(campaign, remarks)
     campaign = _in_step(campaign, remarks)
     for channel, by_file in campaign.logger.offsets.items():
         campaign = _taken_off(campaign, channel, by_file, remarks, True)
@@ -65,7 +66,6 @@ def corrected(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
             campaign = _without_offsets(campaign, remarks)
         else:
             campaign = _taken_off(campaign, "angle_deg", offsets_between(campaign), remarks)
-    remarks += _resting(campaign)
     return campaign, tuple(remarks)
 
 
@@ -107,8 +107,14 @@ def _taken_off(
     remarks.append(Remark("offset", channel, largest, unit, tuple(offsets), stated))
 
     def taken(r: Recording) -> Recording:
-        values = getattr(r, FIELDS[channel])
-        return r if values is None else replace(r, **{FIELDS[channel]: values - offsets.get(r.name, 0.0)})
+        values, off = getattr(r, FIELDS[channel]), offsets.get(r.name, 0.0)
+        if values is None:
+            return r
+        moved: dict[str, Any] = {FIELDS[channel]: values - off}
+        if channel in r.ranges:
+            low, high = r.ranges[channel]
+            moved["ranges"] = {**r.ranges, channel: (low - off, high - off)}
+        return replace(r, **moved)
 
     return _each(campaign, taken)
 
@@ -216,15 +222,25 @@ def _at_rest(angle: Array) -> tuple[float, float]:
     return middle, middle - slope if abs(slope) > CERTAIN * spread else middle
 
 
-def _resting(campaign: Campaign) -> list[Remark]:
-    found: dict[str, float] = {}
-    for r in (*campaign.fit, *campaign.validate):
-        if r.angle is None:
-            continue
-        rows = longest(r.angle == 0.0)
-        if rows >= REST_ROWS and np.ptp(r.angle) > 0.0:
-            found[r.name] = rows * float(np.median(np.diff(r.time)))
-    return [Remark("resting", "angle_deg", max(found.values()), "s", tuple(found))] if found else []
+def _saturated(campaign: Campaign, remarks: list[Remark]) -> Campaign:
+    """The campaign with the range of the angle sensor, where it rests at exactly zero and the angle is on one
+    side of that; that it rests is remarked where the angle goes either way as well."""
+    found: dict[Habit, dict[str, float]] = {"saturated": {}, "resting": {}}
+
+    def ranged(r: Recording) -> Recording:
+        if r.angle is None or np.ptp(r.angle) == 0.0 or (rows := longest(r.angle == 0.0)) < REST_ROWS:
+            return r
+        low = 0.0 if r.angle.min() == 0.0 else -np.inf
+        high = 0.0 if r.angle.max() == 0.0 else np.inf
+        ends = 0.0 in (low, high)
+        found["saturated" if ends else "resting"][r.name] = rows * float(np.median(np.diff(r.time)))
+        return replace(r, ranges={"angle_deg": (low, high)}) if ends else r
+
+    campaign = _each(campaign, ranged)
+    for habit, lasts in found.items():
+        if lasts:
+            remarks.append(Remark(habit, "angle_deg", max(lasts.values()), "s", tuple(lasts)))
+    return campaign
 
 
 def longest(flags: NDArray[np.bool_]) -> int:

@@ -119,14 +119,18 @@ class Playback:
         return self.as_logged(pressure, "pressure_kPa"), self.as_logged(angle, "angle_deg")
 
     def as_logged(self, values: Array, channel: str) -> Array:
-        """Values (n,) or (n, lanes) of a simulated channel, with straight lines over the rows at which the
-        channel was not renewed, as the recording has: no error of those lines is one of the simulation.
+        """Values (n,) or (n, lanes) of a simulated channel as its logger writes them.
+
+        They are kept in the range of the sensor, where it saturates, and straight lines are over the rows at
+        which the channel was not renewed, as the recording has: no error of those is one of the simulation.
 
         >>> renewed = {"angle_deg": np.array([True, False, False, True])}
         >>> log = Recording("a", np.arange(4) * 0.01, np.zeros(4), angle=np.zeros(4), renewed=renewed)
         >>> Playback(log, 0.01).as_logged(np.array([0.0, 5.0, 5.0, 3.0]), "angle_deg").tolist()
         [0.0, 1.0, 2.0, 3.0]
         """
+        if channel in self.recording.ranges:
+            values = np.clip(values, *self.recording.ranges[channel])
         if channel not in self.recording.renewed:
             return values
         before, after, share = self._lines[channel]

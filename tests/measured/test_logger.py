@@ -49,10 +49,10 @@ def test_a_coarse_sensor_is_not_held(step):
     assert renewals(slow) is None
 
 
-def test_a_sensor_at_rest_at_zero_is_remarked_and_not_refused(tmp_path):
+def test_a_sensor_that_saturates_at_zero_is_remarked_and_not_refused(tmp_path):
     _, remarks = corrected(written("arm-b", tmp_path))
-    (resting,) = [r for r in remarks if r.habit == "resting"]
-    assert "rests at exactly zero" in str(resting)
+    (saturated,) = [r for r in remarks if r.habit == "saturated"]
+    assert "reads exactly zero" in str(saturated)
 
 
 def test_offsets_that_differ_between_recordings_are_taken_off(plain):

@@ -91,6 +91,16 @@ def test_sensors_zeroed_anew_hide_no_effect(tmp_path):
     assert trace.after["angle_deg"] < 2.0 * trace.noise["angle_deg"]
 
 
+def test_a_sensor_that_saturates_hides_no_effect(tmp_path):
+    """All recordings begin with a sensor that shows nothing below zero, which hides their offsets; a stop and
+    another shape of the loop stood for both."""
+    soft_actuator(302).write(tmp_path / "soft", recordings(302), ("check",))
+    trace = trace_campaign(load_campaign(tmp_path / "soft"))
+    assert {"saturated", "offset"} <= {r.habit for r in trace.instrument}
+    assert {e.name for e in trace.effects} == {"dead-time", "fill-exhaust-asymmetry", "creep"}
+    assert trace.after["angle_deg"] < 0.1 * trace.before["angle_deg"]
+
+
 def test_a_law_that_fits_each_recording_for_itself_does_not_replace_another(tmp_path):
     """Four segments with a softening, a load step and creep have the smaller error on held-out blocks, and
     twice the error on recordings left out whole: held-out data were simulated with three times the error."""
