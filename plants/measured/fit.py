@@ -184,6 +184,16 @@ def fit_campaign(
     )  # fmt: skip
 
 
+def on_held_out(fit: Fit, campaign: Campaign) -> Fit:
+    """The fit with its errors on other held-out recordings [deg, kPa]: those of a campaign whose recordings
+    to fit on are the same."""
+    runs = tuple(_runs(campaign, fit.before, fit.fitted, fit.begins))
+    return replace(
+        fit, campaign=campaign, runs=runs, validate_rmse=_errors(runs, "validate"),
+        validate_rmse_before=_errors(runs, "validate", before=True),
+    )  # fmt: skip
+
+
 def _noise(campaign: Campaign) -> Errors:
     """Noise floor of each channel over all recordings, None where it was not logged."""
     return {c: noise_of_campaign((*campaign.fit, *campaign.validate), c) for c in CHANNELS}

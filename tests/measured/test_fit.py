@@ -9,7 +9,7 @@ import pytest
 import plants.measured
 from plants.errors import InputError, InputWarning
 from plants.measured.campaign import Campaign, load_campaign
-from plants.measured.fit import fit_campaign
+from plants.measured.fit import fit_campaign, on_held_out
 from plants.measured.noise import noise_floor
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
@@ -204,3 +204,11 @@ def test_a_sensor_that_never_moves_is_refused():
 def test_the_noise_is_never_below_the_error_of_rounding():
     stairs = np.round(np.linspace(0.0, 50.0, 4000) * 2.0) / 2.0
     assert noise_floor(stairs) == pytest.approx(0.5 / 12**0.5)
+
+
+def test_other_held_out_recordings_change_the_errors_on_them_alone(fitted):
+    other = campaign(validate=tuple(replace(r, command=r.command + 0.01) for r in fitted.campaign.validate))
+    again, moved = fit_campaign(other, built_in("flexion"), starts=3), on_held_out(fitted, other)
+    assert moved.validate_rmse != fitted.validate_rmse
+    for name in ("validate_rmse", "validate_rmse_before", "fit_rmse", "fitted"):
+        assert getattr(moved, name) == getattr(again, name), name

@@ -106,9 +106,10 @@ def test_a_law_that_fits_each_recording_for_itself_does_not_replace_another(tmp_
     twice the error on recordings left out whole: held-out data were simulated with three times the error."""
     soft_actuator(530).write(tmp_path / "soft", recordings(530), ("check",))
     trace = trace_campaign(load_campaign(tmp_path / "soft"))
-    assert {e.name for e in trace.effects} == {"dead-time", "fill-exhaust-asymmetry", "creep"}
-    assert trace.law.name == "prandtl-ishlinskii"
-    assert trace.after["angle_deg"] < 0.3 * trace.before["angle_deg"]
+    assert (
+        {"dead-time", "fill-exhaust-asymmetry", "creep"} <= {e.name for e in trace.effects} <= TRUE["arm-b"]
+    )
+    assert trace.after["angle_deg"] < 0.2 * trace.before["angle_deg"]
 
 
 def test_what_the_form_of_a_law_leaves_is_given_no_name(tmp_path):

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.campaign import Campaign
-from plants.measured.fit import Fit, fit_campaign
+from plants.measured.fit import Fit, fit_campaign, on_held_out
 from plants.measured.stage import Stage
 from plants.measured.trace.declared import LOWER, base_fit, declared_model, stages_of
 from plants.measured.trace.law import LawChoice, law_of_rig
@@ -60,14 +60,15 @@ def _trace(
     campaign: Campaign, given: ParameterSet | None, seed: int, tell: Callable[[str, float], None],
     learning: bool, either_way: bool,
 ) -> Trace:  # fmt: skip
-    begun = starting(campaign, given, either_way)
+    first = _first_stage(starting(campaign, given, either_way), seed, tell)
     for _ in range(RETRACED):
-        first = _first_stage(begun, seed, tell)
-        timed = with_commands(begun, first.model)
+        timed = with_commands(first.begun, first.model)
         if timed is None:
-            return _traced(first, seed, tell, learning)
-        begun = timed
-    return _traced(_first_stage(begun, seed, tell), seed, tell, learning)
+            break
+        # What is held out has no part in the first stage.
+        same = all(a is b for a, b in zip(timed.campaign.fit, first.begun.campaign.fit, strict=True))
+        first = first.judged_on(timed) if same else _first_stage(timed, seed, tell)
+    return _traced(first, seed, tell, learning)
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,12 @@ class _FirstStage:
     start: ParameterSet
     stages: tuple[Stage, ...]
     traced: StageTrace
+
+    def judged_on(self, begun: Start) -> "_FirstStage":
+        """The same of a campaign whose recordings to fit on are the same."""
+        fit = on_held_out(self.fit, begun.campaign)
+        base = fit if self.base is self.fit else on_held_out(self.base, begun.campaign)
+        return replace(self, begun=begun, fit=fit, base=base)
 
     @property
     def model(self) -> Model:
