@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.recording import Recording
-from plants.simulation.open_loop import open_loop
+from plants.simulation.open_loop import open_loop, pressed
 from plants.wrist import SAMPLE_TIME, State, Wrist
 
 Array = NDArray[np.float64]
@@ -113,10 +113,19 @@ class Playback:
         Shape (n,), or (n, lanes) for a wrist with arrays as parameters.
         """
         other = self.other_pressure if wrist.effects else None
-        first = float(self.recording.time[0])
-        response: Any = open_loop(wrist, self.commands, state, self.every, 1, other, first)
+        response: Any = open_loop(wrist, self.commands, state, self.every, 1, other, self._first)
         pressure, angle = response.pressure[self.kept], response.angle[self.kept]
         return self.as_logged(pressure, "pressure_kPa"), self.as_logged(angle, "angle_deg")
+
+    def press(self, wrist: Wrist, state: State | None = None) -> Array:
+        """The pressure alone, as `play` gives it, of a wrist with effects of its regulator."""
+        other = self.other_pressure if wrist.effects else None
+        pressure = pressed(wrist, self.commands, state, self.every, 1, other, self._first)
+        return self.as_logged(pressure[self.kept], "pressure_kPa")
+
+    @property
+    def _first(self) -> float:
+        return float(self.recording.time[0])
 
     def as_logged(self, values: Array, channel: str) -> Array:
         """Values (n,) or (n, lanes) of a simulated channel as its logger writes them.

@@ -138,6 +138,8 @@ class Stage:
         """The channel of wrists in the i-th recording, (rows, lanes)."""
         playback = self.playbacks[i]
         state = self._state(i, wrist)
+        if self.name == "regulator":
+            return playback.press(wrist, state)
         if self.drives is None:
             pressure, angle = playback.play(wrist, state)
             return pressure if self.channel == "pressure_kPa" else angle

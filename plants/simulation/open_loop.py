@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.dynamics import QUIET, SampledWrist, State, bend, read, settled, step
+from plants.dynamics import QUIET, SampledWrist, State, bend, press, read, settled, step
 from plants.effects.effect import Around
 from plants.errors import InputError
 from plants.kernel import pytrees
@@ -65,6 +65,19 @@ def law(names: tuple[str, ...]) -> Callable[..., OpenLoop]:
         return OpenLoop(after, read(after, c.plant, Around(time + c.dt, other)) if shown else ())
 
     return open_loop
+
+
+@cache
+def regulator_law(names: tuple[str, ...]) -> Callable[..., State]:
+    """As `law`, of the regulator alone: loop and joint take no part, and have no state."""
+
+    def pressed(s: State, inputs: tuple[Any, ...], c: SampledOpenLoop) -> State:
+        given: dict[str, Any] = dict(zip(names, inputs, strict=True))
+        around = Around(given.get("time", QUIET.time), given.get("other", QUIET.other_pressure))
+        pressure, effects = press(s, given["command"], c.plant, around)
+        return s._replace(pressure=pressure, effects=effects)
+
+    return pressed
 
 
 def surroundings(
@@ -125,6 +138,37 @@ def open_loop(
     return OpenLoopResponse(
         np.arange(rows.shape[1], dtype=float) * (every * dt), rows[0], rows[1], rows[2], after
     )
+
+
+def pressed(
+    wrist: "Wrist",
+    commands: Any,
+    state: State | None = None,
+    every: int = 1,
+    jobs: int | None = None,
+    other_pressure: Any = None,
+    begin: float = 0.0,
+) -> Array:
+    """The pressure [kPa] of `open_loop`, of a wrist whose effects are those of its regulator: nothing behind
+    it acts back on it, so that a third of the arithmetic will do.
+
+    Arguments and shape as there.
+
+    >>> from plants import Wrist
+    >>> round(float(pressed(Wrist.deviation(), [2.5] * 5000)[-1]), 3)
+    123.336
+    """
+    v = np.asarray(commands, float)
+    start, c, dt = wrist.rest() if state is None else state, wrist.sampled(), wrist.rig.sample_time
+    signals = {"command": v, **surroundings(wrist, len(v), begin, other_pressure)}
+    own = State(start.pressure, (), 0.0, start.effects)
+    _, rows = run_lanes(
+        regulator_law(tuple(signals)), own, SampledOpenLoop(c, dt), len(v), signals, tuple(signals), every,
+        ("pressure",), jobs,
+    )  # fmt: skip
+    single = not any(np.ndim(x) for x in pytrees.leaves((c, own)))
+    found: Array = rows[0, :, 0] if single else rows[0]
+    return found
 
 
 def driven(

@@ -19,7 +19,7 @@ from plants.measured.trace.revision.size import MATTERS, span
 from plants.measured.trace.search.candidate import Candidate
 from plants.measured.trace.stages.model import Model
 from plants.parameters.quantities import ParameterSet, loop_names
-from plants.simulation.open_loop import open_loop
+from plants.simulation.open_loop import pressed
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -141,9 +141,8 @@ def _under(declared: Model, regulator: Candidate, put_back: bool) -> Model:
     simulated, drives = [], []
     for i, playback in enumerate(stage.playbacks):
         begin = None if stage.begins is None else stage.begins[i]
-        pressure = open_loop(
-            wrist, playback.commands, begun(wrist, begin), begin=float(playback.recording.time[0])
-        ).pressure
+        first = float(playback.recording.time[0])
+        pressure = pressed(wrist, playback.commands, begun(wrist, begin), begin=first)
         simulated.append(pressure)
         if playback.recording.pressure is not None:
             # Between renewed values there is nothing to denoise but straight lines.
