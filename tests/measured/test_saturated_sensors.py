@@ -85,3 +85,19 @@ def test_offsets_of_recordings_that_begin_saturated_are_found(tmp_path, seed):
     ]
     about = np.median(true[: len(fit)])
     assert taken == pytest.approx(np.array(true) - about, abs=0.005 * np.ptp(logged[0].angle))
+
+
+@pytest.mark.parametrize("names", [("check.csv",), ("stairs.csv",), ("wave.csv", "check.csv")])
+def test_recordings_of_small_strokes_tell_no_offset(tmp_path, names):
+    """Nothing follows a first stroke that is never made, so there is nothing to regress."""
+    actuator = soft_actuator(200)
+    actuator.write(tmp_path, recordings(200), ("check",))
+    for name in names:
+        log = pd.read_csv(tmp_path / name)
+        pressure = log["pressure_kPa"].iloc[0] + 0.02 * log["pressure_kPa"]
+        still = log.assign(
+            pressure_kPa=pressure, angle_deg=0.02 * log["angle_deg"].where(log.index > 60, 0.0)
+        )
+        still.to_csv(tmp_path / name, index=False, lineterminator="\n")
+    _, remarks = corrected(load_campaign(tmp_path))
+    assert "saturated" in {r.habit for r in remarks}

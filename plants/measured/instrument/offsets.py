@@ -178,10 +178,13 @@ def _beyond(angle: float, ends: tuple[float, float]) -> float:
 
 def _regressed(runs: Sequence[Recording], known: Array, other: Recording) -> tuple[float, float]:
     """The offset [deg] of another recording beside those of some, which are known, (recordings,), with which
-    a regression of the angle on the pressure leaves least, and its standard error over blocks."""
+    a regression of the angle on the pressure leaves least, and its standard error over blocks: infinite where
+    too few rows follow the first strokes."""
     sample = _Rows([*runs, other])
     angles = sample.angles - np.append(known, 0.0)[sample.number]
     own = (sample.number == len(runs)).astype(float)[:, None]
+    if len(own) < FEWEST or not 0.0 < own.mean() < 1.0:
+        return 0.0, np.inf
     lag = _lag(lambda lag: float(np.mean(left_by(np.hstack([sample.columns(lag), own]), angles) ** 2)))
     columns = sample.columns(lag)
     beside, about = left_by(columns, own[:, 0]), left_by(columns, angles)
