@@ -9,9 +9,9 @@ from plants.errors import InputError
 from plants.measured.campaign import load_campaign, load_recording, parse_declaration
 from plants.measured.instrument import offsets
 from plants.measured.instrument.alignment import delay_between, in_step
+from plants.measured.instrument.logger import corrected
 from plants.measured.instrument.offsets import offsets_between
 from plants.measured.instrument.stated import StatedHabits
-from plants.measured.logger import corrected
 from tests.measured.conftest import DECLARATION
 from tests.rig.soft import CAMPAIGNS
 from tests.rig.soft_random import recordings, soft_actuator

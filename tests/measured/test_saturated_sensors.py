@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from plants.measured.campaign import load_campaign
-from plants.measured.logger import corrected
+from plants.measured.instrument.logger import corrected
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.trace.rig_fit import fit_rig

@@ -10,7 +10,7 @@ from design.cli.common import rig_of
 from plants.errors import InputError
 from plants.measured.campaign import load_campaign
 from plants.measured.guess.rig import guessed_rig
-from plants.measured.logger import counted_from
+from plants.measured.instrument.logger import counted_from
 from plants.measured.trace.counting.middle import centred, near_zero, with_reachable_step
 from plants.measured.trace.start import starting
 from plants.parameters.files import built_in, dump, load

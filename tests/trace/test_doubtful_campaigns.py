@@ -9,7 +9,7 @@ import pytest
 
 from plants.errors import InputError, InputWarning
 from plants.measured.campaign import load_campaign
-from plants.measured.logger import corrected
+from plants.measured.instrument.logger import corrected
 from plants.measured.trace.suspect import check
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.files import built_in

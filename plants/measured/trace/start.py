@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 from plants.measured.campaign import Campaign
 from plants.measured.guess.rig import guessed_set
+from plants.measured.instrument.logger import corrected
 from plants.measured.instrument.remark import Remark, zero_of
-from plants.measured.logger import corrected
 from plants.measured.trace.counting.middle import centred, near_zero
 from plants.measured.trace.counting.sign import rising
 from plants.measured.trace.counting.zero import counted

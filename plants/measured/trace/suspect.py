@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from plants.errors import InputError
 from plants.measured.begin import measured
 from plants.measured.campaign import Campaign
-from plants.measured.logger import longest
+from plants.measured.instrument.logger import longest
 from plants.measured.noise import noise_floor, resolution
 from plants.measured.recording import Recording
 from plants.measured.residual.series.joined import FEWEST

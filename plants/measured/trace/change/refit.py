@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from plants.errors import InputError
 from plants.measured.campaign import Campaign
 from plants.measured.fit import fit_campaign
+from plants.measured.instrument.logger import corrected, counted_from
 from plants.measured.instrument.remark import Remark, zero_of
-from plants.measured.logger import corrected, counted_from
 from plants.measured.trace.change.two_steps import std_errors
 from plants.measured.trace.declared import driven, stages_of
 from plants.measured.trace.judge import alternatives, not_logged

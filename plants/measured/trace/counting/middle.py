@@ -14,8 +14,8 @@ from plants.equilibrium import at_pressure, at_rest, obstacle
 from plants.measured.campaign import Campaign
 from plants.measured.guess.rig import guessed_rig, with_step
 from plants.measured.guess.rough_models import extent
+from plants.measured.instrument.logger import counted_from
 from plants.measured.instrument.remark import Remark
-from plants.measured.logger import counted_from
 from plants.parameters.quantities import ParameterSet
 from plants.rig import Zero
 from plants.wrist import Wrist

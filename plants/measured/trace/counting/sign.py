@@ -6,8 +6,8 @@ import numpy as np
 from plants.errors import InputError
 from plants.measured.campaign import Campaign
 from plants.measured.guess.rough_models import first_order, recorded
+from plants.measured.instrument.logger import counted_from
 from plants.measured.instrument.remark import Remark
-from plants.measured.logger import counted_from
 from plants.rig import Zero
 
 FOR_CERTAIN = 0.5

@@ -19,8 +19,8 @@ from plants.measured.campaign import Campaign
 from plants.measured.estimate import corner_of, minimise, uncertainty
 from plants.measured.guess.rig import guessed_set
 from plants.measured.guess.rough_models import first_order, recorded
+from plants.measured.instrument.logger import counted_from
 from plants.measured.instrument.remark import Remark
-from plants.measured.logger import counted_from
 from plants.measured.playback import Playback
 from plants.measured.problem import FitProblem
 from plants.measured.residual.stillness import noise_of_campaign
