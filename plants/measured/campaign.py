@@ -2,7 +2,7 @@
 
 import hashlib
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -51,6 +51,20 @@ class Campaign:
     validate: tuple[Recording, ...]
     checksum: str
     logger: StatedHabits = field(default_factory=StatedHabits)
+
+    @property
+    def recordings(self) -> tuple[Recording, ...]:
+        """All recordings, those that are held out last."""
+        return (*self.fit, *self.validate)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Their names."""
+        return tuple(r.name for r in self.recordings)
+
+    def each(self, change: Callable[[Recording], Recording]) -> "Campaign":
+        """The campaign with each recording changed."""
+        return replace(self, fit=tuple(map(change, self.fit)), validate=tuple(map(change, self.validate)))
 
 
 @dataclass(frozen=True)

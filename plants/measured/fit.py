@@ -196,7 +196,7 @@ def on_held_out(fit: Fit, campaign: Campaign) -> Fit:
 
 def _noise(campaign: Campaign) -> Errors:
     """Noise floor of each channel over all recordings, None where it was not logged."""
-    return {c: noise_of_campaign((*campaign.fit, *campaign.validate), c) for c in CHANNELS}
+    return {c: noise_of_campaign(campaign.recordings, c) for c in CHANNELS}
 
 
 def _check_motion(campaign: Campaign) -> None:

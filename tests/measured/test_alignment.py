@@ -216,6 +216,13 @@ def test_what_campaign_toml_states_is_done_and_not_looked_for(tmp_path, plain):
             '[logger]\nangle_offset_deg = {"no.csv" = 1.0}',
             "[logger] angle_offset_deg: 'no.csv' is no file of this campaign; it has 'steps.csv', 'sine.csv'",
         ),
+        *(
+            (
+                f"[logger]\nangle_range_deg = {entry}",
+                "[logger] angle_range_deg must be the least and the largest",
+            )
+            for entry in ("1.0", "[1.0]", "[2.0, 1.0]", "[nan, 1.0]", '["a", 1.0]', "[true, 2.0]")
+        ),
     ],
 )
 def test_a_bad_logger_table(entry, said):

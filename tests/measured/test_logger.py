@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from plants.measured.campaign import load_campaign
-from plants.measured.instrument.logger import corrected, longest
+from plants.measured.instrument.logger import corrected
 from plants.measured.instrument.renewals import renewals
+from plants.measured.instrument.saturation import longest
 from plants.measured.residual.stillness import noise_of_campaign
 from tests.rig.soft import CAMPAIGNS
 

@@ -6,11 +6,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from plants.errors import InputError
 from plants.measured.campaign import load_campaign
 from plants.measured.instrument.logger import corrected
+from plants.measured.instrument.stated import StatedHabits
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.trace.rig_fit import fit_rig
+from plants.measured.trace.suspect import check
 from plants.parameters.files import built_in
 from plants.rig import Zero
 from tests.rig.campaign import make_rig, record
@@ -34,20 +37,50 @@ def test_the_range_is_counted_as_the_angle_is(way, range_):
     assert log.ranges["angle_deg"] == range_
 
 
-@pytest.mark.parametrize(("axis", "seed"), [("flexion", 621), ("deviation", 622)])
-def test_parameters_are_those_of_the_rig(tmp_path, axis, seed):
+def clip(folder, low, high):
+    for path in folder.glob("*.csv"):
+        log = pd.read_csv(path)
+        clipped = log.assign(angle_deg=log["angle_deg"].clip(low, high))
+        clipped.to_csv(path, index=False, lineterminator="\n")
+
+
+@pytest.mark.parametrize(
+    ("axis", "seed", "low", "high", "habits"),
+    [
+        ("flexion", 621, 0.0, None, ["saturated"]),
+        ("deviation", 622, 0.0, None, ["saturated"]),
+        ("flexion", 624, None, 6.0, ["clipped"]),
+        ("deviation", 625, -4.0, 7.0, ["clipped", "clipped"]),
+    ],
+)
+def test_parameters_are_those_of_the_rig(tmp_path, axis, seed, low, high, habits):
     rig = make_rig(axis, [], seed)
     record(rig, tmp_path, short=True)
-    for path in tmp_path.glob("*.csv"):
-        log = pd.read_csv(path)
-        log.assign(angle_deg=log["angle_deg"].clip(lower=0.0)).to_csv(path, index=False, lineterminator="\n")
+    clip(tmp_path, low, high)
     campaign = load_campaign(tmp_path)
-    assert [r.habit for r in corrected(campaign)[1]] == ["saturated"]
+    assert [r.habit for r in corrected(campaign)[1]] == habits
+    check(corrected(campaign)[0])
     fitted = fit_rig(campaign, built_in(axis), 1).fit.fitted.parameters
     truth = rig.declared._asdict()
     # Of noise about zero only the upper half is read, which moves them by more than their standard errors.
     for name in ("a1", "w1", "a2", "w2", "s", "Tw"):
         assert fitted[name].value == pytest.approx(truth[name], rel=0.03), name
+
+
+def test_a_range_that_is_stated_is_not_looked_for(tmp_path):
+    rig = make_rig("flexion", [], 624)
+    record(rig, tmp_path, short=True)
+    clip(tmp_path, None, 6.0)
+    plain = load_campaign(tmp_path)
+    stated = replace(plain, logger=StatedHabits(ranges={"angle_deg": (-np.inf, 6.0)}))
+    (found, remarks), (as_found, _) = corrected(stated), corrected(plain)
+    assert [(r.habit, r.value, r.stated) for r in remarks] == [("clipped", 6.0, True)]
+    assert "reaches 6 deg" in str(remarks[0])
+    assert found.fit[0].ranges == as_found.fit[0].ranges == {"angle_deg": (-np.inf, 6.0)}
+    with pytest.raises(
+        InputError, match=r"csv: column 'angle_deg': 6 lies beyond \[logger\] angle_range_deg, -inf"
+    ):
+        corrected(replace(plain, logger=StatedHabits(ranges={"angle_deg": (-np.inf, 5.0)})))
 
 
 def test_a_sensor_that_rests_within_its_range_is_not_saturated(tmp_path):

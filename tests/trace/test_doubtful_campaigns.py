@@ -15,7 +15,7 @@ from plants.measured.trace.trace import trace_campaign
 from plants.parameters.files import built_in
 from tests.rig.campaign import make_campaign
 from tests.rig.soft import climber
-from tests.trace.traces import trace_folder
+from tests.trace.traces import NOTHING, trace_folder
 
 
 @pytest.fixture(scope="module")
@@ -40,10 +40,20 @@ def spoiled(plain, tmp_path):
     return change
 
 
-def test_a_clipped_sensor_is_refused(spoiled):
-    folder = spoiled("steps.csv", lambda t: t.assign(angle_deg=t.angle_deg.clip(-6.0, 6.0)))
-    with pytest.raises(InputError, match=r"steps.csv: column 'angle_deg': stays at exactly -?6.*is clipped"):
+def test_a_clipped_sensor_of_the_pressure_is_refused(spoiled):
+    """The measured pressure is what drives the joint."""
+    folder = spoiled("steps.csv", lambda t: t.assign(pressure_kPa=t.pressure_kPa.clip(upper=150.0)))
+    with pytest.raises(
+        InputError, match=r"steps.csv: column 'pressure_kPa': stays at exactly 150.*is clipped"
+    ):
         trace_folder(folder)
+
+
+def test_a_clipped_sensor_of_the_angle_lacks_no_effect(spoiled):
+    found = trace_folder(spoiled("steps.csv", lambda t: t.assign(angle_deg=t.angle_deg.clip(lower=-6.0))))
+    assert [(r.habit, r.value, r.recordings) for r in found.instrument] == [("clipped", -6.0, ("steps.csv",))]
+    assert (found.verdict, found.effects) == (NOTHING, ())
+    assert found.after["angle_deg"] < 1.1 * found.noise["angle_deg"]
 
 
 def test_a_coarse_channel_that_is_held_is_not_clipped(tmp_path):

@@ -158,7 +158,7 @@ def left_of(old: Trace, campaign: Campaign, seed: int = 0) -> tuple[RecordingRes
     shares = not_contradicted(box, old, drawn(box, seed))
     return tuple(
         RecordingResidual(r, channel_residuals(Playback(r, old.revised.rig.sample_time), box, shares))
-        for r in (*campaign.fit, *campaign.validate)
+        for r in campaign.recordings
     )
 
 

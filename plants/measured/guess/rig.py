@@ -55,7 +55,7 @@ def guessed_rig(campaign: Campaign) -> Rig:
     the duration of the task and the limit of settling with the regulator where that is slower, the load with
     the step.  Noise and resolution of the sensor are those of the log.
     """
-    base, recordings = built_in_rig(), (*campaign.fit, *campaign.validate)
+    base, recordings = built_in_rig(), campaign.recordings
     low, high = extent([r.command for r in recordings])
     pressures = [r.pressure for r in recordings if r.pressure is not None]
     least, most = extent(pressures) if pressures else (0.0, UNSEEN)

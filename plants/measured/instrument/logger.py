@@ -7,7 +7,7 @@ a clock that counts from elsewhere, a channel that is logged late.  What campaig
 looked for.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -20,6 +20,7 @@ from plants.measured.instrument.missing import lines_between, spikes
 from plants.measured.instrument.offsets import offsets_between
 from plants.measured.instrument.remark import Habit, Remark
 from plants.measured.instrument.renewals import renewals
+from plants.measured.instrument.saturation import REST_ROWS, ranged
 from plants.measured.noise import noise_floor, resolution
 from plants.measured.recording import Recording
 from plants.rig import Zero
@@ -44,9 +45,6 @@ AT_REST = 1.0
 CERTAIN = 5.0
 """Times its standard error that the slope of an angle at rest has to be for the sensor to drift."""
 
-REST_ROWS = 30
-"""Rows at exactly zero that make a sensor rest."""
-
 
 def corrected(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     """The campaign without the logger's habits, and what they were.
@@ -57,7 +55,7 @@ def corrected(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     remarks = _mended(campaign)
     campaign = _renewed(campaign, remarks)
     campaign = _without_spikes(campaign, remarks)
-    campaign = _saturated(campaign, remarks)
+    campaign = ranged(campaign, remarks)
     campaign = _in_step(campaign, remarks)
     for channel, by_file in campaign.logger.offsets.items():
         campaign = _taken_off(campaign, channel, by_file, remarks, True)
@@ -71,7 +69,7 @@ def corrected(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
 
 def _mended(campaign: Campaign) -> list[Remark]:
     """What was put right when the recordings were read."""
-    recordings = (*campaign.fit, *campaign.validate)
+    recordings = campaign.recordings
     found: list[Remark] = []
     for habit, unit in READ.items():
         counts = {r.name: r.mended[habit] for r in recordings if habit in r.mended}
@@ -88,8 +86,8 @@ def _in_step(campaign: Campaign, remarks: list[Remark]) -> Campaign:
         by = delay_between(campaign)
         late = {"angle_deg" if by > 0.0 else "pressure_kPa": abs(by)} if by else {}
     for channel, delay in late.items():
-        campaign = _each(campaign, lambda r, c=channel, d=delay: in_step(r, c, d))  # type: ignore[misc]
-        remarks.append(Remark("late", channel, delay, "s", _names(campaign), bool(campaign.logger.delays)))
+        campaign = campaign.each(lambda r, c=channel, d=delay: in_step(r, c, d))  # type: ignore[misc]
+        remarks.append(Remark("late", channel, delay, "s", campaign.names, bool(campaign.logger.delays)))
     return campaign
 
 
@@ -116,7 +114,7 @@ def _taken_off(
             moved["ranges"] = {**r.ranges, channel: (low - off, high - off)}
         return replace(r, **moved)
 
-    return _each(campaign, taken)
+    return campaign.each(taken)
 
 
 def _every(r: Recording, period: float) -> NDArray[np.bool_]:
@@ -143,7 +141,7 @@ def _renewed(campaign: Campaign, remarks: list[Remark]) -> Campaign:
             held[r.name] = float(np.median(np.diff(r.time[fresh])))
             return _only(r, channel, fresh)
 
-        campaign = _each(campaign, straight)
+        campaign = campaign.each(straight)
         if held:
             every = float(np.median(list(held.values())))
             remarks.append(Remark("held", channel, every, "s", tuple(held), stated is not None))
@@ -172,7 +170,7 @@ def _without_spikes(campaign: Campaign, remarks: list[Remark]) -> Campaign:
             there[np.flatnonzero(there)[off]] = False
             return _only(r, channel, there)
 
-        campaign = _each(campaign, smooth)
+        campaign = campaign.each(smooth)
         if counts:
             remarks.append(Remark("spikes", channel, sum(counts.values()), "rows", tuple(counts)))
     return campaign
@@ -180,7 +178,7 @@ def _without_spikes(campaign: Campaign, remarks: list[Remark]) -> Campaign:
 
 def counted_from(campaign: Campaign, zero: Zero) -> Campaign:
     """The campaign with pressures and angles counted from a zero."""
-    return _each(campaign, lambda r: r.counted_from(zero))
+    return campaign.each(lambda r: r.counted_from(zero))
 
 
 def _without_offsets(campaign: Campaign, remarks: list[Remark]) -> Campaign:
@@ -202,9 +200,9 @@ def _without_offsets(campaign: Campaign, remarks: list[Remark]) -> Campaign:
             off[r.name] = first
         return r
 
-    _each(campaign, taken)
+    campaign.each(taken)
     # One and the same offset everywhere is where the rig rests, not what a sensor does.
-    values = np.array([off.get(n, 0.0) for n in _names(campaign)])
+    values = np.array([off.get(n, 0.0) for n in campaign.names])
     if not off or np.ptp(values) < 0.5 * float(np.max(np.abs(values))):
         return campaign
     return _taken_off(campaign, "angle_deg", off, remarks)
@@ -220,40 +218,3 @@ def _at_rest(angle: Array) -> tuple[float, float]:
     slope = float(t @ angle / (t @ t))
     spread = float(np.std(angle - middle - slope * t, ddof=2)) / float(t @ t) ** 0.5
     return middle, middle - slope if abs(slope) > CERTAIN * spread else middle
-
-
-def _saturated(campaign: Campaign, remarks: list[Remark]) -> Campaign:
-    """The campaign with the range of the angle sensor, where it rests at exactly zero and the angle is on one
-    side of that; that it rests is remarked where the angle goes either way as well."""
-    found: dict[Habit, dict[str, float]] = {"saturated": {}, "resting": {}}
-
-    def ranged(r: Recording) -> Recording:
-        if r.angle is None or np.ptp(r.angle) == 0.0 or (rows := longest(r.angle == 0.0)) < REST_ROWS:
-            return r
-        low = 0.0 if r.angle.min() == 0.0 else -np.inf
-        high = 0.0 if r.angle.max() == 0.0 else np.inf
-        ends = 0.0 in (low, high)
-        found["saturated" if ends else "resting"][r.name] = rows * float(np.median(np.diff(r.time)))
-        return replace(r, ranges={"angle_deg": (low, high)}) if ends else r
-
-    campaign = _each(campaign, ranged)
-    for habit, lasts in found.items():
-        if lasts:
-            remarks.append(Remark(habit, "angle_deg", max(lasts.values()), "s", tuple(lasts)))
-    return campaign
-
-
-def longest(flags: NDArray[np.bool_]) -> int:
-    """Longest run of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(np.int8), [0]])))
-    return int(max(edges[1::2] - edges[::2], default=0))
-
-
-def _each(campaign: Campaign, change: Callable[[Recording], Recording]) -> Campaign:
-    return replace(
-        campaign, fit=tuple(map(change, campaign.fit)), validate=tuple(map(change, campaign.validate))
-    )
-
-
-def _names(campaign: Campaign) -> tuple[str, ...]:
-    return tuple(r.name for r in (*campaign.fit, *campaign.validate))

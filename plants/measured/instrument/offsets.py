@@ -166,14 +166,14 @@ def _readings(runs: Sequence[Recording], held_out: Sequence[Recording]) -> Array
         if error > PRECISE * float(np.ptp(_angle(r))):
             first[i] = middle
         elif known:  # it would have been read if it were within the range
-            first[i] = _beyond(first[i], r.ranges["angle_deg"])
+            first[i] = _beyond(first[i], r)
     return first - float(np.median(first[: len(runs)]))
 
 
-def _beyond(angle: float, ends: tuple[float, float]) -> float:
-    """An angle [deg], or the end of a range where it lies within: ranges have one end."""
-    low, high = ends
-    return min(angle, low) if np.isfinite(low) else max(angle, high)
+def _beyond(angle: float, r: Recording) -> float:
+    """An angle [deg], or the end of the sensor's range at which a recording begins, where it lies within."""
+    low, high = r.ranges["angle_deg"]
+    return min(angle, low) if _angle(r)[0] <= low else max(angle, high)
 
 
 def _regressed(runs: Sequence[Recording], known: Array, other: Recording) -> tuple[float, float]:

@@ -7,8 +7,8 @@ from typing import Literal
 from plants.rig import Zero
 
 Habit = Literal[
-    "held", "counted from", "far", "reversed", "offset", "resting", "saturated", "late", "repeated",
-    "swapped", "empty", "gaps", "clock", "spikes", "between", "straight",
+    "held", "counted from", "far", "reversed", "offset", "resting", "saturated", "clipped", "late",
+    "repeated", "swapped", "empty", "gaps", "clock", "spikes", "between", "straight",
 ]  # fmt: skip
 
 
@@ -20,10 +20,11 @@ class Remark:
     ``counted from`` (`value` is logged where the rig's plant is at zero), ``far`` (likewise, of an angle
     far from zero), ``reversed`` (counted with the opposite sign), ``offset`` (off by up to `value`, anew in
     each recording), ``resting`` (exactly zero for `value` s), ``saturated`` (likewise, and never beyond),
-    ``late`` (logged `value` s late), ``repeated`` and ``swapped`` (so many rows), ``empty`` (so many
-    cells), ``gaps`` (so many), ``clock`` (counts from `value` s), ``spikes`` (so many rows), ``between``
-    (so many jumps of a command between rows), ``straight`` (a command that moves straight between rows
-    `value` s apart; of commands see `plants.measured.trace.stages.between_rows`).
+    ``clipped`` (its sensor shows nothing beyond `value`), ``late`` (logged `value` s late), ``repeated`` and
+    ``swapped`` (so many rows), ``empty`` (so many cells), ``gaps`` (so many), ``clock`` (counts from `value`
+    s), ``spikes`` (so many rows), ``between`` (so many jumps of a command between rows), ``straight`` (a
+    command that moves straight between rows `value` s apart; of commands see
+    `plants.measured.trace.stages.between_rows`).
     recordings: in which, by name; stated: whether campaign.toml says so.
     """
 
@@ -78,6 +79,13 @@ class Remark:
                     f"The {name} reads exactly zero for up to {self.value:.3g} s and never beyond ({where}): "
                     "the sensor saturates, or there is a stop. Simulations are compared as such a sensor "
                     "reads them, so rows at zero tell only that the true value is not on the other side."
+                )
+            case "clipped":
+                seen = "reaches" if self.stated else "stays at exactly"
+                return (
+                    f"The {name} {seen} {self.value:.4g} {self.unit} ({where}), an end of its sensor's "
+                    "range. Simulations are compared as such a sensor reads them, so rows there tell only "
+                    "that the true value is not within."
                 )
             case "late":
                 return (

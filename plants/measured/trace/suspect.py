@@ -6,15 +6,11 @@ from numpy.typing import NDArray
 from plants.errors import InputError
 from plants.measured.begin import measured
 from plants.measured.campaign import Campaign
-from plants.measured.instrument.logger import longest
-from plants.measured.noise import noise_floor, resolution
+from plants.measured.instrument.saturation import stays_at
 from plants.measured.recording import Recording
 from plants.measured.residual.series.joined import FEWEST
 
 Array = NDArray[np.float64]
-FLAT = 30
-"""Rows in which a noisy channel stays at one and the same extreme value: a clipped sensor."""
-
 SHORT = 20.0
 """Seconds of recordings to fit on below which slow effects cannot show."""
 
@@ -25,7 +21,7 @@ def check(campaign: Campaign) -> tuple[str, ...]:
     Raises InputError, in one line with file and column, for a clipped sensor:
     what it hides would pass for an effect.
     """
-    for recording in (*campaign.fit, *campaign.validate):
+    for recording in campaign.recordings:
         for channel in ("angle_deg", "pressure_kPa"):
             values = measured(recording, channel)
             if values is not None:
@@ -46,18 +42,11 @@ def check(campaign: Campaign) -> tuple[str, ...]:
 
 
 def _check_clipped(campaign: Campaign, recording: Recording, channel: str, values: Array) -> None:
-    step = resolution(values)
     for extreme in (values.min(), values.max()):
-        # A sensor may rest for long where it rests at the beginning, and at its zero.
-        if extreme in (0.0, values[0]):
-            continue
-        at = values == extreme
-        if longest(at) < FLAT or (~at).sum() < FLAT:
-            continue
-        # A channel without noise may well stay at one value.
-        if noise_floor(values[~at]) > 0.7 * step:
+        rows = 0 if extreme in recording.ranges.get(channel, ()) else stays_at(values, extreme)
+        if rows:
             raise InputError(
                 f"{campaign.name}/{recording.name}: column {channel!r}: stays at exactly {extreme:g}, its "
-                f"extreme, for {longest(at)} rows though it is noisy elsewhere: the sensor is clipped; "
+                f"extreme, for {rows} rows though it is noisy elsewhere: the sensor is clipped; "
                 "widen its range or cut those rows out"
             )

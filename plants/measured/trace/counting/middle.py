@@ -34,7 +34,7 @@ FAR = 1.0
 def near_zero(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     """The campaign with an angle that lies far from zero for its range, as that of a sensor that nobody
     zeroed, counted from the lower end of its range, and that it was.  An output curve bends about zero."""
-    recordings = (*campaign.fit, *campaign.validate)
+    recordings = campaign.recordings
     angles = [r.angle for r in recordings if r.angle is not None]
     if not angles:
         return campaign, ()
@@ -49,7 +49,7 @@ def near_zero(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
 def centred(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     """The campaign with its angle counted from the middle of its range, where it goes to one side, and that
     it was.  It then starts anywhere: the virgin curve is left behind at the end of the range."""
-    recordings = (*campaign.fit, *campaign.validate)
+    recordings = campaign.recordings
     angles = [r.angle for r in recordings if r.angle is not None]
     if not angles:
         return campaign, ()

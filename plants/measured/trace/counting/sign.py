@@ -31,7 +31,7 @@ def rising(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
             )
     if _correlation(campaign) > -FOR_CERTAIN:
         return campaign, ()
-    names = tuple(r.name for r in (*campaign.fit, *campaign.validate))
+    names = campaign.names
     turned = counted_from(campaign, Zero(reversed=True))
     return turned, (Remark("reversed", "angle_deg", -1.0, "1", names),)
 

@@ -95,6 +95,6 @@ def counted(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     known = error is not None and abs(offset) > CERTAIN * error
     if not known or abs(offset) < WORTH * span or below > BELOW * span:
         return campaign, ()
-    names = tuple(r.name for r in (*campaign.fit, *campaign.validate))
+    names = campaign.names
     campaign = counted_from(campaign, Zero(pressure=offset))
     return campaign, (Remark("counted from", "pressure_kPa", offset, "kPa", names),)

@@ -58,7 +58,7 @@ def with_commands(begun: Start, model: Model) -> Start | None:
     of = {p.recording.name: p.recording for p in found.stage.playbacks}
     fit = tuple(of.get(r.name, r) for r in campaign.fit)
     validate = tuple(with_command(r, found.wrist) for r in campaign.validate)
-    if all(a is b for a, b in zip((*fit, *validate), (*campaign.fit, *campaign.validate), strict=True)):
+    if all(a is b for a, b in zip((*fit, *validate), campaign.recordings, strict=True)):
         return None
     remarks = _remarks([Playback(r, stage.rig.sample_time) for r in (*fit, *validate)])
     instrument = (*(r for r in begun.instrument if r.channel != "command_V"), *remarks)
