@@ -40,13 +40,15 @@ BARE = "PI, residual left out"
 @dataclass(frozen=True)
 class DesignEffort:
     """How much is spent: fresh samples, runs of the search for the worst case, points of maps, rounds; mpc:
-    whether an MPC is tuned too, which takes a quarter of an hour a motion."""
+    whether an MPC is tuned too, which takes a quarter of an hour a motion; alternatives: whether a
+    feedforward, a cascade and an LQI are, which takes half of the time."""
 
     samples: int = 20_000
     runs: int = 50_000
     points: int = 40
     rounds: int = 15
     mpc: bool = False
+    alternatives: bool = True
 
 
 def tuned_designs(
@@ -58,7 +60,7 @@ def tuned_designs(
     both = tune_candidates(required, region, seed, effort.rounds, jobs, lambda s, h: tell(s, 0.6 * h))
     plain = both.plain
     found = {PLAIN: _tuning_record(plain), TWO_DOF: _tuning_record(both.two_dof or plain)}
-    if both.two_dof is not None:
+    if both.two_dof is not None and effort.alternatives:
         loops = [both.best.final] + ([both.plain.final] if both.best is both.two_dof else [])
 
         def under(name: str, begin: float) -> Tell:

@@ -18,7 +18,7 @@ GUIDE = DOCS / "your-own-rig.md"
 TEXT = GUIDE.read_text(encoding="utf-8")
 
 QUICKER = {
-    "design": ["--samples", "400", "--budget", "3000", "--points", "10"],
+    "design": ["--samples", "400", "--budget", "3000", "--points", "10", "--no-alternatives"],
     "robust": ["--budget", "200"],
 }
 """What is added to commands that take minutes of one core as the guide gives them: fewer points, samples and

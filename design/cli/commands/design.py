@@ -69,6 +69,12 @@ def command(
         bool,
         typer.Option("--mpc", help="Also tune an MPC under the requirement; a quarter of an hour a motion."),
     ] = False,
+    no_alternatives: Annotated[
+        bool,
+        typer.Option(
+            "--no-alternatives", help="Only PI controllers: no feedforward, cascade or LQI; half the time."
+        ),
+    ] = False,
     seed: SeedOption = 0,
     json: JsonOption = None,
     jobs: JobsOption = None,
@@ -85,7 +91,7 @@ def command(
     said = console(json)
     given = _campaigns(campaigns, plant or [])
     taken = Taken(no_dead_time, no_load, no_noise, nominal, no_remainder)
-    effort = DesignEffort(samples, budget, points, mpc=mpc)
+    effort = DesignEffort(samples, budget, points, mpc=mpc, alternatives=not no_alternatives)
     out.mkdir(parents=True, exist_ok=True)
     with progress("design") as tell:
         study = design_study(given, out, effort, taken, seed, jobs, tell)
