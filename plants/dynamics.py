@@ -37,6 +37,12 @@ class SampledWrist(NamedTuple):
         """The effects that act at a port, with their places, in order."""
         return [(i, getattr(e, port)) for i, e in enumerate(self.effects) if hasattr(e, port)]
 
+    @property
+    def driving(self) -> list[tuple[int, Any]]:
+        """Those at the port ``drive`` that change the pressure, and do not only watch it (`WATCHES`)."""
+        watching = {i for i, e in enumerate(self.effects) if getattr(e, "WATCHES", False)}
+        return [(i, effect) for i, effect in self.at("drive") if i not in watching]
+
 
 QUIET = Around()
 """Surroundings that disturb nothing: the other motion at rest."""

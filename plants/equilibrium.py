@@ -233,10 +233,12 @@ def _bent(wrist: "Wrist", c: SampledWrist, pressure: Number, h: Number) -> tuple
     """The pressure [kPa] that drives a loop at rest at a pressure [kPa], and the shifts of its branches
     [deg]."""
     driven, down, up = pressure, 0.0, 0.0
-    drives, bends = c.at("drive"), c.at("bend")
+    # Searches for a rest ask often: those that only watch the pressure are not asked.
+    drives, bends = c.driving, c.at("bend")
     if not drives and not bends:
         return driven, down, up
-    loop, s = wrist.hysteresis, effects_at_rest(wrist, pressure, h, "drive", "bend", sampled=c)
+    ports = [name for name, those in (("drive", drives), ("bend", bends)) if those]
+    loop, s = wrist.hysteresis, effects_at_rest(wrist, pressure, h, *ports, sampled=c)
     for i, effect in drives:
         _, _, driven = effect(s[i], driven, driven, Around())
     for i, effect in bends:

@@ -16,7 +16,8 @@ its laws; the method's name is the port of the wrist that it acts on.  The wrist
     stop(s, angle)                       -> angle              where the joint may go [deg]
     sensor(s, angle, around)             -> angle              what is measured [deg]
 
-``s`` is the effect's state, ``before`` and ``after`` are the ends of the sample.
+``s`` is the effect's state, ``before`` and ``after`` are the ends of the sample.  Coefficients whose law at
+``drive`` only watches the pressure, and returns it as it is, say ``WATCHES = True``.
 """
 
 from abc import ABC, abstractmethod

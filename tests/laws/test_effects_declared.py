@@ -6,12 +6,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from plants import Wrist
+from plants.effects import EFFECTS
+from plants.effects.effect import Around
 from plants.effects.regulator.supply_droop import CappedPressure
 from plants.effects.sensor.periodic import Hum
 from plants.effects.wrist.creep import Creep
 from plants.effects.wrist.end_stop import CompliantStop, GivingStop, HardStop, PadStop, SpringStop
 from plants.effects.wrist.inertia import Inertia
+from plants.effects.wrist.learnt_block import LearntBlock
 from plants.effects.wrist.load_step import LoadStep
+from plants.effects.wrist.loop_shape import OneMorePlay, SeveralPlays, SmoothLoop
 from plants.effects.wrist.rate_dependence import Viscous
 from plants.effects.wrist.stick_slip import SHARES, FreeSlip
 from plants.rig import built_in_rig
@@ -125,3 +130,24 @@ def test_a_joint_that_rings_keeps_the_bound_while_its_impulse_response_is_positi
         assert wrist.effects[0].joint_lags(wrist) == pytest.approx((wrist.Tw / 2.0, wrist.Tw / 2.0))
     assert Inertia(inertia).no_bound(wrist) is None
     assert "stop" in Inertia(inertia).no_bound(wrist + HardStop(-10.0, 10.0))
+
+
+def test_what_only_watches_the_pressure_leaves_it_and_all_else_that_drives_changes_it():
+    """A rest is searched without those that only watch."""
+    watching, seen = set(), set()
+    for form in (*(f for forms in EFFECTS.values() for f in forms), LearntBlock):
+        null, kinds = form().values, form.kinds()
+        values = {
+            f"{form.NAME}.{n}": (v := null[f"{form.NAME}.{n}"]) + 0.1 * (min(k.high, v + 10.0) - v)
+            for n, k in kinds.items()
+        }
+        plant = Wrist.from_values({**WRIST.values, **values}, (form,), WRIST.rig)
+        sampled = plant.sampled()
+        for i, effect in sampled.at("drive"):
+            state = plant.rest().effects[i]
+            _, _, after = effect(state, 100.0, 137.0, Around(other_pressure=20.0))
+            left = after == 137.0
+            assert left == (not sampled.driving), form
+            (watching if left else seen).add(form)
+    assert watching >= {LearntBlock, OneMorePlay, SmoothLoop, SeveralPlays}
+    assert seen

@@ -51,6 +51,8 @@ class SampledLearntBlock(NamedTuple):
     share: Number
     per_range: Number
 
+    WATCHES = True
+
     def drive(
         self, s: LearntMemory, before: Number, after: Number, around: Around
     ) -> tuple[LearntMemory, Number, Number]:

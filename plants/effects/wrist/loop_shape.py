@@ -45,6 +45,8 @@ class SampledPlays(NamedTuple):
     thresholds: tuple[Number, ...]
     rest_pressure: Number
 
+    WATCHES = True
+
     def drive(
         self, s: Beside, before: Number, after: Number, around: Around
     ) -> tuple[Beside, Number, Number]:
@@ -69,6 +71,8 @@ class SampledSmooth(NamedTuple):
     threshold: Number
     exponent: Number
     rest_pressure: Number
+
+    WATCHES = True
 
     def drive(
         self, s: Beside, before: Number, after: Number, around: Around
