@@ -20,6 +20,9 @@ from plants.wrist import SAMPLE_TIME, Wrist
 
 Array = NDArray[np.float64]
 
+ROWS = 256
+"""Loops that are looked at together: that bounds the memory."""
+
 
 @dataclass(frozen=True)
 class BranchResponse:
@@ -107,18 +110,26 @@ def margins(branches: Sequence[BranchResponse], controller: FeedbackLaw) -> Marg
     plain = controller if isinstance(controller, PI) and not np.any(getattr(controller, "Tf", 0.0)) else None
     sensitivity, complement, delay = np.empty((3, len(branches), Kp.size))
     stable = np.empty((len(branches), Kp.size), bool)
-    for i, branch in enumerate(branches):
-        z = np.exp(1j * branch.omega * branch.dt)
-        for piece in np.array_split(np.arange(Kp.size), -(-Kp.size // 256)):  # bounds the memory
-            loop = _piece(controller, shape, piece).open_loop(branch.response, branch.pressure, z, branch.dt)
-            turned = np.abs(1.0 + loop)
-            sensitivity[i, piece] = 1.0 / least_of_rows(turned)
-            complement[i, piece] = 1.0 / least_of_rows(turned / np.maximum(np.abs(loop), 1e-300))
-            delay[i, piece] = delay_margins(branch.omega, loop)
-            if branch.a is None or plain is None:
-                stable[i, piece] = winds_not(loop) & (Ki[piece] > 0.0)
-        if branch.a is not None and plain is not None:
-            stable[i] = _stable(branch, Kp / plain.gain, Ki / plain.gain)
+    for some in _alike(branches):
+        first = branches[some[0]]
+        omega, z = first.omega, np.exp(1j * first.omega * first.dt)
+        for piece in np.array_split(np.arange(Kp.size), -(-Kp.size // ROWS)):
+            law, together = _piece(controller, shape, piece), max(1, ROWS // piece.size)
+            for part in np.array_split(some, -(-some.size // together)):
+                at, of = np.ix_(part, piece), [branches[i] for i in part]
+                angle, pressure = (
+                    np.array(r)[:, None] for r in ([b.response for b in of], [b.pressure for b in of])
+                )
+                loop = law.open_loop(angle, pressure, z, first.dt).reshape(-1, omega.size)
+                turned, size = np.abs(1.0 + loop), (part.size, piece.size)
+                sensitivity[at] = (1.0 / least_of_rows(turned)).reshape(size)
+                relative = turned / np.maximum(np.abs(loop), 1e-300)
+                complement[at] = (1.0 / least_of_rows(relative)).reshape(size)
+                delay[at] = delay_margins(omega, loop).reshape(size)
+                if first.a is None or plain is None:
+                    stable[at] = winds_not(loop).reshape(size) & (Ki[piece] > 0.0)
+                else:
+                    stable[at] = _stable(of, Kp[piece] / plain.gain, Ki[piece] / plain.gain)
     complement = np.where(Ki > 0.0, np.maximum(complement, 1.0), complement)  # T is 1 at zero frequency
     sensitivity[~stable], complement[~stable], delay[~stable] = np.inf, np.inf, 0.0
     return Margins(
@@ -129,6 +140,14 @@ def margins(branches: Sequence[BranchResponse], controller: FeedbackLaw) -> Marg
         complement.max(axis=0).reshape(shape),
         complement.argmax(axis=0).reshape(shape),
     )
+
+
+def _alike(branches: Sequence[BranchResponse]) -> list[NDArray[np.intp]]:
+    """Places of branches whose responses are at the same frequencies and that have, or have not, matrices."""
+    found: dict[tuple[Any, ...], list[int]] = {}
+    for i, b in enumerate(branches):
+        found.setdefault((b.dt, b.a is None, b.omega.tobytes()), []).append(i)
+    return [np.array(places) for places in found.values()]
 
 
 def _piece(controller: FeedbackLaw, shape: tuple[int, ...], piece: NDArray[np.intp]) -> FeedbackLaw:
@@ -193,16 +212,15 @@ def winds_not(loop: NDArray[np.complex128]) -> NDArray[np.bool_]:
     return stable
 
 
-def _stable(branch: BranchResponse, Kp: Array, Ki: Array) -> NDArray[np.bool_]:
-    """Whether the poles of the sampled loop lie inside the unit circle; gains in V/deg."""
-    assert branch.a is not None
-    assert branch.b is not None
-    closed = np.zeros((Kp.size, 3, 3))
-    closed[:, :2, :2] = branch.a
-    closed[:, :2, 1] -= branch.b * Kp[:, None]
-    closed[:, :2, 2] = branch.b
-    closed[:, 2, 1] = -Ki * branch.dt
-    closed[:, 2, 2] = 1.0
+def _stable(branches: Sequence[BranchResponse], Kp: Array, Ki: Array) -> NDArray[np.bool_]:
+    """Whether the poles of the sampled loop lie inside the unit circle, (branches, gains); gains in V/deg."""
+    a, b = np.array([r.a for r in branches])[:, None], np.array([r.b for r in branches])[:, None]
+    closed = np.zeros((len(branches), Kp.size, 3, 3))
+    closed[..., :2, :2] = a
+    closed[..., :2, 1] -= b * Kp[:, None]
+    closed[..., :2, 2] = b
+    closed[..., 2, 1] = -Ki * branches[0].dt
+    closed[..., 2, 2] = 1.0
     poles = np.linalg.eigvals(closed)
-    inside: NDArray[np.bool_] = np.abs(poles).max(axis=1) < 1.0 - 1e-9
+    inside: NDArray[np.bool_] = np.abs(poles).max(axis=-1) < 1.0 - 1e-9
     return inside

@@ -39,8 +39,8 @@ class SampledWrist(NamedTuple):
 
     @property
     def driving(self) -> list[tuple[int, Any]]:
-        """Those at the port ``drive`` that change the pressure, and do not only watch it (`WATCHES`)."""
-        watching = {i for i, e in enumerate(self.effects) if getattr(e, "WATCHES", False)}
+        """Those at the port ``drive`` that change the pressure, and do not only watch it (`watches`)."""
+        watching = {i for i, e in enumerate(self.effects) if getattr(e, "watches", False)}
         return [(i, effect) for i, effect in self.at("drive") if i not in watching]
 
 

@@ -17,7 +17,7 @@ its laws; the method's name is the port of the wrist that it acts on.  The wrist
     sensor(s, angle, around)             -> angle              what is measured [deg]
 
 ``s`` is the effect's state, ``before`` and ``after`` are the ends of the sample.  Coefficients whose law at
-``drive`` only watches the pressure, and returns it as it is, say ``WATCHES = True``.
+``drive`` only watches the pressure, and returns it as it is, have a property ``watches`` that is true.
 """
 
 from abc import ABC, abstractmethod

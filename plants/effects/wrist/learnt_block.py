@@ -51,7 +51,10 @@ class SampledLearntBlock(NamedTuple):
     share: Number
     per_range: Number
 
-    WATCHES = True
+    @property
+    def watches(self) -> bool:
+        """It leaves the pressure that drives the loop as it is."""
+        return True
 
     def drive(
         self, s: LearntMemory, before: Number, after: Number, around: Around

@@ -45,7 +45,10 @@ class SampledPlays(NamedTuple):
     thresholds: tuple[Number, ...]
     rest_pressure: Number
 
-    WATCHES = True
+    @property
+    def watches(self) -> bool:
+        """It leaves the pressure that drives the loop as it is."""
+        return True
 
     def drive(
         self, s: Beside, before: Number, after: Number, around: Around
@@ -72,7 +75,10 @@ class SampledSmooth(NamedTuple):
     exponent: Number
     rest_pressure: Number
 
-    WATCHES = True
+    @property
+    def watches(self) -> bool:
+        """It leaves the pressure that drives the loop as it is."""
+        return True
 
     def drive(
         self, s: Beside, before: Number, after: Number, around: Around
