@@ -14,8 +14,8 @@ OPTIONS = {
     REQUIREMENT: ("cost", "two_dof", "nominal", "plain", "no_dead_time", "no_load", "no_noise", "no_box",
                   "no_remainder", "dead_time", "load", "noise", "quantum", "box", "corners"),
     LIMITS: ("overshoot", "ms", "delay_margin", "variation", "steady_error", "rate_limit"),
-    SEARCH: ("points", "starts", "rounds", "samples", "tried", "mpc", "mpc_plants", "budget", "seed", "jobs",
-             "scheduler", "retune", "learn"),
+    SEARCH: ("points", "starts", "rounds", "samples", "tried", "mpc", "no_alternatives", "mpc_plants",
+             "budget", "seed", "jobs", "scheduler", "retune", "learn"),
     OUTPUT: ("target", "precision", "hand_over", "json", "out", "save", "worst", "verbose", "version",
              "plugin"),
 }  # fmt: skip
