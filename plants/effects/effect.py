@@ -100,7 +100,7 @@ class TrialHints(Protocol):
 
 
 class ExcitationHints(Protocol):
-    """What was asked of a rig in the recordings at hand; `plants.measured.trace.search.excitation`.
+    """What was asked of a rig in the recordings at hand; `plants.measured.trace.ranking.excitation`.
 
     ramp: whether each command is one ramp; minor_loops: whether it turns round inside its range too;
     begins: time [s] up to which recordings only begin; longest: of the recordings [s].
@@ -164,6 +164,8 @@ class Effect(ABC):
     - DELAY: the parameter that is its transport delay [s], for one that delays and smooths the command alone;
     - STOPS: whether it is a stop that the joint runs into;
     - RUGGED: whether a fit of it has many minima, so that it has to be started from each of its trials;
+    - COMMON: whether nearly any pneumatic joint has some of it, so that it is looked for first, with
+      others of the kind, where nothing was measured between command and angle;
     - SILENT: whether it grows from nothing once a run begins, so that a wrist rests as it does without;
     - EVENT: whether it happened once, in the recordings, and is no property of the rig;
     - LEARNT: whether it is a map that was learnt from a residual, without a cause;
@@ -182,6 +184,7 @@ class Effect(ABC):
     DELAY: ClassVar[str | None] = None
     STOPS: ClassVar[bool] = False
     RUGGED: ClassVar[bool] = False
+    COMMON: ClassVar[bool] = False
     SILENT: ClassVar[bool] = False
     EVENT: ClassVar[bool] = False
     LEARNT: ClassVar[bool] = False

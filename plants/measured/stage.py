@@ -79,6 +79,11 @@ class Stage:
             return tuple(EFFECTS)
         return tuple(n for n in EFFECTS if (n in of_regulator) == (self.name == "regulator"))
 
+    @property
+    def parts(self) -> int:
+        """How many parts of the rig act in it, of regulator and joint."""
+        return 2 if self.name == "whole" else 1
+
     @cached_property
     def target(self) -> Array:
         """What was measured, all recordings end to end, (rows,)."""

@@ -8,7 +8,7 @@ from plants.measured.free_run import rmse
 from plants.measured.residual.examine import Examination
 from plants.measured.trace.result import StageTrace, Trace
 from plants.measured.trace.search.candidate import WORTH
-from plants.measured.trace.search.choose import SHARE, TRIFLE
+from plants.measured.trace.search.worth import SHARE, TRIFLE
 from reports.shared.figures.fit import LOOP_SECONDS
 from reports.shared.names import CHANNELS
 from reports.shared.tables import listed, number
@@ -83,6 +83,8 @@ def ranking(stage: StageTrace) -> str:
         words.append("Hatched: selected.")
     if len(rounds) > 1:
         words.append("After the first round only the strongest are drawn.")
+    if any(r.before.model.forms == () for r in rounds[1:]):
+        words.append("A second search begins with effects that nearly any rig has, fitted together.")
     return " ".join(words)
 
 

@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING, Any
 
+from plants.measured.trace.ranking.screening import Ranked
 from plants.measured.trace.result import StageTrace
 from plants.measured.trace.search.candidate import WORTH
-from plants.measured.trace.search.choose import SearchRound
-from plants.measured.trace.search.screening import Ranked
+from plants.measured.trace.search.rounds import SearchRound
 from reports.shared.figures.style import BLACK, BLUE, DASHED, GREEN, PALE, VERMILLION, new_figure, styled
 from reports.shared.tables import number
 

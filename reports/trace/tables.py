@@ -8,7 +8,7 @@ from plants.measured.free_run import FreeRun
 from plants.measured.residual.examine import Examination, Finding
 from plants.measured.trace.result import Trace
 from plants.measured.trace.search.candidate import Candidate
-from plants.measured.trace.search.choose import SearchRound
+from plants.measured.trace.search.rounds import SearchRound
 from plants.parameters.quantities import Assumed, Fitted, Learnt, Provenance
 from reports.shared.names import CHANNELS
 from reports.shared.plant_tables import provenance

@@ -14,7 +14,7 @@ from plants.errors import InputError
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.stage import Stage
-from plants.measured.trace.search.screening import screen
+from plants.measured.trace.ranking.screening import screen
 from plants.measured.trace.stages.model import Model
 from plants.parameters.files import dump
 from plants.parameters.quantities import loop_names

@@ -5,12 +5,14 @@ python -m tests.promise --count 20
 python -m tests.promise --only outside --count 5 --without-residual
 python -m tests.promise --seed 507 --count 45 --names
 python -m tests.promise --seed 507 --count 45 --names --closed between
+python -m tests.promise --seed 507 --count 45 --names --without pressure_kPa
 """
 
 import argparse
 import tempfile
 import time
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 
 from design.robustness.tuning.recommended import tune_candidates
@@ -19,7 +21,7 @@ from design.synthesis.designed_plant import designed
 from design.synthesis.tuning import Region
 from tests.change.pairs import drawn, write
 from tests.promise.held import Held, held
-from tests.rig.campaign import record_closed
+from tests.rig.campaign import drop, record_closed
 from tests.rig.effects import OPEN
 from tests.rig.rig import Rig
 from tests.rig.suite import Case
@@ -40,10 +42,14 @@ def main() -> None:
     parser.add_argument(
         "--closed", choices=DIGITS, help="with --names: logs of a closed loop, set-points at rows or between"
     )
+    parser.add_argument(
+        "--without", nargs="+", default=(), metavar="COLUMN", help="with --names: what was not logged"
+    )
     asked = parser.parse_args()
     warnings.simplefilter("ignore")
     if asked.names:
-        _names(_rigs(asked.seed, asked.count, asked.only)[asked.first - 1 :], asked.first, asked.closed)
+        rigs = _rigs(asked.seed, asked.count, asked.only)[asked.first - 1 :]
+        _names(rigs, asked.first, asked.closed, asked.without)
         return
     found: dict[str, list[tuple[str, Held]]] = {}
     for number, (case, rig) in enumerate(_rigs(asked.seed, asked.count, asked.only), start=1):
@@ -56,9 +62,9 @@ def main() -> None:
             print(f"{name}, {said}: {plain} of {len(of)} hold on the rig, {kept} with 50 ms more too")
 
 
-def _names(rigs: list[tuple[Case, Rig]], first: int, closed: str | None) -> None:
-    """Trace rigs from logs in open loop, or closed; a line for each, and how many are right by what they
-    have."""
+def _names(rigs: list[tuple[Case, Rig]], first: int, closed: str | None, without: Sequence[str] = ()) -> None:
+    """Trace rigs from logs in open loop, or closed, without some columns; a line for each, and how many are
+    right by what they have."""
     judged = []
     for number, (case, rig) in enumerate(rigs, start=first):
         truth = {
@@ -69,6 +75,7 @@ def _names(rigs: list[tuple[Case, Rig]], first: int, closed: str | None) -> None
             folder = (
                 record_closed(rig, Path(root), DIGITS[closed], other) if closed else write(rig, Path(root))
             )
+            drop(folder, without)
             judged.append(Judged(f"{number:2d}", case.axis, truth, trace_folder(folder)))
         print("right" if judged[-1].right else "WRONG", judged[-1], f"{judged[-1].ratio:.2f}", flush=True)
     for kind, words in {

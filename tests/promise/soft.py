@@ -3,13 +3,14 @@ and whether gains that are tuned on the revised plant hold on the actuator.
 
 python -m tests.promise.soft --seed 0 --count 20
 python -m tests.promise.soft --seed 0 --count 10 --gains
+python -m tests.promise.soft --seed 0 --count 10 --without pressure_kPa
 """
 
 import argparse
 import tempfile
 import time
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ from plants.measured.trace.result import Trace
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.quantities import ParameterSet
 from tests.promise.held import LATE, Held
+from tests.rig.campaign import drop
 from tests.rig.core import TICK, Controller
 from tests.rig.soft import SoftRig
 from tests.rig.soft_random import recordings, soft_actuator
@@ -37,11 +39,12 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="of the first actuator")
     parser.add_argument("--count", type=int, default=10)
     parser.add_argument("--gains", action="store_true", help="also tune, and close the loop on the actuator")
+    parser.add_argument("--without", nargs="+", default=(), metavar="COLUMN", help="what was not logged")
     asked = parser.parse_args()
     warnings.simplefilter("ignore")
     ratios, kept = [], []
     for seed in range(asked.seed, asked.seed + asked.count):
-        trace = _traced(seed, asked.gains)
+        trace = _traced(seed, asked.gains, asked.without)
         if trace is None:
             continue
         ratios.append(trace.after["angle_deg"] / trace.before["angle_deg"])
@@ -55,12 +58,13 @@ def main() -> None:
         print(f"{len(found)} of {len(kept)} get gains, {sum(found)} hold on the actuator, late too")
 
 
-def _traced(seed: int, either_way: bool) -> Trace | None:
+def _traced(seed: int, either_way: bool, without: Sequence[str]) -> Trace | None:
     """A line of one actuator, and its trace; None where it was refused."""
     began = time.process_time()
     with tempfile.TemporaryDirectory() as root:
         folder = Path(root) / "rig"
         soft_actuator(seed).write(folder, recordings(seed), ("check",))
+        drop(folder, without)
         try:
             trace = trace_campaign(load_campaign(folder), either_way=either_way)
         except InputError as wrong:

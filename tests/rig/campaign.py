@@ -1,7 +1,7 @@
 """Campaigns of recordings, as a user of the workbench would have measured them on a rig."""
 
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -156,3 +156,9 @@ def answer(rig: Bench) -> dict[str, object]:
         "effects": [name for name in rig.effects if name in VOCABULARY],
         "open": [name for name in rig.effects if name not in VOCABULARY],
     }
+
+
+def drop(folder: Path, columns: Iterable[str]) -> None:
+    """Take columns out of all logs of a campaign, as if they had not been logged."""
+    for log in folder.glob("*.csv"):
+        pd.read_csv(log).drop(columns=list(columns)).to_csv(log, index=False)

@@ -8,7 +8,7 @@ from plants.equilibrium import at_pressure
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.stage import Stage
-from plants.measured.trace.search.backwards import turns_back
+from plants.measured.trace.ranking.backwards import turns_back
 from plants.measured.trace.stages.model import Model
 from plants.parameters.files import built_in
 from plants.wrist import Wrist

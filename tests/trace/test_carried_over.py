@@ -8,7 +8,7 @@ from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.stage import Stage
 from plants.measured.trace.search.candidate import Candidate, carries_over
-from plants.measured.trace.search.choose import carried_over
+from plants.measured.trace.search.simplify import carried_over
 from plants.measured.trace.stages.model import Model
 from plants.parameters.files import built_in
 from plants.simulation.open_loop import open_loop

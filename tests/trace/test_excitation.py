@@ -13,8 +13,8 @@ from plants.effects.wrist.load_step import LoadStep
 from plants.effects.wrist.loop_shape import OneMorePlay
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
-from plants.measured.trace.search.choose import rank
-from plants.measured.trace.search.excitation import excitation, line
+from plants.measured.trace.ranking.excitation import excitation, line
+from plants.measured.trace.search.refits import rank
 
 T = np.arange(6000) / 100
 SINE = Recording("sine", T, 2.0 + np.sin(2 * np.pi * 0.1 * T))

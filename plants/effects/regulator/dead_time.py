@@ -55,6 +55,7 @@ class _Late(Effect):
     NAME = "dead-time"
     STAGE = "regulator"
     HAPPENS = "The pressure answers the command late"
+    COMMON = True
     DELAY = "delay"
     BOUND = "kept"
 

@@ -39,6 +39,7 @@ class _TwoValves(Effect):
     NAME = "fill-exhaust-asymmetry"
     STAGE = "regulator"
     HAPPENS = "The regulator fills and exhausts at different speeds"
+    COMMON = True
     BOUND = "kept"
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:

@@ -49,6 +49,7 @@ class _Creeping(Effect):
     NAME = "creep"
     STAGE = "wrist"
     HAPPENS = "The wrist creeps"
+    COMMON = True
     BOUND = "kept"
 
     def no_bound(self, wrist: Any) -> str | None:

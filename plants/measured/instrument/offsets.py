@@ -5,6 +5,7 @@ that is zeroed anew.  What it remembers is forgotten once the pressure has cross
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,15 @@ from numpy.typing import NDArray
 from plants.measured.blocks import judged_blocks, lower
 from plants.measured.campaign import Campaign
 from plants.measured.guess.regressors import Regressors, left_by, smooth_pressure
-from plants.measured.guess.rough_models import JOINT_LAGS, ROWS, extent
+from plants.measured.guess.rough_models import (
+    JOINT_LAGS,
+    ROWS,
+    extent,
+    first_order,
+    lagged,
+    median_step,
+    recorded,
+)  # fmt: skip
 from plants.measured.noise import noise_floor, resolution
 from plants.measured.recording import Recording
 
@@ -61,7 +70,7 @@ def offsets_between(campaign: Campaign) -> dict[str, float]:
     """
     runs, held_out = (
         [r for r in recordings if r.pressure is not None and r.angle is not None]
-        for recordings in (campaign.fit, campaign.validate)
+        for recordings in _with_a_pressure(campaign.fit, campaign.validate)
     )
     if not runs or len(runs) + len(held_out) < 2 or any(len(r.time) < FEW for r in (*runs, *held_out)):
         return {}
@@ -84,6 +93,22 @@ def offsets_between(campaign: Campaign) -> dict[str, float]:
         if _offset([*runs, r], known, np.append(none, v), len(held_out))
     }
     return {r.name: float(v) for r, v in zip(runs, found, strict=True) if v} | apart
+
+
+def _with_a_pressure(
+    fit: Sequence[Recording], validate: Sequence[Recording]
+) -> tuple[Sequence[Recording], Sequence[Recording]]:
+    """Recordings, of which none may have a pressure: then, in its place, what the lag and the dead time make
+    of the command with which the angle follows it best; the unit does not matter here."""
+    with_angle = recorded(fit, "angle")
+    if not with_angle or any(r.pressure is not None for r in (*fit, *validate)):
+        return fit, validate
+    follows = first_order(with_angle)
+
+    def with_one(r: Recording) -> Recording:
+        return replace(r, pressure=lagged(r.command, median_step(r), follows.tau, follows.delay))
+
+    return list(map(with_one, fit)), list(map(with_one, validate))
 
 
 def _offset(runs: Sequence[Recording], known: Array, readings: Array, tests: int = 1) -> bool:

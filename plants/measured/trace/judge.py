@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.trace.ranking.screening import Ranked
 from plants.measured.trace.search.candidate import Candidate
-from plants.measured.trace.search.choose import EffectSearch
-from plants.measured.trace.search.screening import Ranked
+from plants.measured.trace.search.rounds import EffectSearch
 from plants.measured.trace.stages.model import Model
 
 Array = NDArray[np.float64]
@@ -21,8 +21,8 @@ than a share is left, on rows left out of the fit, of what it had above 1: a cau
 quite the rig's leaves a small share of a large effect, a wrong cause a large one."""
 
 CAUSES = 2
-"""Effects of a stage of which forms that are not quite the rig's are excused: with three and their parameters
-nearly any loop is followed nearly."""
+"""Effects of each part of the rig in a stage of which forms that are not quite the rig's are excused: with
+three and their parameters nearly any loop is followed nearly."""
 
 WANDER, WANDERING = 5.0, 3.0
 """A sensor may wander, which no model foresees: where an effect says so, chi-square may be up to
@@ -58,7 +58,7 @@ def explained(search: EffectSearch) -> bool:
 
 def many(model: Model) -> bool:
     """Whether a stage has so many effects that together they follow nearly anything nearly."""
-    return len(model.forms) > CAUSES
+    return len(model.forms) > CAUSES * model.stage.parts
 
 
 def _without_wander(model: Model) -> float:

@@ -13,8 +13,8 @@ from plants.measured.stage import Stage
 from plants.measured.trace.law import LawChoice
 from plants.measured.trace.revision.size import explained_share
 from plants.measured.trace.search.candidate import Candidate
-from plants.measured.trace.search.choose import EffectSearch
 from plants.measured.trace.search.description import Description
+from plants.measured.trace.search.rounds import EffectSearch
 from plants.measured.trace.stages.model import Model
 from plants.parameters.correlation import ParameterCorrelation
 from plants.parameters.quantities import ParameterSet

@@ -18,7 +18,7 @@ from plants.measured.trace.law import LawChoice, law_of_rig
 from plants.measured.trace.result import StageTrace, Trace
 from plants.measured.trace.revision.revised import revise
 from plants.measured.trace.search.candidate import Candidate, carries_over, falls
-from plants.measured.trace.search.choose import enough
+from plants.measured.trace.search.worth import SHARE, enough
 from plants.measured.trace.stages.between_rows import with_commands
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.start import Start, starting
@@ -154,8 +154,9 @@ def _under_others(
 ) -> tuple[LawChoice, StageTrace]:  # fmt: skip
     """The last stage under each of the laws, where that which was chosen before effects were looked for
     leaves it unexplained, and the choice: another than that only with effects that are adopted, if on rows
-    left out the error of a free run is lower for certain and as much goes as an effect must take away, and no
-    recording left out whole says clearly otherwise.  The laws alone have been compared before."""
+    left out the error of a free run is lower for certain and as much goes as an effect must take away, and as
+    much again for each effect that it needs more, and no recording left out whole says clearly otherwise.
+    The laws alone have been compared before."""
     before, found = traced[:-1], {law.name: traced[-1]}
     for name in law.others:
         base = base_fit(fit, law.taking(name))
@@ -173,7 +174,11 @@ def _under_others(
 
 def _better(now: Candidate, other: Candidate) -> bool:
     """Whether another law is, with the effects of both."""
-    on_blocks = falls(now, other) and enough(now.held_out, other.held_out, now.held_out)
+    more = max(0, len(other.model.forms) - len(now.model.forms))
+    left = now.held_out
+    for _ in range(more):
+        left -= SHARE * (left - 1.0)
+    on_blocks = falls(now, other) and enough(left, other.held_out, now.held_out)
     return on_blocks and not carries_over(other, now)
 
 

@@ -7,9 +7,11 @@ from plants.measured.fit import Fit
 from plants.measured.trace.judge import explained, many, not_logged, unexcited
 from plants.measured.trace.result import StageTrace
 from plants.measured.trace.search.candidate import Candidate
-from plants.measured.trace.search.choose import EffectSearch, carried_over, from_command, search, simplest
+from plants.measured.trace.search.choose import search, search_from_common
 from plants.measured.trace.search.description import smooth_curves
 from plants.measured.trace.search.learning import learn
+from plants.measured.trace.search.rounds import EffectSearch
+from plants.measured.trace.search.simplify import carried_over, from_command, simplest
 from plants.measured.trace.search.undetermined import at_neutral, without_bends
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import remainders
@@ -33,7 +35,13 @@ def trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: in
     that they were fitted on."""
     stage = declared.stage
     logged = [n for n in stage.effects if not not_logged(declared, n)]
-    found = search(declared, logged, lambda what: tell(f"{stage.name}: {what}"), seed)
+
+    def say(what: str) -> None:
+        tell(f"{stage.name}: {what}")
+
+    found = search(declared, logged, say, seed)
+    if stage.parts > 1 and not explained(found):
+        found = search_from_common(found, logged, say, seed)
     searched = found.chosen.model.effects
     found = replace(found, chosen=carried_over(found.chosen, found.declared))
     alone = {n: ALONE for n in searched if n not in found.chosen.model.effects}

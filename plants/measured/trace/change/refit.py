@@ -14,7 +14,8 @@ from plants.measured.trace.declared import driven, stages_of
 from plants.measured.trace.judge import alternatives, not_logged
 from plants.measured.trace.result import Named, Trace
 from plants.measured.trace.search.candidate import WORTH, Candidate, falls
-from plants.measured.trace.search.choose import MOST, search, simplest
+from plants.measured.trace.search.choose import MOST, search
+from plants.measured.trace.search.simplify import simplest
 from plants.measured.trace.stages.between_rows import with_command
 from plants.measured.trace.stages.model import Model
 from plants.wrist import Wrist
@@ -61,7 +62,7 @@ class StageRefit:
     @property
     def full(self) -> bool:
         """Whether more is left than noise, and no effect could be added to those that are there."""
-        return len(self.new.forms) >= MOST and Candidate(self.new).lacks_something
+        return len(self.new.forms) >= MOST * self.new.stage.parts and Candidate(self.new).lacks_something
 
 
 def check_comparable(old: Campaign, new: Campaign) -> None:

@@ -17,7 +17,7 @@ from plants.effects.wrist.learnt_block import LearntBlock
 from plants.measured.blocks import lower
 from plants.measured.estimate import jacobian
 from plants.measured.trace.search.candidate import FOLDS, PARTIAL_FIT, Candidate
-from plants.measured.trace.search.choose import SHARE
+from plants.measured.trace.search.worth import SHARE
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import remainders
 

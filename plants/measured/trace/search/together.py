@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.trace.search.proposals import trials
-from plants.measured.trace.search.screening import Ranked, around
+from plants.measured.trace.ranking.proposals import trials
+from plants.measured.trace.ranking.screening import Ranked, around
 from plants.measured.trace.stages.model import Model
 
 Array = NDArray[np.float64]

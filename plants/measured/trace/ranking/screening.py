@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from plants.measured.problem import WILD
 from plants.measured.stage import Form
-from plants.measured.trace.search.proposals import trials
+from plants.measured.trace.ranking.proposals import trials
 from plants.measured.trace.stages.model import Model
 from plants.rig import Rig, built_in_rig
 

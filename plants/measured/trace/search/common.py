@@ -1,0 +1,53 @@
+"""Effects that are found together only: where each alone bends the parameters of the others, or where nothing
+was measured between two parts of a rig."""
+
+from collections.abc import Sequence
+
+from plants.effects import EFFECTS
+from plants.measured.trace.ranking.screening import Ranked, Screen
+from plants.measured.trace.search.candidate import Candidate
+from plants.measured.trace.search.refits import FORMS, Scope, distinct, freed, further
+from plants.measured.trace.search.rounds import SearchRound
+from plants.measured.trace.search.simplify import pruned
+from plants.measured.trace.search.together import fitted_with
+from plants.measured.trace.search.worth import enough, explain_all, worth_it
+
+BEAM = 2
+"""Effects that are tried with one more each."""
+
+
+def common_effects(scope: Scope, ranking: Sequence[Ranked]) -> SearchRound:
+    """A round that begins a stage of several parts: effects that nearly any rig has, fitted together, and
+    each of them replaced by another effect; ranking: of effects beyond the declared model.
+
+    One after the other they are not found: without a dead time and the rates of a valve, what a joint does
+    is given another name.
+    """
+    scope.tell("fitting what nearly any rig has")
+    declared = scope.declared
+    model = declared.model
+    for name in (n for n in scope.names if EFFECTS[n][0].COMMON):
+        held = Screen(model)
+        best = sorted((held.rank(f) for f in EFFECTS[name]), key=lambda r: -r.drop)[:FORMS]
+        model = min((fitted_with(model, r) for r in best), key=lambda m: m.chi2)
+    together = pruned(freed(Candidate(model)), declared)
+    less = [Candidate(together.model.without(n).fitted()) for n in together.model.effects]
+    others, _, borrowed = further(scope, less, declared)
+    found = distinct(sorted([together, *others], key=lambda c: c.model.chi2))
+    taken = together if together.model.forms and worth_it(declared, together, declared) else None
+    return SearchRound(declared, tuple(ranking), tuple(found), taken, borrowed)
+
+
+def only_together(scope: Scope, candidates: list[Candidate]) -> tuple[Candidate | None, list[Candidate]]:
+    """The effects that are taken where none is by itself, None for none, and all candidates, those with most
+    effects first.
+
+    Effects of a loop may help only together: each alone bends the others' parameters.
+    """
+    declared = scope.declared
+    before = declared.model.chi2
+    some = [c for c in candidates if enough(before, c.model.chi2, before)][:BEAM]
+    pairs = further(scope, some, declared)[0] if some else []
+    if pairs and explain_all(pairs[0], declared) and worth_it(declared, pairs[0], declared):
+        return freed(pairs[0]), [*pairs, *candidates]
+    return None, [*pairs, *candidates]
