@@ -18,7 +18,7 @@ test: $(ENV)
 	$(BIN)/python -m pytest -n 2 --durations=10
 
 suite: $(ENV)
-	$(BIN)/python -m pytest -n 2 -m suite --durations=20
+	$(BIN)/python -m pytest -n 2 -m 'suite or slow' --durations=20
 
 # All campaigns of the trace's suite, of which `make suite` takes every third.
 campaigns: $(ENV)
@@ -26,7 +26,7 @@ campaigns: $(ENV)
 
 # Compiled kernels with every index checked: what is written past an end is silent without.
 bounds: $(ENV)
-	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n 2 tests/kernel tests/laws tests/control/test_mpc_*.py tests/control/test_spikes.py
+	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n 2 -m 'not suite' tests/kernel tests/laws tests/control/test_mpc_*.py tests/control/test_spikes.py
 
 TRIES ?= 5000
 SEED ?= 0

@@ -4,9 +4,12 @@ import ast
 from collections import defaultdict
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[1]
 
 
+@pytest.mark.slow
 def test_class_names_are_unique():
     homes = defaultdict(list)
     for file in (f for room in ("plants", "design") for f in (ROOT / room).rglob("*.py")):

@@ -61,6 +61,7 @@ def designed(tmp_path):
     return made
 
 
+@pytest.mark.slow
 def test_a_rig_that_did_not_change_and_one_whose_slope_softens(wrist, designed):
     rig, plant, folder = designed("flexion", 2)
     same = wrist("check", log_of(rig, plant, folder / "log.csv"), "--design", folder, "--json", "-")
@@ -75,6 +76,7 @@ def test_a_rig_that_did_not_change_and_one_whose_slope_softens(wrist, designed):
         assert (folder / "page" / name).stat().st_size > 500
 
 
+@pytest.mark.slow
 def test_what_a_plant_is_known_to_leave_breaks_no_promise(wrist, designed):
     rig, plant, folder = designed("flexion", 2)
     quick = replace(plant.parameters["Tw"], value=0.2 * plant.parameters["Tw"].value)

@@ -21,6 +21,7 @@ def test_help_carries_an_example(wrist, name):
     assert f"wrist {name}" in outcome.out.replace("\n", " ")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["show", "simulate", "fit", "tune"])
 def test_the_example_of_the_help_runs(wrist, name, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
@@ -71,6 +72,7 @@ def test_json_to_stdout_is_all_there_is_on_stdout(wrist):
     assert "3 V for 10 s" in outcome.err
 
 
+@pytest.mark.slow
 def test_fit_saves_a_set_that_the_other_commands_take(wrist, tmp_path):
     path = tmp_path / "fitted.toml"
     outcome = wrist(
@@ -85,6 +87,7 @@ def test_fit_saves_a_set_that_the_other_commands_take(wrist, tmp_path):
     assert wrist("simulate", "--plant", path).code == 0
 
 
+@pytest.mark.slow
 def test_tune_answers_with_the_keys_that_others_read(wrist):
     result = wrist("tune", "--plain", "--points", "8", "--starts", "1", "--json", "-").json
     metrics = {"settling_time_s", "overshoot_percent", "iae_deg_s", "itae_deg_s2", "Ms"}
@@ -93,6 +96,7 @@ def test_tune_answers_with_the_keys_that_others_read(wrist):
     assert result["scenarios"] <= 96
 
 
+@pytest.mark.slow
 def test_tune_says_no_with_the_limit_and_the_scenario(wrist):
     outcome = wrist("tune", "--plain", "--points", "6", "--starts", "1", "--variation", "0.1", "--json", "-")
     assert outcome.code == 1
@@ -109,6 +113,7 @@ def test_tune_says_no_where_the_task_is_out_of_reach(wrist, tmp_path):
     assert "command range" in outcome.out
 
 
+@pytest.mark.slow
 def test_corners_of_no_size_leave_only_the_nominal_plant(wrist):
     wide = wrist("tune", "--plain", "--points", "8", "--starts", "1", "--json", "-").json
     none = wrist(

@@ -35,11 +35,13 @@ def completed(shell: str, line: str) -> str:
     return outcome.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("line", VALUES)
 def test_bash(line):
     assert sorted(completed("bash", line).split()) == sorted(VALUES[line])
 
 
+@pytest.mark.slow
 def test_zsh_says_what_each_controller_is_and_leaves_files_to_itself():
     said = completed("zsh", "export ")
     assert all(f'"{name}"' in said for name in CATALOGUE)

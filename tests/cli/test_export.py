@@ -41,6 +41,7 @@ def test_the_folder_and_what_is_said_of_it(wrist, tmp_path, quick):
     assert record["settings"]["Kp"] == 3.1
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not CC, reason="no C compiler or make on this machine")
 @pytest.mark.parametrize(
     "words",

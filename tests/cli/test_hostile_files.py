@@ -78,6 +78,7 @@ def test_a_tuning_and_a_replay_stay_in_their_folder(wrist, plant, tmp_path):
     assert {p.name for p in tmp_path.iterdir()} == {"deep", "in"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", ["wrist (left)", "9", "_", "a__b", "int", 'x; system(\\"ls\\")'])
 def test_a_motion_of_any_name_is_exported(wrist, plant, tmp_path, axis):
     given = plant(AXIS, f'axis = "{axis}"')

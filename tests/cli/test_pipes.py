@@ -11,6 +11,7 @@ from tests.cli.terminal import COMMAND, PATIENCE, environment, piped
 PLAY = ("simulate", "--gains", "1.2,2.2")
 
 
+@pytest.mark.slow
 def test_a_reader_that_leaves_is_no_error(tmp_path):
     process = subprocess.Popen(
         [*COMMAND, *PLAY, "--out", str(tmp_path), "--json", str(tmp_path / "run.json")],
@@ -25,6 +26,7 @@ def test_a_reader_that_leaves_is_no_error(tmp_path):
     assert json.loads((tmp_path / "run.json").read_text())["metrics"]["settling_time_s"] > 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
 def test_a_full_disk_under_stdout_is_said_and_files_are_written(tmp_path):
     with open("/dev/full", "w") as full:
@@ -38,6 +40,7 @@ def test_a_full_disk_under_stdout_is_said_and_files_are_written(tmp_path):
     assert json.loads((tmp_path / "run.json").read_text())["axis"] == "flexion"
 
 
+@pytest.mark.slow
 def test_a_process_without_stdout_does_its_work(tmp_path):
     line = f'exec "$@" --json {tmp_path / "run.json"} >&-'
     outcome = subprocess.run(
@@ -48,12 +51,14 @@ def test_a_process_without_stdout_does_its_work(tmp_path):
     assert (tmp_path / "run.json").exists()
 
 
+@pytest.mark.slow
 def test_json_is_all_there_is_on_stdout_and_words_go_to_stderr():
     outcome = piped(*PLAY, "--json", "-")
     assert json.loads(outcome.stdout)["axis"] == "flexion"
     assert "settles in" in outcome.stderr
 
 
+@pytest.mark.slow
 def test_the_answer_no_is_json_too():
     outcome = piped("tune", "--plain", "--points", "6", "--starts", "1", "--variation", "0.1", "--json", "-")
     assert outcome.returncode == 1
@@ -66,6 +71,7 @@ def test_bad_input_leaves_stdout_empty():
     assert outcome.stdout == ""
 
 
+@pytest.mark.slow
 def test_letters_that_the_encoding_lacks_are_no_reason_to_stop():
     outcome = piped(
         "tune", "--plain", "--points", "6", "--starts", "1", "--cost", "itae", PYTHONIOENCODING="ascii"

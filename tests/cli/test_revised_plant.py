@@ -42,6 +42,7 @@ def test_simulate_open_and_closed(wrist, revised):
     assert late["metrics"]["overshoot_percent"] > 10.0 > soon["metrics"]["overshoot_percent"]
 
 
+@pytest.mark.slow
 def test_tune_finds_gains_for_the_plant_as_it_is(wrist, revised):
     arguments = ("--points", "8", "--starts", "1", "--nominal", "--json", "-")
     found = wrist("tune", "--plain", "--plant", revised, *arguments)
@@ -51,6 +52,7 @@ def test_tune_finds_gains_for_the_plant_as_it_is(wrist, revised):
     assert found.json["Ki"] < declared["Ki"]
 
 
+@pytest.mark.slow
 def test_tune_says_no_behind_an_end_stop(wrist, tmp_path):
     path = tmp_path / "stopped.toml"
     values = {"end-stop.low": -90.0, "end-stop.high": 11.0}

@@ -11,6 +11,8 @@ from plants import InputError, Wrist
 from plants.effects import DeadTime
 from plants.parameters.files import built_in, dump
 
+pytestmark = pytest.mark.slow
+
 QUICK = ("--samples", "64", "--budget", "300", "--points", "4")
 
 

@@ -67,12 +67,14 @@ def test_fit_finds_its_parameters_and_writes_a_plant_of_the_same_law(wrist, camp
     assert load(fitted).law is type(LOOP)
 
 
+@pytest.mark.slow
 def test_trace_finds_nothing_missing_in_its_own_recordings(wrist, campaign, plays):
     outcome = wrist("trace", campaign, "--plant", plays)
     assert outcome.code == 0, outcome.err
     assert "Nothing is missing" in outcome.out
 
 
+@pytest.mark.slow
 def test_tune_answers_with_gains_that_hold_every_limit(wrist, plays):
     outcome = wrist("tune", "--plain", "--plant", plays, "--points", "8", "--starts", "1", "--json", "-")
     assert outcome.code == 0, outcome.err
@@ -80,6 +82,7 @@ def test_tune_answers_with_gains_that_hold_every_limit(wrist, plays):
     assert outcome.json["Ki"] > 1.0
 
 
+@pytest.mark.slow
 def test_robust_states_what_holds_and_what_it_cannot_say(wrist, plays):
     outcome = wrist(
         "robust", "--plant", plays, "--gains", "2,6", "--samples", "20", "--budget", "200", "--json", "-"
@@ -88,6 +91,7 @@ def test_robust_states_what_holds_and_what_it_cannot_say(wrist, plays):
     assert "outer branch, steepest" in str(outcome.json)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("controller", "gains", "told"),
     [

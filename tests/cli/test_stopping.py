@@ -12,6 +12,7 @@ CTRL_C = "\x03"
 EXAMPLE = ROOT / "plants/measured/examples/flexion"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "sign"),
     [
@@ -62,6 +63,7 @@ except KeyboardInterrupt:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["swallows", "waits_for_a_thread", "stays_in_compiled_code"])
 def test_ctrl_c_where_python_does_not_act_on_it(how):
     seen = on_terminal(

@@ -11,6 +11,7 @@ FIT = ("fit", ROOT / "plants/measured/examples/flexion", "--starts", "1")
 ESCAPE, BAR = "\x1b", "━"
 
 
+@pytest.mark.slow
 def test_a_bar_on_the_terminal_leaves_no_trace_in_stdout(tmp_path):
     seen = on_terminal(*QUICK, "--json", "-", stdout=tmp_path / "out.json")
     assert seen.code == 0, seen.screen
@@ -19,6 +20,7 @@ def test_a_bar_on_the_terminal_leaves_no_trace_in_stdout(tmp_path):
     assert json.loads(seen.out)["Kp"] > 0.0
 
 
+@pytest.mark.slow
 def test_no_bar_and_no_colour_in_a_pipe():
     outcome = piped(*QUICK)
     assert outcome.stderr == ""
@@ -26,6 +28,7 @@ def test_no_bar_and_no_colour_in_a_pipe():
     assert outcome.stdout.startswith("Kp = ")
 
 
+@pytest.mark.slow
 def test_a_dumb_terminal_gets_plain_text():
     seen = on_terminal(*QUICK, TERM="dumb")
     assert seen.code == 0
@@ -39,6 +42,7 @@ def test_colours_unless_they_are_not_wanted(more, coloured):
     assert ("\x1b[33m" in screen or "\x1b[1;33m" in screen) is coloured
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "columns"),
     [

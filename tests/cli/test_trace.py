@@ -18,6 +18,8 @@ from plants.simulation.open_loop import open_loop
 from plants.wrist import Wrist
 from tests.rig.campaign import make_campaign
 
+pytestmark = pytest.mark.slow
+
 KEYS = {
     "axis", "verdict", "before", "after", "noise_floor", "effects", "unexplained", "cannot_judge", "law",
     "explained_share", "remainder", "correlation", "instrument", "learnt_block",

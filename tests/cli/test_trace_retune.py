@@ -19,6 +19,8 @@ from reports.trace.control_words import control_sentence
 from reports.trace.record import control_record
 from tests.rig.campaign import make_rig, record
 
+pytestmark = pytest.mark.slow
+
 COARSE = Region(points=8)
 TASK = built_in("flexion").rig.task
 

@@ -128,6 +128,7 @@ def test_what_a_wrong_regulator_does_to_the_wrist_is_foreseen(plain):
     assert np.allclose((moved.vector - wrist.fitted().vector)[slopes], foreseen[slopes], rtol=0.2)
 
 
+@pytest.mark.slow
 def test_what_cannot_be_compared_is_told_in_a_line(wrist, tmp_path):
     old, other = shipped()[::-1]
     cases = {

@@ -75,6 +75,7 @@ def test_the_pressure_follows_faster_by_1_and_the_inner_gain():
     assert np.abs(np.array(went) - expected).max() < 0.06
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gains", [(2.6, 8.8, 0.8, 1.0), (4.0, 9.0, 1.0, 0.2), (1.5, 3.0, 1.0, 6.0)])
 def test_margins_are_those_of_python_control_and_of_the_law_linearised(gains):
     cascade = CascadePI(*gains)

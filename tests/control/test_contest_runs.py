@@ -164,6 +164,7 @@ def test_coupled_motions_do_what_two_wrists_in_one_loop_do():
     assert abs(iae[0] - alone[0]) > 1e-2  # the coupling is felt
 
 
+@pytest.mark.slow
 def test_coupled_motions_that_are_played_by_periods_do_the_same():
     others, asked = (WRIST, Wrist.deviation()), side_by_side(RIG)[:2]
     case = tuple(lanes(short(asked), NOISY, w, **{"cross-coupling.gain": 0.02}) for w in others)

@@ -40,6 +40,7 @@ def test_the_same_controller_twice_is_a_tie_and_a_better_one_is_ahead_of_both():
     assert found == {"a": (2, 3), "b": (2, 3), "best": (1, 1)}
 
 
+@pytest.mark.slow
 def test_where_all_are_alike_hardly_any_table_ranks_one_before_another():
     draw = np.random.default_rng(8)
     wrong = 0

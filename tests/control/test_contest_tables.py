@@ -154,6 +154,7 @@ def test_plants_that_no_command_can_hold_are_set_aside_and_counted():
     assert first(kept, 3, "some").count == 3
 
 
+@pytest.mark.slow
 def test_an_MPC_meets_plants_beside_all_others():
     mpc = linear_mpc(MPCProblem(Wrist.flexion()))
     one = {"flexion": SETS["flexion"]}

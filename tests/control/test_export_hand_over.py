@@ -127,6 +127,7 @@ def exported(kind, option):
     return part(kind, "flexion", WRIST, GAINS[kind], *OPTIONS[option])
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("option", OPTIONS)
 @pytest.mark.parametrize("kind", GAINS)

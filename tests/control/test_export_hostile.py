@@ -78,6 +78,7 @@ def hostile(steps, seed):
             yield ("s", *sample)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", GAINS)
 def test_the_output_is_in_range_from_the_first_sample_on_and_that_of_Python(kind):
     made, _ = exported(kind)

@@ -52,6 +52,7 @@ def felt(form):
     return form(**{**list(form.trials(WRIST.rig))[-1], **own})
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("name", EFFECTS)
 def test_every_form_of_every_effect_does_what_it_does_in_python(name, tmp_path):

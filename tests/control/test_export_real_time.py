@@ -105,6 +105,7 @@ def asked(problem, number=60, seed=0):
         yield believed(problem, draw), plan, before, draw.uniform(-25.0, 25.0), guess
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_slopes_and_the_answer_of_the_QP_are_those_of_Python(name, tmp_path):

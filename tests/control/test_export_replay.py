@@ -31,6 +31,7 @@ def table(kind):
     return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", GAINS)
 def test_the_vector_is_replayed_to_1e_9_and_that_of_an_MPC_to_1e_6(kind):
     _, folder = exported(kind)
@@ -99,6 +100,7 @@ def test_the_vector_of_the_observer_leads_the_memory_through_the_whole_loop():
         assert np.mean(np.abs(h[seen] - line[seen]) < 1e-9) > 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "most"),
     [

@@ -10,6 +10,7 @@ SECOND = of_plays(WRIST)
 KNOW_THE_LOOP = ("feedforward", "feedforward-pi", "observer", *(k for k in EXEMPLARY if "mpc" in k))
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("kind", EXEMPLARY)
 def test_c_replays_the_vector_of_a_plant_of_plays(kind):

@@ -82,6 +82,7 @@ class Variables:
     """Those of one block."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wrist", [WRIST, of_plays(WRIST)], ids=["four segments", "plays"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_block_replays_the_vector(kind, wrist):

@@ -40,6 +40,7 @@ def table(heading):
     return [line.split(" | ") for line in lines if not line.startswith("---")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("heading", [HEADING, HEADING_OF_PLAYS])
 def test_the_page_has_a_row_for_each_controller_of_the_catalogue(heading):
     head, *rows = table(heading)

@@ -174,6 +174,7 @@ def test_a_dead_time_stands_between_the_law_that_knows_of_it_and_the_wrist():
     assert np.nanmedian(np.abs(wrong[:, -1] - found.rows[1:, 1])) > np.nanmedian(off)
 
 
+@pytest.mark.slow
 def test_a_law_that_its_dead_time_makes_unstable_by_itself_is_refused():
     bold, mild = (part("mpc", "flexion", WRIST, (3.0, move, 2.0)) for move in (0.05, 5.0))
     with pytest.raises(InputError, match="unstable by itself behind the dead time of its model") as refused:

@@ -16,6 +16,7 @@ from plants.effects.regulator.dead_time import DeadTime
 from tests.control.limit_plant import iae, lanes, of_state, settled_at
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("motion", "start", "angle", "reference"),
     [("flexion", "virgin", 0.0, 15.0), ("deviation", "line1", 15.0, 0.0)],

@@ -82,6 +82,7 @@ def test_margins_are_those_of_python_control(branch, rate):
     assert told.delay_margin_s == pytest.approx(np.deg2rad(phase) / crossing, rel=1e-2)
 
 
+@pytest.mark.slow
 def test_a_loop_is_unstable_beyond_its_delay_margin_and_stable_below():
     mpc = linear_mpc(nominal(WRIST))
     told = margins_at_rest(mpc, [WRIST])
@@ -109,6 +110,7 @@ def test_a_dead_time_of_the_plant_is_in_its_margins():
     assert late.Ms > plain.Ms
 
 
+@pytest.mark.slow
 def test_the_margins_of_a_loop_that_does_not_come_to_rest_are_none():
     mpc = linear_mpc(nominal(WRIST))
     told = margins_at_rest(mpc, [WRIST], (0.05,))

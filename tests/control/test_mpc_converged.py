@@ -135,6 +135,7 @@ def test_a_descent_from_a_minimum_ends_with_the_step_that_gains_nothing():
     assert {(active.shape, active.any()) for *_, active in asked} == {((16,), False)}  # a mark for each bound
 
 
+@pytest.mark.slow
 def test_ipopt_comes_to_the_same_from_a_poor_start(capfd):
     """Where the minimum lies on a bend of the problem, IPOPT finds it without being able to say so."""
     problem = MPCProblem(FLEXION)
@@ -162,6 +163,7 @@ def test_a_lack_of_pressure_is_so_many_volts_more_to_ipopt():
     np.testing.assert_allclose(shifted.commands, lacking.commands, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_the_real_time_iteration_costs_no_half_percent_more():
     """From line 1 in flexion, the way to the reference; the whole tasks are a benchmark."""
     problem, reference = MPCProblem(FLEXION, horizon=20), 15.0
@@ -173,6 +175,7 @@ def test_the_real_time_iteration_costs_no_half_percent_more():
     assert costs[2] > 1.02 * costs[0]  # the comparison sees that (a) gives something away
 
 
+@pytest.mark.slow
 def test_it_comes_to_rest_and_then_asks_for_no_more():
     problem = MPCProblem(DEVIATION, horizon=8)
     play = run(DEVIATION, converged_mpc(problem), 3.0, DEVIATION.rest("line1"), 1.0)

@@ -38,6 +38,7 @@ def test_commands_under_way_are_those_given_before_the_oldest_first():
         assert state.under_way == tuple(given[-4:-1])
 
 
+@pytest.mark.slow
 def test_a_known_dead_time_leaves_more_margin():
     asked = robust(WRIST)
     without, known = (

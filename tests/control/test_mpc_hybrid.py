@@ -142,6 +142,7 @@ def test_on_the_virgin_curve_the_angle_stays_however_the_pressure_moves():
     assert np.abs(found.commands - before).max() < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("norm", ["one", "square"])
 def test_no_plan_is_below_the_bound_nor_the_model_far_from_the_wrist(norm):
     problem = MPCProblem(FLEXION, period=0.04, horizon=7)
@@ -196,6 +197,7 @@ def test_lack_and_shift_are_believed():
     assert higher.cost == pytest.approx(plain.cost, rel=5e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("norm", ["one", "square"])
 @pytest.mark.parametrize("start", ["virgin", "line1", "line2", "inside"])
 @pytest.mark.parametrize("lack", [-6.0, -40.0])

@@ -21,6 +21,7 @@ WRISTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("plant", WRISTS)
 @pytest.mark.parametrize("make", [linear_mpc, real_time_mpc])
 @pytest.mark.parametrize("setting", [nominal, robust])

@@ -55,6 +55,7 @@ def test_the_nominal_setting_does_not():
     assert np.ptp(play.trajectory.angle[-1000:, 0]) > 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("motion", WRISTS)
 def test_returns_settle_near_their_bound_too(motion):
     """Squared errors alone had the angle leave the band on the other side: the swing's weight keeps it in."""

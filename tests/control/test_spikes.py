@@ -49,6 +49,7 @@ def undisturbed():
     return angles(FEEDBACK, (None, None))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spike", SPIKES.values(), ids=list(SPIKES))
 def test_a_screened_state_feedback_is_back_within_a_second(undisturbed, spike):
     found = angles(Screened.of(FEEDBACK, WRIST), spike)

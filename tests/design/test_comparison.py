@@ -36,6 +36,8 @@ from plants import Wrist
 from plants.effects import Creep, DeadTime
 from tests.reports.report_samples import QUICK
 
+pytestmark = pytest.mark.slow
+
 WRISTS = {"flexion": Wrist.flexion(), "deviation": Wrist.deviation()}
 GAINS = {"flexion": PI(3.0, 9.0), "deviation": PI(6.0, 18.0)}
 NAMES = {TUNED, PAPER, "SIMC", "AMIGO", "Ziegler-Nichols", CONVEX, LQI_NAME, FORWARD_PI, FORWARD}

@@ -11,6 +11,8 @@ from design.studies.stages import Stages
 from plants.parameters.files import built_in
 from plants.wrist import Wrist
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def weighted():

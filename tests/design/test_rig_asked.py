@@ -8,6 +8,8 @@ import ast
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 
 TAKEN = {
@@ -39,7 +41,7 @@ BUILT_IN = {
     "plants/effects/effect.py": "units in which effects are written",
     "plants/measured/campaign.py": "whose motion an axis is",
     "plants/measured/guess/rig.py": "a rig for a log that names none",
-    "plants/measured/trace/search/screening.py": "units in which effects are written",
+    "plants/measured/trace/ranking/screening.py": "units in which effects are written",
     "plants/measured/trace/start.py": "whose motion an axis is",
     "plants/parameters/files.py": "the rig of a file that names none",
     "plants/rig.py": "the built-in rig itself",
@@ -85,6 +87,7 @@ def test_what_is_taken_is_seen():
     assert list(taken("if axis == 'flexion': ...\n")) == ["flexion"]
 
 
+@pytest.mark.slow
 def test_only_the_files_listed_take_numbers_of_the_built_in_rig():
     found = {}
     for room in ("plants", "design", "reports"):

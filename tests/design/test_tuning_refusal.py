@@ -18,6 +18,7 @@ AXES = ["flexion", "deviation"]
 ONLY_MS = replace(Limits.none(), Ms=1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", AXES)
 def test_no_loop_with_an_integrator_has_a_sensitivity_below_one(solve, axis):
     t = solve(axis, ONLY_MS)

@@ -24,6 +24,7 @@ every_problem = pytest.mark.parametrize("limits", PROBLEMS.values(), ids=PROBLEM
 every_axis = pytest.mark.parametrize("axis", AXES)
 
 
+@pytest.mark.slow
 @every_axis
 @every_problem
 def test_the_limits_hold_when_each_scenario_is_run_by_itself(solve, axis, limits):
@@ -122,6 +123,7 @@ def test_a_tighter_limit_never_pays(solve, axis):
         assert float(solve(axis, PROBLEMS[name]).at.cost[0]) >= free * 0.99
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cost", COSTS)
 def test_each_cost_is_the_least_of_its_kind(solve, cost):
     results = {c: solve("flexion", Limits(), c) for c in COSTS}

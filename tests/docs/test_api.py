@@ -124,10 +124,12 @@ def test_meaning_comes_first():
     assert unsaid == []
 
 
+@pytest.mark.slow
 def test_errors_that_a_function_raises_are_told():
     assert [t.name for t in EVERY if untold_error(t)] == []
 
 
+@pytest.mark.slow
 def test_numbers_have_units():
     assert [t.name for t in EVERY if without_unit(t)] == []
 
@@ -147,6 +149,7 @@ def test_methods_of_others_are_cited():
     assert unsourced == []
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("default")
 def test_pages_are_made_without_a_warning(tmp_path):
     """Of one package here; `python -m docs.build` makes all and stops at a warning likewise."""

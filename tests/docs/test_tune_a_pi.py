@@ -2,9 +2,12 @@
 
 import re
 
+import pytest
+
 from tests.docs.guide import DOCS
 
 
+@pytest.mark.slow
 def test_the_page_runs_and_holds_its_limits(capsys):
     text = (DOCS / "tune-a-pi.md").read_text(encoding="utf-8")
     code = re.search(r"```python\n(.*?)```", text, re.DOTALL)[1]

@@ -110,6 +110,7 @@ def answer(folder: Path) -> str:
     return "\n".join(str(w.message) for w in caught)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", SPOILED)
 def test_every_message_in_its_table_is_one_that_is_given(here, words):
     blocks_ = [b for b in blocks(GUIDE) if b.path or "savemat" in b.text]

@@ -16,6 +16,7 @@ FLEXION = built_in("flexion")
 LATE = FLEXION.revised([DeadTime], {"dead-time.delay": 0.05}, {}, "a step")
 
 
+@pytest.mark.slow
 def test_it_has_the_motions_that_were_asked_for_in_their_order():
     study = small_study()
     assert study.motions == list(study.plants) == ["flexion", "deviation"]

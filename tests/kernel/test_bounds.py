@@ -52,6 +52,7 @@ for pressure in (105.0, float("nan")):
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_no_index_is_out_of_bounds(name):
     environment = os.environ | {"NUMBA_BOUNDSCHECK": "1", "PYTHONPATH": str(ROOT)}
@@ -60,6 +61,7 @@ def test_no_index_is_out_of_bounds(name):
     assert said.returncode == 0, said.stderr[-600:]
 
 
+@pytest.mark.slow
 def test_an_index_out_of_bounds_is_seen():
     code = """
 from plants.kernel import cache

@@ -73,6 +73,7 @@ def test_a_private_folder_that_is_gone_already_stops_no_process():
         cache._private.cache_clear()
 
 
+@pytest.mark.slow
 def test_the_private_folder_is_gone_after_the_process(tmp_path):
     (tmp_path / "wrist").mkdir()
     (tmp_path / "wrist").chmod(0o777)

@@ -118,6 +118,7 @@ class Evil:
         return os.system, ("touch $EVIL",)
 
 
+@pytest.mark.slow
 def test_a_pickle_that_others_have_put_there_is_not_run(tmp_path):
     """In a folder that others may write, and in one that numba's own variable names."""
     home, evil = tmp_path / "wrist" / "kernels", tmp_path / "evil"

@@ -58,6 +58,7 @@ def test_a_move_back_begins_along_the_first_slope(loop, start, end, virgin):
         assert loop.first_slope(memory) == loop.flattest
 
 
+@pytest.mark.slow
 @given(ANY)
 def test_outer_branches_are_straight_where_it_says_so(loop):
     p = np.linspace(LOW - 200.0, HIGH + 200.0, 4001)

@@ -81,6 +81,7 @@ def lugre(breakaway, sliding, stribeck, stiffness, static, end):
     return time, found.y[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("every", [1, 5])
 def test_bristles_are_lugres_law(every):
     """At 1 ms, and at the 5 ms at which a log is fitted."""

@@ -4,6 +4,7 @@ from concurrent.futures import ThreadPoolExecutor
 from threading import Barrier
 
 import numpy as np
+import pytest
 
 from plants.kernel import batches, cache
 from plants.kernel.batches import run_lanes
@@ -13,6 +14,7 @@ def _doubled(state, inputs, c):
     return (2.0 * state[0] + c[0],)
 
 
+@pytest.mark.slow
 def test_threads_may_be_the_first_at_once(tmp_path, monkeypatch):
     monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
     for attempt in range(8):

@@ -64,6 +64,7 @@ def added_by_definition(dt=1e-3):
     return np.array(found) - at_rest * bump[1:] * 1.5
 
 
+@pytest.mark.slow
 def test_it_is_added_to_the_angle_of_the_loop():
     _, plain = moved(INSTANT, PATH)
     _, ours = moved(INSTANT + BLOCK, PATH)

@@ -61,6 +61,7 @@ def test_a_late_pressure_is_told_from_a_late_angle(plain):
     assert delay_between(replace(plain, fit=tuple(map(moved, plain.fit)))) == pytest.approx(-0.15, abs=0.03)
 
 
+@pytest.mark.slow
 def test_soft_rig_with_a_late_camera(tmp_path):
     assert delay_between(written(tmp_path / "in-step")) == 0.0
     # Rows are 0.04 s apart.
@@ -74,6 +75,7 @@ def test_in_step_reads_a_channel_when_it_was_measured(plain):
     assert len(back.time) == len(r.time) - 10
 
 
+@pytest.mark.slow
 def test_offsets_where_recordings_start_anywhere(tmp_path):
     campaign = corrected(written(tmp_path, offset=0.0))[0]
     assert offsets_between(campaign) == {}
@@ -107,6 +109,7 @@ def test_offsets_of_two_recordings_are_read_from_their_first_rows(tmp_path):
     assert offsets_between(none) == {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("held_out", [False, True])
 def test_one_recording_that_was_zeroed_anew_is_told_from_those_that_agree(tmp_path, held_out):
     campaign = corrected(written(tmp_path, offset=0.0))[0]
@@ -119,6 +122,7 @@ def test_one_recording_that_was_zeroed_anew_is_told_from_those_that_agree(tmp_pa
     assert all(abs(v) < 1.0 for n, v in offsets_between(moved).items() if n != last.name)
 
 
+@pytest.mark.slow
 def test_a_held_out_recording_of_a_random_soft_actuator(tmp_path):
     # The two recordings that may be fitted on agree by chance, the held-out one of 301 is 0.3 deg off.
     remarks = {}
@@ -132,6 +136,7 @@ def test_a_held_out_recording_of_a_random_soft_actuator(tmp_path):
     assert remarks[303] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [424, 530])
 def test_offsets_are_told_whatever_the_lag_of_the_joint(tmp_path, seed):
     """Actuator 530 has a lag of 0.24 s: with 0.3 s, the next that is tried, more is left than by offsets."""
@@ -152,6 +157,7 @@ def test_offsets_are_told_whatever_the_lag_of_the_joint(tmp_path, seed):
     assert np.ptp(taken) > 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [401, 422])
 def test_a_small_offset_counts_by_the_standard_error_of_a_first_angle(tmp_path, seed):
     """Of 0.4 to 0.8 % of the range: less than three times the noise of a row, or two steps of the sensor."""

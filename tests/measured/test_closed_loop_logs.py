@@ -43,6 +43,7 @@ def test_parameters_lie_within_their_errors(tmp_path):
     assert all(errors < 4.0 or share < 0.005 for errors, share in off(rig, fit.fitted).values())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("axis", "seed"), [("flexion", 403), ("deviation", 404)])
 def test_set_points_between_rows_bias_nothing(tmp_path, axis, seed):
     rig = make_rig(axis, [], seed)
@@ -64,6 +65,7 @@ def test_set_points_between_rows_bias_nothing(tmp_path, axis, seed):
     assert np.quantile(nearest, 0.9) < 0.01  # a few jumps are the command's that comes back from its limit
 
 
+@pytest.mark.slow
 def test_what_times_of_jumps_explain_is_taken_off(tmp_path):
     rig = make_rig("flexion", [], 403)
     model = fit_rig(recorded(rig, tmp_path, BETWEEN), built_in("flexion"), 1).model
@@ -78,6 +80,7 @@ def test_what_times_of_jumps_explain_is_taken_off(tmp_path):
     assert problem.residuals(x[None, :])[:, 0] == pytest.approx(model.residual - explained, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_set_points_at_rows_stay_there(tmp_path):
     rig = make_rig("flexion", [], 402)
     found = fit_rig(recorded(rig, tmp_path, AT_ROWS), built_in("flexion"), 1)
@@ -85,6 +88,7 @@ def test_set_points_at_rows_stay_there(tmp_path):
     assert all(r.ahead is None for r in (*found.start.campaign.fit, *found.start.campaign.validate))
 
 
+@pytest.mark.slow
 def test_a_missing_effect_does_not_pass_for_set_points_between_rows(tmp_path):
     rig = make_rig("flexion", ["fill-exhaust-asymmetry"], 407)
     assert not fit_rig(recorded(rig, tmp_path, AT_ROWS), built_in("flexion"), 1).start.instrument
@@ -132,6 +136,7 @@ def test_a_jump_ahead_of_its_row_counts_for_the_share_of_its_sample():
     assert Playback(log).commands[:20] == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("axis", "seed"), [("flexion", 403), ("deviation", 404)])
 def test_a_controller_that_runs_once_a_row_holds_its_command(tmp_path, axis, seed):
     rig = make_rig(axis, [], seed)
@@ -159,6 +164,7 @@ def waves(rig, folder, row):
     return load_campaign(folder)
 
 
+@pytest.mark.slow
 def test_a_command_in_open_loop_may_move_between_the_rows_of_a_slow_log(tmp_path):
     rig = make_rig("flexion", [], 402)
     campaign = waves(rig, tmp_path, 40)

@@ -133,6 +133,7 @@ def test_the_largest_error_is_that_of_the_largest_step():
     assert largest_error([run], first_order([run])) == pytest.approx(40.0, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_rate_that_no_recording_shows_is_not_extrapolated(tmp_path):
     """Steps of 32 kPa are fitted, steps of up to 160 kPa held out: bound by nothing, the rate far from the
     commanded pressure ended where the fit's small errors liked it, and the held-out pressure 15 kPa off."""

@@ -30,6 +30,7 @@ def imported(files, out, **options):
     return made, tomllib.loads((out / "campaign.toml").read_text())
 
 
+@pytest.mark.slow
 def test_channels_without_names_and_units_are_told_by_what_leads(tmp_path):
     log = csv(
         tmp_path / "log.csv",
@@ -61,6 +62,7 @@ def test_what_names_say_against_the_data_is_told(tmp_path):
     assert "mV" not in why
 
 
+@pytest.mark.slow
 def test_logs_with_a_renamed_column_in_another_unit_or_without_a_pressure_come_together(tmp_path):
     whole = {"time": STEPS.time, "u": STEPS.command, "p [kPa]": STEPS.pressure, "theta [deg]": STEPS.angle}
     renamed = {
@@ -166,6 +168,7 @@ def test_channels_of_several_rates_meet_on_the_samples_of_the_angle(tmp_path):
     np.testing.assert_allclose(made.runs[0].values["command"], STEPS.command[:3000], atol=0.02)
 
 
+@pytest.mark.slow
 def test_one_sine_is_not_fitted_on_and_held_out_too(tmp_path):
     def run(name, values):
         return csv(

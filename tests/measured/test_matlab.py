@@ -251,6 +251,7 @@ def test_what_stands_beside_a_matlab_object_is_read(tmp_path: Path, version):
     assert said.endswith(ADVICE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", ["v7", "v7 compressed", "v7.3"])
 def test_flipped_bits_are_refused_or_read_and_never_end_the_process(tmp_path: Path, version):
     path = tmp_path / "log.mat"

@@ -43,6 +43,7 @@ def test_a_clock_that_counts_from_elsewhere_starts_at_zero(spoiled, folder, star
     assert str(remark).startswith(f"The clock starts at {start:.10g} s (4 recordings)")
 
 
+@pytest.mark.slow
 def test_a_recording_that_was_cut_keeps_its_time(spoiled):
     campaign = spoiled(lambda t: t.iloc[len(t) // 5 :])
     assert all(r.time[0] > 10.0 for r in campaign.fit)
@@ -98,6 +99,7 @@ def test_lost_packets_are_bridged_and_long_gaps_refused(spoiled, folder):
         spoiled(lambda t: t.drop(index=range(200, 230)))
 
 
+@pytest.mark.slow
 def test_spikes_are_left_out_wherever_they_stand(spoiled, folder):
     rows = {0: -40.0, 100: 50.0, 101: 49.0, 640: -30.0, 1500: 20.0}
 

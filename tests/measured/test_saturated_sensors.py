@@ -44,6 +44,7 @@ def clip(folder, low, high):
         clipped.to_csv(path, index=False, lineterminator="\n")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("axis", "seed", "low", "high", "habits"),
     [
@@ -95,6 +96,7 @@ def test_a_sensor_that_rests_within_its_range_is_not_saturated(tmp_path):
     assert not any(r.ranges for r in found.fit)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [200, 221, 228, 234, 241, 302])
 def test_offsets_of_recordings_that_begin_saturated_are_found(tmp_path, seed):
     """Their first rows tell nothing of them; a regression of what follows does, to 0.5 % of the range."""

@@ -19,6 +19,7 @@ from plants.simulation.open_loop import open_loop
 from plants.wrist import Wrist
 
 
+@pytest.mark.slow
 def test_only_for_a_design_the_angle_is_counted_from_the_middle(folder):
     campaign = load_campaign(folder)
     plain, begun = starting(campaign), starting(campaign, either_way=True)
@@ -45,6 +46,7 @@ def test_the_middle_is_found_however_far_from_zero_the_angles_lie(folder, far):
     assert centred(moved) == (moved, ())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("far", [170.0, -170.0])
 def test_an_angle_far_from_zero_is_counted_from_the_lower_end_of_its_range(folder, far):
     plain, campaign = load_campaign(folder), counted_from(load_campaign(folder), Zero(angle=-far))

@@ -123,5 +123,7 @@ def _child(copy: Path, words: list[str], plugin: Callable[[], Any], sender: Conn
     sys.path[:] = [str(copy), *(p for p in sys.path if p and Path(p).resolve() != copy)]
     found = plugin()
     loaded = ("-W", "ignore::pytest.PytestAssertRewriteWarning")  # before pytest could rewrite it
-    code = pytest.main(["-q", "-p", "no:cacheprovider", *loaded, *words], plugins=[found, _Began(sender)])
+    code = pytest.main(
+        ["-q", "-m", "not suite", "-p", "no:cacheprovider", *loaded, *words], plugins=[found, _Began(sender)]
+    )
     sender.send((int(code), found.found))

@@ -47,6 +47,7 @@ def test_one_seed_is_as_good_as_another(tmp_path):
     }
 
 
+@pytest.mark.slow
 def test_a_seed_draws_the_same():
     files = sources("export")
     assert drawn(files, 5, 3) == drawn(files, 5, 3) != drawn(files, 5, 4)
@@ -75,6 +76,7 @@ def test_survivors_of_an_earlier_run_are_found_again_on_another_line(tmp_path):
     assert {m.after for m in survivors("export", kept)} == {one.after}
 
 
+@pytest.mark.slow
 def test_each_that_changes_nothing_is_one_and_says_why():
     of_rooms = {str(p.relative_to(ROOT)): p for room in ROOMS for p in sources(room)}
     stated: dict[str, set[str]] = {}

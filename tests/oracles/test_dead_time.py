@@ -68,6 +68,7 @@ def tuned(axis: str, limits: Limits) -> tuple[float, float]:
     return found.Kp, found.Ki
 
 
+@pytest.mark.slow
 def test_the_fastest_gains_for_a_deviation_without_tube_oscillate_behind_one():
     gains = tuned("deviation", NOMINAL)
     assert delay_margin("deviation", gains) < TUBE
@@ -75,6 +76,7 @@ def test_the_fastest_gains_for_a_deviation_without_tube_oscillate_behind_one():
     assert min(swings("deviation", gains, TUBE)) > 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", WRISTS)
 @pytest.mark.parametrize("reference", [15.0, -15.0])
 def test_the_fastest_gains_that_keep_60_ms_settle_behind_it(axis, reference):

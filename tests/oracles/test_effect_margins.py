@@ -171,6 +171,7 @@ def delayed_system(gains, branch, rate, samples):
     return control.ss(c / WRIST.regulator.gain) * register * branch_ss(WRIST, branch, rate)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gains", GAINS)
 def test_behind_a_dead_time_of_100_ms_it_is_python_controls_loop_with_a_shift_register(gains):
     found = branch_responses(WRIST + DeadTime(0.1))

@@ -131,6 +131,7 @@ def test_some_of_those_margins_are_short_enough_to_be_tried(axis):
     assert sum(d < 0.3 for d in worst) >= 4
 
 
+@pytest.mark.slow
 @each_axis
 def test_without_dead_time_the_loop_is_stable_just_where_its_poles_say(axis):
     Kp, Ki = (g.ravel() for g in np.meshgrid(np.geomspace(0.3, 2e4, 12), np.geomspace(0.3, 2e4, 12)))

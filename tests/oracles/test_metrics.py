@@ -40,6 +40,7 @@ def second_order(seed: int) -> tuple[np.ndarray, float]:
     return np.asarray(control.step_response(system, TIME).outputs), gain * rng.uniform(0.99, 1.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize(("start", "sign"), [(0.0, 1.0), (5.0, -1.0)])
 def test_times_and_overshoot_are_those_of_python_control(seed, start, sign):

@@ -18,6 +18,7 @@ def loop(plant, Kp, Ki):
     return plant * control.tf([Kp, Ki], [1.0, 0.0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("plants", [PLANTS, SAMPLED, PLANTS[:1]], ids=["continuous", "discrete", "one"])
 @pytest.mark.filterwarnings("ignore")  # of python-control's conversions
 def test_margins_are_those_of_python_control_and_within_the_limits(plants):
@@ -37,6 +38,7 @@ def test_margins_are_those_of_python_control_and_within_the_limits(plants):
         assert phase >= 45.0 * 0.998
 
 
+@pytest.mark.slow
 def test_the_integral_gain_is_the_largest_under_a_bound_on_the_sensitivity():
     """Against the plain search of the definition: the first Ki, at each Kp, at which Ms is at its limit."""
     plant, omega = PLANTS[0], np.geomspace(1e-3, 1e2, 4000)
@@ -51,6 +53,7 @@ def test_the_integral_gain_is_the_largest_under_a_bound_on_the_sensitivity():
     assert tune_pi([plant], MarginLimits(Ms=1.6)).Ki == pytest.approx(most, rel=1e-2)
 
 
+@pytest.mark.slow
 def test_dead_time_counts_as_its_long_pade_form_does():
     late = 0.4
     found = tune_pi([PLANTS[1]], MarginLimits(Ms=1.5), dead_times=late)

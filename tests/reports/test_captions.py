@@ -136,6 +136,7 @@ def test_figures_of_the_linear_loop_give_their_extremes():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_errors_of_a_trace_stand_before_and_after():
     found = small_trace()

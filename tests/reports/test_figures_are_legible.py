@@ -126,6 +126,7 @@ ROOMS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("room", ROOMS)
 def test_no_text_leaves_the_canvas_overlaps_another_or_is_crossed_by_a_line(room):
     found = {name: said for name, figure in ROOMS[room]().items() if (said := faults(figure))}

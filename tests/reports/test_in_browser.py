@@ -25,7 +25,7 @@ A4 = {"width": 672, "height": 1002}
 
 FOOT = ("Workbench", "Commit", "Command", "Seed", "Plant", "Data")
 
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="no chromium")]
 
 
 @pytest.fixture(scope="module")

@@ -12,6 +12,7 @@ from plants.measured.residual.series.joined import join
 from tests.residual.made import RUNS, VARIABLES, noise, with_structure
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("memory", [0.0, 0.02, 0.1, 0.5])
 @pytest.mark.parametrize("half", [0, 1])
 def test_noise_of_any_colour_is_not_structured(memory, half):

@@ -60,6 +60,7 @@ def on_an_extra_channel(r, rng):
 TOGETHER = {"pressure_kPa": {"pressure_kPa", "angle_deg"}, "angle_deg": {"pressure_kPa", "angle_deg"}}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("memory", [0.0, 0.05])
 @pytest.mark.parametrize(
     ("change", "name"),

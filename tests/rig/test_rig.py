@@ -104,6 +104,7 @@ def felt(name: str, variants: dict[str, int]) -> float:
     return float(most)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "form"), EVERY_FORM)
 def test_every_form_is_felt(name: str, form: int) -> None:
     assert felt(name, {name: form}) > (1.0 if name == "periodic-disturbance" else 5.0)

@@ -29,6 +29,7 @@ def small_box() -> Box:
     return box_of(built_in("flexion"))
 
 
+@pytest.mark.slow
 def test_a_known_corner_is_found():
     """One slow step: the IAE of a loop that neither clips nor overshoots is ruled by the pressure that its
     integrator must gather, IAE = (pressure needed) / Ki, so the widest, flattest loop from the far line is
@@ -48,6 +49,7 @@ def test_a_known_corner_is_found():
     assert found.cost_per_deg == pytest.approx(pressure / gains.Ki / step, rel=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "objective"), [(0, "excess"), (1, "excess"), (2, "excess"), (0, "cost")])
 def test_never_milder_than_as_many_random_draws(seed, objective):
     gains, space = PI(2.882, 8.798), Space(small_box(), 3, 0.03, 1.0, SHORT)
@@ -75,6 +77,7 @@ KINDS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_told_is_what_the_scenario_does_whatever_the_controller(kind):
     controller, effort = KINDS[kind]
@@ -88,6 +91,7 @@ def test_what_is_told_is_what_the_scenario_does_whatever_the_controller(kind):
     assert abs(found.case.task.load) <= 1.0
 
 
+@pytest.mark.slow
 def test_the_same_for_a_seed_and_any_number_of_threads():
     found = [
         worst_case(small_box(), PI(2.882, 8.798), seed=4, budget=400, duration=SHORT, jobs=jobs)

@@ -118,6 +118,7 @@ def test_rows_of_the_steepest_rate_follow_and_are_no_better_at_high_gain():
     assert {r["rate"] for r in branch_margins(one_rate, PI(1.0, 2.0))} == set(RATES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gains", [(3.13, 10.4)])
 def test_dead_time_beside_the_loop_is_dead_time_in_the_tube(gains):
     beside = branch_margins(WRIST, PI(*gains), 0.1)

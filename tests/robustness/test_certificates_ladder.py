@@ -78,6 +78,7 @@ def refused(gains: tuple[float, float], wrist: Wrist, dead_time: float) -> None:
         assert not certifies(loop(*gains, wrist), c.rung, dead_time)
 
 
+@pytest.mark.slow
 def test_the_ladder_tells_decay_margin_and_region_and_goes_into_json() -> None:
     ladder = certify(loop(1.2, 2.2), FLEXION, PI(1.2, 2.2))
     assert [(c.rung, c.dead_time, c.holds) for c in ladder] == [

@@ -85,6 +85,7 @@ def require_same(a: Samples, b: Samples) -> None:
     assert (a.quantiles, a.violations, a.beyond) == (b.quantiles, b.violations, b.beyond)
 
 
+@pytest.mark.slow
 def test_monte_carlo_on_two_workers_is_monte_carlo_here(address):
     told = []
     require_same(sampled(address, lambda stage, share: told.append((stage, share))), here())

@@ -64,6 +64,7 @@ def by_control(wrist: Wrist, pi: PI, omega: np.ndarray) -> dict[str, float]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("axis", "name"), CASES)
 def test_the_limits_hold_between_the_frequencies_of_the_grid(axis, name):
     wrist, shape = getattr(Wrist, axis)(), SHAPES[name]

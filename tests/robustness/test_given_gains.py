@@ -50,6 +50,7 @@ def test_the_cases_are_harder_than_those_of_chance(timid):
     assert max(shown) >= np.quantile(chance, 0.99)
 
 
+@pytest.mark.slow
 def test_gains_that_break_a_limit_are_refused_as_they_are():
     bold = given_gains(asked(), TwoDofPI.of(Wrist.flexion(), 20.0, 100.0, 1.0, 0.0), COARSE)
     assert (bold.Kp, bold.Ki) == (20.0, 100.0)

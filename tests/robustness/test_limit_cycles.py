@@ -32,6 +32,7 @@ def hunting() -> tuple[list[LimitCycle], Swings]:
     return limit_cycles(FLEXION, PI(1.0, 40.0)), large_swings(FLEXION, PI(1.0, 40.0))
 
 
+@pytest.mark.slow
 def test_around_backlash_the_balance_is_python_controls():
     # One rate and no transit slope: PI, two lags and backlash, which python-control knows.
     w = FLEXION.with_values(k_slow=9.0, k_fast=9.0, s=0.0)

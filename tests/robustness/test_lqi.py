@@ -117,6 +117,7 @@ def continuous(c: LQI, slope: float, rate: float, Tw: float | None = None) -> tu
     return controller, air_and_lag
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("controller", [TYPICAL, MILD])
 def test_margins_and_poles_are_those_of_python_control(controller):
     import control
@@ -262,6 +263,7 @@ def designed() -> RobustLQI:
     return design_lqi(small(Limits()))
 
 
+@pytest.mark.slow
 def test_the_design_holds_every_limit_on_the_scenarios_one_by_one():
     found = designed()
     assert found.breaks == ()
@@ -296,6 +298,7 @@ def test_the_design_is_the_least_of_its_neighbours_that_hold_the_limits():
     assert float(at.merit[0]) <= 1.1 * float(at.merit.min())
 
 
+@pytest.mark.slow
 def test_where_no_member_of_the_family_holds_the_limits_the_broken_one_is_named():
     found = design_lqi(small(Limits(total_variation_V=0.2)), generations=3)
     assert "total_variation_V" in found.breaks

@@ -97,6 +97,7 @@ def level(form: LineForm, run: OneLine, g: float) -> float:
     return max(near, value(form.transit, run.loop, run.x, run.late, g, run.law))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("samples", [0, 5, 50])
 @pytest.mark.parametrize("gains", [(2.0, 6.0), (3.13, 10.4)])
 def test_a_function_with_memory_falls_on_the_line_off_it_and_in_between(
@@ -147,6 +148,7 @@ def test_a_linear_loop_is_certified_to_the_rate_of_its_slowest_pole_and_no_furth
     assert common(loop, 1.01 * rate).form is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("samples", [0, 50])
 def test_a_function_for_a_box_falls_whichever_plant_of_it_it_is_and_while_slopes_and_lag_drift(
     samples: int,

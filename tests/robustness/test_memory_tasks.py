@@ -41,6 +41,7 @@ def played(wrist: Wrist, Kp: float, Ki: float, samples: int) -> tuple[FixedLawLo
     return FixedLawLoop.of(model, samples), run(wrist, pi, comparison_tasks(wrist.rig), samples, model.dt)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("motion", WRISTS)
 @pytest.mark.parametrize("gains", [(1.2, 2.2), (2.0, 6.0)])
 def test_tasks_come_to_half_the_rate_of_the_slowest_pole_behind_50_ms(
@@ -57,6 +58,7 @@ def test_tasks_come_to_half_the_rate_of_the_slowest_pole_behind_50_ms(
     assert statement.status is Status.PROVED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("motion", "gains", "samples"), [("flexion", (2.0, 6.0), 50), ("deviation", (3.13, 10.4), 0)]
 )
@@ -135,6 +137,7 @@ def test_runs_that_are_clipped_at_first_arrive_too() -> None:
     assert tasks["clipped"] == tasks["runs"]
 
 
+@pytest.mark.slow
 def test_a_loop_that_hunts_is_not_covered_though_every_branch_is_stable() -> None:
     """A flat transit and a strong integral: the swing lasts, as 40 s of simulation show."""
     wrist = WRISTS["flexion"].with_values(s=0.001)
@@ -174,6 +177,7 @@ def test_the_plants_own_dead_time_and_that_beside_it_add_up() -> None:
     assert late.evidence["tasks"]["latest_s"] == same.evidence["tasks"]["latest_s"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("motion", ["flexion", pytest.param("deviation", marks=pytest.mark.suite)])
 def test_every_plant_of_the_assumed_box_decays_at_half_the_slowest_rate_behind_50_ms(motion: str) -> None:
     wrist, box = WRISTS[motion], box_of(built_in(motion))
@@ -187,6 +191,7 @@ def test_every_plant_of_the_assumed_box_decays_at_half_the_slowest_rate_behind_5
     assert found.decay > 0.5 * found.evidence["slowest_pole_1_s"]
 
 
+@pytest.mark.slow
 def test_a_box_with_a_plant_that_does_not_decay_has_no_function() -> None:
     wrist, pi = WRISTS["flexion"], PI.of(WRISTS["flexion"], 1.0, 16.0)
     slow = LoopModel.of(wrist.with_values(Tw=0.4), pi)

@@ -70,6 +70,7 @@ def exact_growth(loop):
     return high
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gains", GAINS)
 @pytest.mark.parametrize("box", [NARROW, WIDE], ids=["narrow", "wide"])
 def test_the_bounds_hold_the_exact_radius_between_them(box, gains):
@@ -85,6 +86,7 @@ def test_the_bounds_hold_the_exact_radius_between_them(box, gains):
         assert r.margin > 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gains", GAINS)
 def test_the_loop_is_stable_in_all_corners_of_the_bounds_that_are_told(gains):
     for r in robust_stability_everywhere(WIDE, PI(*gains)):
@@ -96,6 +98,7 @@ def test_the_loop_is_stable_in_all_corners_of_the_bounds_that_are_told(gains):
         assert min(excess(r.loop, np.array(p)) for p in product(*zip(low, high, strict=True))) > 0.0
 
 
+@pytest.mark.slow
 def test_the_destabilising_parameters_are_unstable_and_within_the_grown_box():
     for gains in GAINS:
         r = robust_stability(WIDE, PI(*gains), "line1", "slow")

@@ -15,6 +15,7 @@ from plants import Wrist
 from plants.effects.regulator.dead_time import DeadTime
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay", [0.0, 0.05])
 @pytest.mark.parametrize("gains", [(1.2, 2.2), (2.32, 6.38), (6.0, 10.0)])
 @pytest.mark.parametrize("built_in", [Wrist.flexion, Wrist.deviation])
@@ -75,6 +76,7 @@ def test_planes_are_the_range_of_the_command_on_the_lines() -> None:
         assert g[row] @ [x0, x1, q] == pytest.approx(b[row])
 
 
+@pytest.mark.slow
 def test_the_shape_of_a_certificate_is_where_its_function_is_at_most_the_level() -> None:
     wrist, controller = Wrist.flexion(), PI(0.5, 0.5)
     model = LoopModel.of(wrist, controller)

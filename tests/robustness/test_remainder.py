@@ -101,6 +101,7 @@ def test_no_move_changes_it_by_more_than_its_steepest_share():
     assert 0.8 * met.steepest < largest <= met.steepest
 
 
+@pytest.mark.slow
 def test_the_box_of_a_plant_with_a_residual_has_wider_slopes_and_a_slower_proof():
     asked, bare = requirement(PLANT), requirement(built_in("flexion"))
     share = asked.box.remainder.steepest
@@ -121,6 +122,7 @@ def test_the_box_of_a_plant_with_a_residual_has_wider_slopes_and_a_slower_proof(
     assert rate(steep) == 0.0
 
 
+@pytest.mark.slow
 def test_a_worst_case_with_a_remainder_is_played_again(tmp_path):
     box = requirement(PLANT).box
     worst = worst_case(box, PI.of(box.wrist, 3.0, 8.0), budget=400, seed=1)

@@ -17,6 +17,8 @@ from plants import Wrist
 from tests.robustness.test_lqi import continuous
 from tests.robustness.test_robust_tuning import plain, small
 
+pytestmark = pytest.mark.slow
+
 WRIST = Wrist.flexion()
 
 

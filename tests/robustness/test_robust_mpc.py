@@ -66,6 +66,7 @@ def test_the_cost_is_the_worst_of_the_tasks_steps(tuned):
     assert max(found, default=0.0) <= last.at.cost[0] + 1e-9
 
 
+@pytest.mark.slow
 def test_a_move_costs_the_least_with_which_the_nominal_loop_keeps_its_limits():
     required, swing = small(), 100.0
     late = (0.0, required.space.dead_time)

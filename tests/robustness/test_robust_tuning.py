@@ -32,6 +32,8 @@ from plants.parameters.files import built_in
 from reports.robustness.tuning import lines, record
 from reports.shared.tuning import refused
 
+pytestmark = pytest.mark.slow
+
 WRIST = Wrist.flexion()
 COARSE = Region(Kp=(0.5, 40.0), Ki=(1.0, 100.0), points=12)
 

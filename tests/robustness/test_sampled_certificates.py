@@ -53,6 +53,7 @@ def test_matrices_between_slopes_and_shares_are_in_the_polytope() -> None:
         np.testing.assert_allclose(direct, mixed, atol=1e-13)
 
 
+@pytest.mark.slow
 def test_timid_gains_are_certified_and_the_common_function_decreases_in_simulation() -> None:
     m = model(0.5, 0.5)
     found = {c.rung: c for c in certify_sampled(m, (0.0,))}
@@ -73,6 +74,7 @@ def test_timid_gains_are_certified_and_the_common_function_decreases_in_simulati
     assert x @ quadratic.shape @ x <= before * np.exp(-2.0 * quadratic.decay * 3.0)
 
 
+@pytest.mark.slow
 def test_tuned_gains_have_a_word_and_no_certificate() -> None:
     """Kp 3.13, Ki 10.4: a destabilising word; its product is multiplied out anew from the loop model."""
     m = model(3.13, 10.4)
@@ -110,6 +112,7 @@ def test_continuous_loop_grows_by_the_two_letter_word_of_the_trial() -> None:
     assert word.growth >= growth - 0.01
 
 
+@pytest.mark.slow
 def test_gains_beyond_quadratic_functions_are_certified_by_forms() -> None:
     m = model(1.2, 2.2)
     assert word_of(m) is None
@@ -122,6 +125,7 @@ def test_gains_beyond_quadratic_functions_are_certified_by_forms() -> None:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", [pytest.param(2, marks=pytest.mark.suite), 3])
 def test_one_mode_is_certified_up_to_its_exact_delay_margin(mode: int) -> None:
     """The margin by the eigenvalues of the matrix with all N samples under way."""
@@ -191,6 +195,7 @@ def test_function_of_the_window_decreases_as_a_form_of_all_that_is_under_way(fol
         assert np.linalg.eigvalsh((left + left.T) / 2.0)[0] > -1e-12
 
 
+@pytest.mark.slow
 def test_dead_time_takes_from_the_decay_of_timid_gains() -> None:
     decays = []
     for samples in (0, 50, 300):

@@ -68,6 +68,7 @@ def test_no_rung_certifies_what_a_word_destabilises_though_every_part_is_stable(
     assert 0.99 * turn(13.0) < word.radius < 1.0001 * turn(13.0)
 
 
+@pytest.mark.slow
 def test_discrete_system_that_only_later_rungs_certify() -> None:
     """Ando & Shih 1998, in Parrilo & Jadbabaie 2008, example 2.8: radius 1, quadratic bound sqrt(2)."""
     pair = [np.array([[1.0, 0.0], [1.0, 0.0]]), np.array([[0.0, 1.0], [0.0, -1.0]])]

@@ -22,6 +22,7 @@ def test_bounds_enclose_the_golden_ratio() -> None:
     assert bounds.word.letters == (0, 1)
 
 
+@pytest.mark.slow
 def test_radius_of_commuting_and_of_normal_matrices_is_the_largest_of_their_own() -> None:
     turned, _ = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))
     commuting = [turned @ np.diag(d) @ turned.T for d in ([0.9, -0.2, 0.1], [0.3, -0.95, 0.2])]
@@ -33,6 +34,7 @@ def test_radius_of_commuting_and_of_normal_matrices_is_the_largest_of_their_own(
         assert bounds.upper == pytest.approx(radius, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_published_bounds_of_three_matrices() -> None:
     """Parrilo & Jadbabaie 2008, example 5.4: word 8.9149 (cut off), quadratic bound 9.761, quartic 8.92."""
     matrices = [
@@ -103,6 +105,7 @@ def test_same_seed_same_word() -> None:
     assert not first.grows
 
 
+@pytest.mark.slow
 def test_words_of_eight_letters_are_tried_unless_told_otherwise() -> None:
     """Turns by a sixteenth of pi, and a projection that sees best what eight of them have turned."""
     angle, keeps, best = np.pi / 16.0, 0.999, 1.05

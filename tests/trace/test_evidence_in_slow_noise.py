@@ -86,6 +86,7 @@ def test_a_wave_followed_in_noise_alone_gains_less_than_is_demanded():
     assert max(gains) > 1.0
 
 
+@pytest.mark.slow
 def test_slow_noise_of_the_pressure_does_not_drive_the_wrist(tmp_path):
     noise = Noise(0.05, 0.4, 0.2)
     make_campaign(tmp_path / "c", "flexion", [], seed=61, noise=noise, short=True)
@@ -95,6 +96,7 @@ def test_slow_noise_of_the_pressure_does_not_drive_the_wrist(tmp_path):
     assert np.std(left) == pytest.approx(noise.angle_deg, rel=0.15)
 
 
+@pytest.mark.slow
 def test_an_effect_too_short_for_structure_is_found(tmp_path):
     make_campaign(tmp_path / "c", "deviation", ["branch-curvature"], seed=405, short=True)
     trace = trace_folder(tmp_path / "c")

@@ -7,6 +7,8 @@ from plants.wrist import Wrist
 from tests.rig.campaign import make_campaign
 from tests.trace.traces import trace_folder
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def creeping(tmp_path_factory):

@@ -69,6 +69,7 @@ def wrist(capsys, *arguments):
     return said.out
 
 
+@pytest.mark.slow
 def test_commands_take_it_as_they_take_the_numbers(capsys, kept, tmp_path):
     given = f"{GAINS['Kp']},{GAINS['Ki']}"
     by_file, by_number = (

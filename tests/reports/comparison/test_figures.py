@@ -41,6 +41,7 @@ def drawn(compared):
     yield "fit", draw_fit(compared.fits["flexion"])
 
 
+@pytest.mark.slow
 def test_outer_axes_are_labelled_with_units_and_hold_data(compared):
     for name, figure in drawn(compared):
         labels = [x for a in figure.axes for x in (a.get_xlabel(), a.get_ylabel()) if x]
@@ -50,6 +51,7 @@ def test_outer_axes_are_labelled_with_units_and_hold_data(compared):
             assert axes.lines or axes.collections or axes.patches, name
 
 
+@pytest.mark.slow
 def test_steps_show_every_controller_until_the_end_of_the_window(compared):
     figure = figures.step_responses(compared.comparison, "deviation")
     names = {"recommended PI", "paper's PI (stand-in)", "SIMC", "AMIGO", "Ziegler-Nichols"}
@@ -65,6 +67,7 @@ def test_steps_show_every_controller_until_the_end_of_the_window(compared):
         assert len({str(line._dash_pattern) for line in in_colour}) == 2  # told apart without colour
 
 
+@pytest.mark.slow
 def test_a_name_beside_a_curve_points_at_that_curve(compared):
     figure = figures.step_responses(compared.comparison, "deviation")
     for name, words in (("SIMC", "SIMC"), ("AMIGO", "AMIGO"), ("paper", "paper's PI (stand-in)")):
@@ -131,6 +134,7 @@ def test_drawing_leaves_no_trace_in_the_settings_of_matplotlib(compared):
     assert dict(matplotlib.rcParams) == before
 
 
+@pytest.mark.slow
 def test_figures_are_saved_the_same_each_time_as_png_or_svg(compared, tmp_path):
     for ending in ("png", "svg"):
         one = save(figures.worst_values(compared.comparison), tmp_path / "a" / f"x.{ending}", dpi=40)

@@ -34,6 +34,8 @@ from tests.reports.report_samples import (
     whole_study,
 )
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def compared() -> Study:

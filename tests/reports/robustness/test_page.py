@@ -13,6 +13,8 @@ from reports.shared.tables import number
 from tests.reports.html_page import Page, summary_of
 from tests.reports.report_samples import small_assessment, small_robustness
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def assessed():

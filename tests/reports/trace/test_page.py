@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from plants.effects.wrist.learnt_block import LearntBlock
-from plants.measured.trace.search.choose import SearchRound
 from plants.measured.trace.search.description import Description, LearntCurve
+from plants.measured.trace.search.rounds import SearchRound
 from reports.shared.html import Made
 from reports.shared.tables import fixed, number
 from reports.trace.page import draw_all, shown_channels, trace_page
@@ -249,6 +249,7 @@ def test_a_channel_that_was_not_logged_is_null(bent):
     assert len(draw_all(blind)["errors"].axes) == 1
 
 
+@pytest.mark.slow
 def test_the_same_trace_makes_the_same_page(bent, made, text):
     assert trace_page(bent, made) == text
 

@@ -27,6 +27,7 @@ def test_loops_that_are_alike_are_drawn_once():
     assert len(overlaid(DEVIATION, TUNED)) == 6
 
 
+@pytest.mark.slow
 def test_of_a_branch_that_effects_bend_the_worst_slope_and_rate_is_drawn():
     wrist = FLEXION + Bow(-2.0, 3.0, 1.0) + PressureDependentRates(1.4, -0.3, 0.4)
     rows = by_python_control(wrist, TUNED)
