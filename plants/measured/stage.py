@@ -45,8 +45,8 @@ class Stage:
     ``whole`` (command to angle).  noise: floor of the channel.  loop: parameters of hysteresis and joint
     that are fitted; rig: whose motion was recorded.  drives: pressure
     [kPa] of every ms, for ``wrist``; free_drives: that simulated from the command, where `drives` holds what
-    was measured too.  begins: where recordings start, None at rest.  form: error of the channel that the form
-    of a hysteresis law may leave which was chosen from the log.
+    was measured too.  begins: where recordings start, None at rest.  form: error of the channel that the
+    forms of a hysteresis law that was chosen from the log, and of a regulator before it, may leave.
     """
 
     name: Name

@@ -35,7 +35,8 @@ LOWER = 0.9
 
 FORM = 0.5 * MATTERS
 """Share of the range of the angle that the form of a law may leave which was chosen from the log.  No rig has
-quite that form, and what is left of so little is followed by effects that it does not have."""
+quite that form, and what is left of so little is followed by effects that it does not have.  Where no
+pressure was logged, the form of the regulator may leave as much."""
 
 
 def base_fit(fit: Fit, law: LawChoice | None) -> Fit:
@@ -58,8 +59,9 @@ def stages_of(campaign: Campaign, fit: Fit, chosen: bool = False) -> list[Stage]
         rig = fit.before.rig
         played = tuple(Playback(campaign.fit[i], rig.sample_time) for i in used)
         loop = loop_names(fit.fitted.parameters, campaign.start == "rest")
-        form = FORM * span(fit.runs, channel) if chosen and channel == "angle_deg" else 0.0
-        return Stage(name, channel, floor, played, loop, rig, None, begins, form=form)  # type: ignore[arg-type]
+        stage = Stage(name, channel, floor, played, loop, rig, None, begins)  # type: ignore[arg-type]
+        left = chosen and channel == "angle_deg"
+        return replace(stage, form=FORM * stage.parts * span(fit.runs, channel)) if left else stage
 
     pressure = any(r.pressure is not None for r in campaign.fit)
     stages = [made("regulator", "pressure_kPa")] if pressure else []
