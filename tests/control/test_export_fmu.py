@@ -27,6 +27,7 @@ def exported(request):
     return made, contents(made, WRIST, STEPS), vector(made, WRIST, STEPS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fmi", ["2.0", "3.0"])
 def test_fmpy_finds_nothing_wrong_and_replays_the_vector(exported, fmi, tmp_path):
     fmpy = pytest.importorskip("fmpy")

@@ -97,6 +97,7 @@ def test_the_output_is_in_range_from_the_first_sample_on_and_that_of_Python(kind
     assert worst <= (1e-6 if kind.startswith("mpc") else 1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [k for k in GAINS if k != "observer"])
 @pytest.mark.parametrize("pressure", [250.0, 1000.0, -50.0])
 def test_a_start_outside_the_range_and_a_lost_sample_hold_the_end_of_the_range(kind, pressure):

@@ -105,6 +105,7 @@ def test_bounds_that_contradict_each_other_are_told(tmp_path):
 MPCS = [k for k in GAINS if k.startswith("mpc")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", MPCS)
 @pytest.mark.parametrize("lost", ["reference_deg", "angle_deg", "pressure_kPa"])
 def test_a_sensor_that_stays_lost_is_bridged_by_the_plan_then_by_a_pi_or_the_last_command(kind, lost):

@@ -57,6 +57,7 @@ def test_the_replay_fails_where_an_expected_output_is_another(kind):
     assert float(re.search(r"difference (\S+)", said.stdout)[1]) == pytest.approx(1e-8, rel=1e-2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["pi", "lqi", "feedforward-pi", "mpc"])
 def test_the_vector_shows_the_law_both_ends_of_the_range_and_what_lies_between(kind):
     command = table(kind)["expected_command_V"]

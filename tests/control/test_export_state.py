@@ -16,6 +16,7 @@ OUTSIDE |= {
 """What an object may want of others; no allocation, no files."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", GAINS)
 @pytest.mark.skipif(shutil.which("nm") is None, reason="no nm on this machine")
 def test_no_allocation_and_no_writable_data(kind):

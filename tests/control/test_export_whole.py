@@ -48,6 +48,7 @@ def test_an_interrupted_export_leaves_the_one_before(tmp_path, monkeypatch, coun
     assert [p.name for p in tmp_path.iterdir()] == ["c"]
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.skipif(shutil.which("make") is None, reason="no make on this machine")
 @pytest.mark.parametrize("count", [1, 3, 7])

@@ -54,6 +54,7 @@ def test_the_limits_hold_when_each_scenario_is_run_by_itself(solve, axis, limits
     assert cost == pytest.approx(float(t.at.cost[0]), rel=1e-12)
 
 
+@pytest.mark.slow
 @every_axis
 @every_problem
 def test_no_cell_of_the_map_that_holds_the_limits_costs_less(solve, axis, limits):

@@ -23,6 +23,7 @@ def test_it_has_the_motions_that_were_asked_for_in_their_order():
     assert Question({"left": FLEXION}).wrists == {"left": Wrist.of(FLEXION)}
 
 
+@pytest.mark.slow
 def test_refusals_are_those_of_the_answers():
     study = small_study()
     no = LimitBroken((0.1, 20.0), (0.1, 50.0), 1.0, 2.0, "Ms", 3.0, 2.0, "line1, fast rate")

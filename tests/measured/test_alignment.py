@@ -94,6 +94,7 @@ def test_offsets_where_recordings_start_anywhere(tmp_path):
         assert abs(np.mean(a.angle - b.angle)) < 1.5
 
 
+@pytest.mark.slow
 def test_offsets_of_two_recordings_are_read_from_their_first_rows(tmp_path):
     off, none = written(tmp_path / "off", offset=2.0), written(tmp_path / "none", offset=0.0)
     off, none = replace(off, fit=off.fit[:2]), replace(none, fit=none.fit[:2])

@@ -234,6 +234,7 @@ def test_a_folder_with_something_in_it_is_kept(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["mine.txt"]
 
 
+@pytest.mark.slow
 def test_the_examples_come_back_as_they_are(tmp_path):
     made, told = imported(sorted(EXAMPLE.glob("*.csv")), tmp_path / "c")
     campaign = load_campaign(tmp_path / "c")

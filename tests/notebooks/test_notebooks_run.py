@@ -26,6 +26,7 @@ def test_notebook_runs_and_shows_what_is_stored(text):
             )
 
 
+@pytest.mark.slow
 def test_a_number_that_changed_is_seen_and_rounding_is_not():
     import nbformat
 

@@ -121,6 +121,7 @@ def test_the_contest_says_which_of_these_break_a_limit():
     assert f"flexion: 1 of 1 controllers ({name_of('paper')} breaks limits)" in said
 
 
+@pytest.mark.slow
 def test_figures_of_the_linear_loop_give_their_extremes():
     a = small_robustness().assessment
     Ms = max(a.margins, key=lambda m: m["Ms"])

@@ -80,6 +80,7 @@ def test_the_limits_hold_between_the_frequencies_of_the_grid(axis, name):
         assert at[limit] == pytest.approx(getattr(shape, limit), rel=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("axis", "name"), CASES)
 def test_no_gains_of_a_dense_map_hold_them_with_more_Ki(axis, name):
     """The brute-force map knows nothing of convexity: every pair of gains by its sensitivities, and the

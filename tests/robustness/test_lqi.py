@@ -286,6 +286,7 @@ def test_the_design_holds_every_limit_on_the_scenarios_one_by_one():
     assert float(found.at.cost[0]) == pytest.approx(worst, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_the_design_is_the_least_of_its_neighbours_that_hold_the_limits():
     found = designed()
     near = [

@@ -131,6 +131,7 @@ def test_a_level_is_the_larger_of_two_functions_and_grows_with_what_the_law_may_
             assert found[k, lane] == pytest.approx(max(values), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_runs_that_are_clipped_at_first_arrive_too() -> None:
     tasks = certified(WRISTS["flexion"], 10.0, 30.0, 0.0).evidence["tasks"]
     assert tasks["covered"]

@@ -49,6 +49,7 @@ def test_a_clipped_sensor_of_the_pressure_is_refused(spoiled):
         trace_folder(folder)
 
 
+@pytest.mark.slow
 def test_a_clipped_sensor_of_the_angle_lacks_no_effect(spoiled):
     found = trace_folder(spoiled("steps.csv", lambda t: t.assign(angle_deg=t.angle_deg.clip(lower=-6.0))))
     assert [(r.habit, r.value, r.recordings) for r in found.instrument] == [("clipped", -6.0, ("steps.csv",))]

@@ -20,6 +20,8 @@ from reports.trace.words import FEW, block_words, depends, summary, verdict_sent
 from tests.reports.html_page import Page, summary_of
 from tests.reports.report_samples import small_trace
 
+pytestmark = pytest.mark.slow
+
 BENT = "branch-curvature"
 
 
@@ -249,7 +251,6 @@ def test_a_channel_that_was_not_logged_is_null(bent):
     assert len(draw_all(blind)["errors"].axes) == 1
 
 
-@pytest.mark.slow
 def test_the_same_trace_makes_the_same_page(bent, made, text):
     assert trace_page(bent, made) == text
 
