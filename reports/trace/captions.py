@@ -84,7 +84,7 @@ def ranking(stage: StageTrace) -> str:
     if len(rounds) > 1:
         words.append("After the first round only the strongest are drawn.")
     if any(r.before.model.forms == () for r in rounds[1:]):
-        words.append("A second search begins with effects that nearly any rig has, fitted together.")
+        words.append("Of two searches one begins with effects that nearly any rig has, fitted together.")
     return " ".join(words)
 
 
