@@ -1,5 +1,6 @@
 """Figure of a search: the ranking of effects in each round, and which were refitted."""
 
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 from plants.measured.trace.ranking.screening import Ranked
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
 BOX = {"facecolor": "white", "edgecolor": "none", "pad": 0.2}
 LATER = 6
 """Effects that are drawn of rounds after the first, those that would lower chi-square most."""
+
+TITLE = 44
+"""Letters in a line of a panel's title: more would leave the figure."""
 
 CHANCE, NEEDED = "noise alone, 95 %", "least for a selection"
 """What the tick on a bar and the dashed line are."""
@@ -36,7 +40,8 @@ def draw_ranking(stage: StageTrace) -> "Figure":
         for count, (panel, round_, best) in enumerate(zip(axes, rounds, shown, strict=True), start=1):
             _round(panel, round_, best)
             known = " + ".join(round_.before.model.effects) or "the declared wrist"
-            panel.set_title(f"Round {count}: beyond {known}")
+            title = f"Round {count}: beyond {known}"
+            panel.set_title(fill(title, TITLE, break_on_hyphens=False))
         marks = [line for line in axes[0].lines if line.get_label() in (CHANCE, NEEDED)]
         figure.legend(handles=marks, loc="outside lower center", ncols=2)
         axes[-1].set(xlabel="Reduction of chi-square per row [1]", xlim=(FLOOR, 30.0 * top))
