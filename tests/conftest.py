@@ -16,6 +16,10 @@ settings.load_profile("laws")
 
 TOGETHER = {
     "tests.reports.report_samples": ("tests/reports/", "tests/evaluation/test_study.py"),
+    "tests.control.c_target.exported": (
+        "tests/control/test_export_files.py", "tests/control/test_export_hostile.py",
+        "tests/control/test_export_replay.py", "tests/control/test_export_state.py",
+    ),
     "tests.robustness.test_robust_tuning.plain": (
         "tests/robustness/test_robust_lqi.py", "tests/robustness/test_robust_tuning.py",
         "tests/robustness/test_structures.py",

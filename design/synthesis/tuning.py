@@ -302,11 +302,13 @@ def _around(at: Evaluation, region: Region, zoom: float) -> tuple[Array, Array]:
 
 
 def _best(at: Evaluation) -> Evaluation:
-    """The gains of least cost among those that hold the limits, else those of least excess; gains that were
-    not simulated come last, since what they break is not all known."""
-    unseen = np.where(np.isfinite(at.cost), 0.0, 1e6)
-    rank = np.where(at.feasible, at.cost, np.inf) if at.feasible.any() else at.worst_excess + unseen
-    return at.only(int(np.argmin(rank)))
+    """The gains of least cost among those that hold the limits, else those of least excess, of those of which
+    a run never settles by the other limits; gains that were not simulated come last, since what they break is
+    not all known."""
+    if at.feasible.any():
+        return at.only(int(np.argmin(np.where(at.feasible, at.cost, np.inf))))
+    others = np.max([np.where(np.isinf(e), 0.0, np.maximum(e, 0.0)) for e in at.excess.values()], axis=0)
+    return at.only(int(np.lexsort((at.cost, others, at.worst_excess, ~np.isfinite(at.cost)))[0]))
 
 
 def join(parts: list[Evaluation]) -> Evaluation:

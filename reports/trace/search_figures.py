@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
 BOX = {"facecolor": "white", "edgecolor": "none", "pad": 0.2}
 LATER = 6
-"""Effects that are drawn of rounds after the first, those that would lower chi-square most."""
+"""Effects that are drawn of rounds after the first, those that would lower chi-square most, and what was
+selected."""
 
 TITLE = 44
 """Letters in a line of a panel's title: more would leave the figure."""
@@ -32,7 +33,7 @@ def draw_ranking(stage: StageTrace) -> "Figure":
     """By how much each effect would lower chi-square, in its best form, one panel a round; the tick on
     a bar is what noise alone would bring, the line what an effect must bring at least."""
     rounds = stage.search.rounds
-    shown = [best_forms(r.ranking)[: None if i == 0 else LATER] for i, r in enumerate(rounds)]
+    shown = [drawn_forms(r, None if i == 0 else LATER) for i, r in enumerate(rounds)]
     top = max([q.drop for r in rounds for q in r.ranking] + [WORTH])
     sizes = [0.75 + 0.21 * len(s) for s in shown]
     with styled():
@@ -56,10 +57,22 @@ def best_forms(ranking: tuple[Ranked, ...]) -> list[Ranked]:
     return list(found.values())
 
 
+def drawn_forms(round_: SearchRound, most: int | None) -> list[Ranked]:
+    """The best form of each effect that is drawn of a round: so many, all where None, and what was
+    selected."""
+    best = best_forms(round_.ranking)
+    return [r for i, r in enumerate(best) if most is None or i < most or r.name in _selected(round_)]
+
+
+def _selected(round_: SearchRound) -> set[str]:
+    """Effects that a round added."""
+    return set() if round_.taken is None else {*round_.taken.model.effects} - {*round_.before.model.effects}
+
+
 def _round(axes: "Axes", round_: SearchRound, best: list[Ranked]) -> None:
     had = set(round_.before.model.effects)
     refitted = {n: c.model.chi2 for c in round_.candidates for n in set(c.model.effects) - had}
-    taken = set() if round_.taken is None else set(round_.taken.model.effects) - had
+    taken = _selected(round_)
     if round_.taken is not None:  # perhaps in a better form than the one that was refitted first
         refitted |= dict.fromkeys(taken, round_.taken.model.chi2)
     for y, r in enumerate(best):

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -173,6 +174,15 @@ def test_a_plan_that_stays_in_the_dead_zone_is_left_with_and_without_a_preparati
         # A plan for this reference that was found to stay where it is: nothing jumps.
         before = state._replace(prepared=prepared, reference=5.0)
         assert controller.attempt(before, state.believed, 5.0).command > held + 0.1
+
+
+def test_a_plan_is_stuck_where_the_angle_that_is_measured_stays_away():
+    """Which is that of the plant that is believed, and what it lacks."""
+    controller = real_time_mpc(MPCProblem(WRIST))
+    believed = observer.begin(0.0, 100.0, WRIST)._replace(shift=2.0)
+    there = SimpleNamespace(states=[tree.leaves(believed.plant)])
+    assert not controller._stuck(there, believed, 2.0)
+    assert controller._stuck(there, believed, -2.0)
 
 
 def test_what_is_exported_is_the_problem_that_was_given():

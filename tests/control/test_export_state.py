@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from tests.control.c_target import CC, GAINS, exported, needs_compiler, objects, program, run
+from tests.control.c_target import CC, GAINS, KINDS, exported, needs_compiler, objects, program, run
 
 pytestmark = needs_compiler
 
@@ -52,7 +52,7 @@ int main(void)
 """
 
 
-@pytest.mark.parametrize("kind", GAINS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_two_joints_do_not_know_of_each_other(kind):
     n = exported(kind)[0].name
     mine = inputs(

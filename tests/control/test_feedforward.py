@@ -209,6 +209,12 @@ def test_settings_that_make_no_sense_are_refused(changes):
         FeedforwardPI(model, **settings)
 
 
+@pytest.mark.parametrize("name", ["Tw", "w1", "rest_pressure"])
+def test_one_setting_that_is_no_number_among_others_is_told(name):
+    with pytest.raises(ValueError, match="must be finite"):
+        Feedforward(WRISTS["flexion"].with_values(**{name: np.nan}))
+
+
 def test_controllers_stack_into_lanes():
     wrist = WRISTS["flexion"]
     apart = [FeedforwardPI.of(wrist, speed=v, Kp=2.0, Ki=8.0) for v in (8.0, 20.0)]

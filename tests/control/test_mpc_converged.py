@@ -135,6 +135,16 @@ def test_a_descent_from_a_minimum_ends_with_the_step_that_gains_nothing():
     assert {(active.shape, active.any()) for *_, active in asked} == {((16,), False)}  # a mark for each bound
 
 
+def test_a_descent_leaves_the_plan_that_it_starts_from():
+    problem = MPCProblem(FLEXION, horizon=8)
+    controller, at_rest = converged_mpc(problem), FLEXION.rest("line1")
+    believed = observer.begin(0.0, float(at_rest.pressure), FLEXION)
+    before = float(at_rest.pressure / FLEXION.regulator.gain)
+    held = np.full(8, before)
+    found = controller.descend(believed, held, before, 5.0)
+    assert found.cost < 0.9 * controller.inner.cost(believed, held, before, 5.0)
+
+
 @pytest.mark.slow
 def test_ipopt_comes_to_the_same_from_a_poor_start(capfd):
     """Where the minimum lies on a bend of the problem, IPOPT finds it without being able to say so."""

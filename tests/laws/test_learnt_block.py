@@ -10,6 +10,7 @@ from plants import load
 from plants.effects import EFFECTS, known_effects
 from plants.effects.wrist.learnt_block import LearntBlock, curve, spline
 from plants.equilibrium import at_pressure
+from plants.kernel.graphs import graph
 from plants.parameters.files import built_in, dump
 from plants.parameters.quantities import Learnt
 from tests.laws.effect_steps import WRIST, moved, played, ramp
@@ -44,6 +45,12 @@ def test_a_spline_is_scipys():
     np.testing.assert_allclose(spline(u), splines((1.0, 0.0), u, 0.0, 1.0), atol=1e-14)
     coefficients = (0.3, -1.0, 2.0, 0.5)
     np.testing.assert_allclose(curve(coefficients, u), splines(coefficients, u, 0.0, 2.0), atol=1e-13)
+
+
+def test_as_a_symbol_it_is_the_same_sum():
+    coefficients, u = (0.3, -1.0, 2.0, 0.5), np.linspace(-0.5, 2.5, 61)
+    of_symbol = graph(lambda x: curve(coefficients, x), 0.0)
+    np.testing.assert_allclose(np.asarray(of_symbol(u[None])).ravel(), curve(coefficients, u), atol=1e-14)
 
 
 def added_by_definition(dt=1e-3):

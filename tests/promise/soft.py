@@ -4,6 +4,7 @@ and whether gains that are tuned on the revised plant hold on the actuator.
 python -m tests.promise.soft --seed 0 --count 20
 python -m tests.promise.soft --seed 0 --count 10 --gains
 python -m tests.promise.soft --seed 0 --count 10 --without pressure_kPa
+python -m tests.promise.soft --seed 0 --count 10 --joint preisach
 """
 
 import argparse
@@ -28,7 +29,9 @@ from tests.promise.held import LATE, Held
 from tests.rig.campaign import drop
 from tests.rig.core import TICK, Controller
 from tests.rig.soft import SoftRig
-from tests.rig.soft_random import recordings, soft_actuator
+from tests.rig.soft_random import preisach_actuator, recordings, soft_actuator
+
+JOINTS = {"plays": soft_actuator, "preisach": preisach_actuator}
 
 WAYS = (0.0, 1.0, 0.0, -1.0, 0.0, 1.0, -1.0)
 """References over the step of the task, each held for its duration; the first is not judged."""
@@ -40,16 +43,18 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=10)
     parser.add_argument("--gains", action="store_true", help="also tune, and close the loop on the actuator")
     parser.add_argument("--without", nargs="+", default=(), metavar="COLUMN", help="what was not logged")
+    parser.add_argument("--joint", choices=sorted(JOINTS), default="plays", help="what the joint is made of")
     asked = parser.parse_args()
     warnings.simplefilter("ignore")
     ratios, kept = [], []
     for seed in range(asked.seed, asked.seed + asked.count):
-        trace = _traced(seed, asked.gains, asked.without)
+        rig = JOINTS[asked.joint](seed)
+        trace = _traced(seed, rig, asked.gains, asked.without)
         if trace is None:
             continue
         ratios.append(trace.after["angle_deg"] / trace.before["angle_deg"])
         if asked.gains:
-            kept.append(_tuned(seed, trace))
+            kept.append(_tuned(rig, trace))
     worse = sum(r > 1.0 for r in ratios)
     print(f"{len(ratios)} of {asked.count} traced, {worse} worse after; median of after / before ", end="")
     print(f"{np.median(ratios):.2f}" if ratios else "-")
@@ -58,12 +63,12 @@ def main() -> None:
         print(f"{len(found)} of {len(kept)} get gains, {sum(found)} hold on the actuator, late too")
 
 
-def _traced(seed: int, either_way: bool, without: Sequence[str]) -> Trace | None:
+def _traced(seed: int, rig: SoftRig, either_way: bool, without: Sequence[str]) -> Trace | None:
     """A line of one actuator, and its trace; None where it was refused."""
     began = time.process_time()
     with tempfile.TemporaryDirectory() as root:
         folder = Path(root) / "rig"
-        soft_actuator(seed).write(folder, recordings(seed), ("check",))
+        rig.write(folder, recordings(seed), ("check",))
         drop(folder, without)
         try:
             trace = trace_campaign(load_campaign(folder), either_way=either_way)
@@ -80,11 +85,11 @@ def _traced(seed: int, either_way: bool, without: Sequence[str]) -> Trace | None
     return trace
 
 
-def _tuned(seed: int, trace: Trace) -> bool | None:
+def _tuned(rig: SoftRig, trace: Trace) -> bool | None:
     """A line of the gains of one actuator; whether they hold on it, None where none hold in the model."""
     tuned = tune_candidates(required_of(designed(trace.revised), Taken())).best
     gains = tuned.final.gains
-    seen = held(soft_actuator(seed), gains, trace.revised)
+    seen = held(rig, gains, trace.revised)
     said = ", ".join(f"{k} {v:.3g}" for k, v in gains.items())
     print(f"     {said} ({'held' if tuned.holds else tuned.ended} in the model); {seen}", flush=True)
     return seen.kept if tuned.holds else None

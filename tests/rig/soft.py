@@ -41,6 +41,18 @@ class Logger:
     slips: int = 0
 
 
+class Relays(NamedTuple):
+    """A Preisach operator: pressures [kPa] at which each relay switches on and off, and what the angle [deg]
+    rises by when it does, each (n,)."""
+
+    on: Signal
+    off: Signal
+    rise: Signal
+
+
+NONE = Relays(np.empty(0), np.empty(0), np.empty(0))
+
+
 class Loop(NamedTuple):
     """A PI around the chain: controller (gains of its own period), period [ticks], the angle [deg] that
     it counts from, reference [deg] counted likewise at every ms, delay of the command [ticks]."""
@@ -60,7 +72,9 @@ class SoftRig:
     with the pressure (per 100 kPa); thresholds [kPa] and weights [deg/kPa] of the plays; cubic: share by
     which the joint stiffens at `full` deg; first: angle below which it does not move [deg]; creep: share and
     time constant [s]; lag [s]; tail: share of the pressure that follows late and its time constant [s];
-    stick: distance [deg] from its equilibrium at which the joint breaks away, and at which it rests again.
+    stick: distance [deg] from its equilibrium at which the joint breaks away, and at which it rests again;
+    relays: in place of the plays, where there are any; swing: natural frequency [Hz] and damping ratio of the
+    joint, in place of the lag where the former is not 0.
     """
 
     name: str
@@ -84,6 +98,8 @@ class SoftRig:
     commands: dict[str, Callable[[], Signal]] = field(default_factory=dict)
     tail: tuple[float, float] = (0.0, 1.0)
     stick: tuple[float, float] = (0.0, 0.0)
+    relays: Relays = NONE
+    swing: tuple[float, float] = (0.0, 0.0)
 
     def play(self, command: Signal) -> tuple[Signal, Signal]:
         """Pressure [kPa] and angle [deg] at every ms of a command at 1 kHz."""
@@ -106,7 +122,7 @@ class SoftRig:
         return _chain(
             command, loop, self.gain, self.bias, self.fill, self.exhaust, self.falls,
             np.array(self.thresholds), np.array(self.weights), self.origin, self.cubic, self.full, self.first,
-            *self.creep, self.lag, *self.tail, *self.stick,
+            *self.creep, self.lag, *self.tail, *self.stick, self.relays, *self.swing,
         )  # fmt: skip
 
     def log(self, command: Signal, seed: int) -> pd.DataFrame:
@@ -175,6 +191,9 @@ def _chain(
     tail,
     breakaway,
     rest,
+    relays,
+    natural,
+    damping,
 ):
     """loop: what makes the command up from its first value on, behind a delay; an empty reference where the
     command is given."""
@@ -183,8 +202,11 @@ def _chain(
     P = follows = gain * command[0] + bias
     moves = True
     plays = np.zeros(len(r))
-    y = 0.0
+    y, v, w0 = 0.0, 0.0, 2.0 * np.pi * natural
     c = 0.0
+    is_on = relays.on <= P
+    switched = np.sum(relays.rise[is_on])
+    before = P
     closed, integral, filtered, held = len(loop.reference) > 0, 0.0, 0.0, command[0]
     for j in range(len(r)):
         plays[j] = min(max(0.0, P - origin - r[j]), P - origin + r[j])
@@ -207,6 +229,15 @@ def _chain(
         for j in range(len(r)):
             plays[j] = min(max(plays[j], x - r[j]), x + r[j])
             u += w[j] * plays[j]
+        if len(is_on) > 0:
+            for j in range(len(is_on) if before != P else 0):
+                if relays.on[j] <= P and not is_on[j]:
+                    is_on[j] = True
+                    switched += relays.rise[j]
+                elif relays.off[j] > P and is_on[j]:
+                    is_on[j] = False
+                    switched -= relays.rise[j]
+            u, before = switched, P
         h = u - cubic * full * (u / full) ** 3
         h = max(h - first, 0.0) if first > 0.0 else h
         if i == 0:
@@ -214,7 +245,10 @@ def _chain(
         c += 0.001 / slow * (share * h - c)
         if breakaway > 0.0:
             moves = abs(h + c - y) > (rest if moves else breakaway)
-        if moves:
+        if natural > 0.0:
+            v += 0.001 * (w0 * w0 * (h + c - y) - 2.0 * damping * w0 * v)
+            y += 0.001 * v
+        elif moves:
             y += 0.001 / lag * (h + c - y)
         pressure[i], angle[i] = P, y
     return pressure, angle

@@ -1,8 +1,10 @@
 """Soft actuators drawn at random: the chain of `tests.rig.soft` with other parameters and recordings."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from tests.rig.soft import Logger, SoftRig, sine, stairs, wandering
+from tests.rig.soft import Logger, Relays, SoftRig, sine, stairs, wandering
 
 RANGES = ((0.0, 5.0), (0.0, 10.0), (4.0, 20.0), (0.0, 4095.0))
 """Least and largest command: volts, milliamperes, counts."""
@@ -52,6 +54,30 @@ def soft_actuator(seed: int) -> SoftRig:
             "check": lambda: wandering(low, top, 0.8 * hold, 60.0, seed + 5000),
         },
     )  # fmt: skip
+
+
+GRID, COPIES = 70, 2
+"""Switching pressures of a Preisach operator, and how often each relay is drawn, a little off its place."""
+
+
+def preisach_actuator(seed: int) -> SoftRig:
+    """The actuator of a seed with another joint: a Preisach operator, which no set of plays is, and a mass
+    that swings, in place of plays and a lag."""
+    rig, rng = soft_actuator(seed), np.random.default_rng([seed, 33])
+    most = rig.gain * (rig.high - rig.low) + max(rig.bias + rig.gain * rig.low, 0.0)
+    levels = np.linspace(-0.1, 1.1, GRID)
+    on, off = (g.ravel() for g in np.meshgrid(levels, levels, indexing="ij"))
+    on, off = on[on >= off], off[on >= off]
+    middle, half = 0.5 * (on + off), 0.5 * (on - off)
+    width, centre, spread = rng.uniform(0.04, 0.12), rng.uniform(0.3, 0.7), rng.uniform(0.3, 0.6)
+    density = np.exp(-0.5 * ((middle - centre) / spread) ** 2 - half / width)
+    density = np.where(half > 0.0, density, density * (1.0 + 3.0 * rng.uniform(0.0, 1.0)))
+    density *= 1.0 + rng.uniform(-0.6, 0.6) * middle
+    on, off = (np.tile(p, COPIES) + rng.uniform(-0.5, 0.5, COPIES * on.size) / GRID for p in (on, off))
+    rise = np.tile(density, COPIES) * rig.full / (COPIES * density.sum())
+    relays = Relays(most * np.maximum(on, off), most * np.minimum(on, off), rise)
+    swing = (float(np.exp(rng.uniform(np.log(1.0), np.log(5.0)))), rng.uniform(0.15, 0.9))
+    return replace(rig, name=f"preisach{seed}", cubic=0.0, relays=relays, swing=swing)
 
 
 def recordings(seed: int) -> tuple[str, ...]:

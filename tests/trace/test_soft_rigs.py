@@ -153,3 +153,4 @@ def test_without_a_pressure_the_names_are_those_of_the_rig(tmp_path, seed):
     named = {e.name for e in trace.effects}
     assert {"fill-exhaust-asymmetry", "creep"} <= named <= {"dead-time", "fill-exhaust-asymmetry", "creep"}
     assert trace.after["angle_deg"] < 0.4 * trace.before["angle_deg"]
+    assert any("No pressure was logged" in r and "creep" in r for r in trace.remarks)

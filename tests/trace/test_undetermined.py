@@ -3,13 +3,16 @@
 import numpy as np
 import pytest
 
+from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.regulator.fill_exhaust import TwoRates
+from plants.effects.wrist.creep import Creep, TwoTimeCreep
 from plants.hysteresis import PrandtlIshlinskii
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.stage import Stage
+from plants.measured.trace.search import undetermined
 from plants.measured.trace.search.candidate import Candidate
-from plants.measured.trace.search.undetermined import at_neutral, without_bends
+from plants.measured.trace.search.undetermined import at_neutral, without_bends, without_confounded
 from plants.measured.trace.stages.model import Model
 from plants.parameters.files import built_in
 from plants.simulation.open_loop import open_loop
@@ -94,3 +97,49 @@ def test_a_bend_that_shows_is_kept():
     found = without_bends(now).model
     assert "c1" not in found.fixed
     assert found.values["c1"] == pytest.approx(0.6, rel=0.05)
+
+
+def creeping(quick: dict[str, float], more: tuple[str, ...] = ()) -> Candidate:
+    """A wrist that creeps once, slowly, fitted with a creep of two time constants that begins at `quick`;
+    more: declared parameters that are fitted beside the weights of the plays."""
+    declared = second_law_set(PrandtlIshlinskii(0.08, (0.1, 0.18), 20.0))
+    slow = {"creep.gain": 0.1, "creep.time_constant": 4.0}
+    t = 0.01 * np.arange(4000)
+    levels = 2.0 + 0.7 * np.sin(0.8 * t) + 0.4 * np.sin(0.17 * t)  # nothing that the lag is told by
+    rig = Wrist.from_values({**declared.values, **slow}, (Creep,), declared.rig)
+    angle = open_loop(rig, np.repeat(levels, 10)).angle[:-1:10]
+    noisy = angle + np.random.default_rng(0).normal(0.0, 0.05, t.size)
+    playback = Playback(Recording("run", t, levels, angle=noisy), declared.rig.sample_time)
+    stage = Stage("whole", "angle_deg", 0.05, (playback,), ("v0", "v1", "v2", *more), declared.rig)
+    begun = {"creep.gain_late": 0.1, "creep.ratio": 20.0, **quick}
+    found = Candidate(Model(stage, declared, {**declared.values, **begun}, (TwoTimeCreep,)).fitted())
+    assert found.model.chi2 == pytest.approx(1.0, abs=0.1)
+    return found
+
+
+def test_a_creep_as_quick_as_the_lag_leaves_the_slopes_of_the_loop_determined():
+    """What creeps at once and the weights are told by their product alone: with intervals of both, a design
+    would be for loops of any slope."""
+    now = creeping({"creep.gain": -0.2, "creep.time_constant": 0.2}, ("Tw",))
+    found = without_confounded(now).model
+    assert found.values["creep.gain"] == 0.0
+    assert "creep.gain" in found.fixed
+    for name, weight in {"v1": 0.1, "v2": 0.18}.items():
+        assert found.values[name] == pytest.approx(weight, rel=0.05)
+    slow = found.values["creep.time_constant"] * found.values["creep.ratio"]
+    assert slow == pytest.approx(4.0, rel=0.2)
+
+
+def test_a_whole_effect_is_not_set_aside_here(monkeypatch):
+    """A dead time beside a lag is told from it badly by slow sines, and is for the search to judge."""
+    monkeypatch.setattr(undetermined, "CONFOUNDED", 0.5)
+    declared = second_law_set(PrandtlIshlinskii(0.08, (0.1, 0.18), 20.0))
+    t = 0.01 * np.arange(3000)
+    command = 2.0 + 0.7 * np.sin(0.8 * t)
+    angle = open_loop(Wrist.of(declared), np.repeat(command, 10)).angle[:-1:10]
+    noisy = angle + np.random.default_rng(0).normal(0.0, 0.05, t.size)
+    playback = Playback(Recording("run", t, command, angle=noisy), declared.rig.sample_time)
+    stage = Stage("whole", "angle_deg", 0.05, (playback,), ("Tw",), declared.rig)
+    values = {**declared.values, "Tw": 0.14, "dead-time.delay": 0.02}
+    now = Candidate(Model(stage, declared, values, (DeadTime,)).fitted())
+    assert without_confounded(now) is now

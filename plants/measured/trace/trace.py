@@ -123,7 +123,7 @@ def _traced(first: _FirstStage, seed: int, tell: Callable[[str, float], None], l
     begun, fit, law, base = first.begun, first.fit, first.law, first.base
     campaign, traced = begun.campaign, [first.traced]
     for stage in first.stages[1:]:
-        values = {**base.fitted.values, **{n: v for s in traced for n, v in _fitted(s).items()}}
+        values = {**base.fitted.values, **{n: v for s in traced for n, v in s.model.found.items()}}
         declared = declared_model(stage, first.start, base, values, traced[0].search.chosen)
         if base is fit:
             base = fit = _once_more(campaign, first.start, fit, declared, seed)
@@ -143,11 +143,6 @@ def _traced(first: _FirstStage, seed: int, tell: Callable[[str, float], None], l
     return replace(whole, named_only=named.after, learning=True)
 
 
-def _fitted(stage: StageTrace) -> dict[str, float]:
-    """Values that were fitted of a stage."""
-    return {n: stage.model.values[n] for n in stage.model.names}
-
-
 def _under_others(
     campaign: Campaign, fit: Fit, law: LawChoice, traced: Sequence[StageTrace], tell: Callable[[str], None],
     seed: int,
@@ -160,7 +155,7 @@ def _under_others(
     before, found = traced[:-1], {law.name: traced[-1]}
     for name in law.others:
         base = base_fit(fit, law.taking(name))
-        values = {**base.fitted.values, **{n: v for s in before for n, v in _fitted(s).items()}}
+        values = {**base.fitted.values, **{n: v for s in before for n, v in s.model.found.items()}}
         regulator = before[0].search.chosen if before else None
         declared = declared_model(stages_of(campaign, base, True)[-1], base.fitted, base, values, regulator)
         found[name] = trace_stage(declared, base, tell, seed)

@@ -12,7 +12,7 @@ from plants.measured.trace.search.description import smooth_curves
 from plants.measured.trace.search.learning import learn
 from plants.measured.trace.search.rounds import EffectSearch
 from plants.measured.trace.search.simplify import carried_over, from_command, simplest
-from plants.measured.trace.search.undetermined import at_neutral, without_bends
+from plants.measured.trace.search.undetermined import at_neutral, without_bends, without_confounded
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import remainders
 
@@ -40,16 +40,17 @@ def trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: in
         tell(f"{stage.name}: {what}")
 
     found = search(declared, logged, say, seed)
+    kept = carried_over(found.chosen, found.declared)
     if stage.parts > 1 and not explained(found):
-        found = search_from_common(found, logged, say, seed)
+        found, kept = search_from_common(found, kept, logged, say, seed)
     searched = found.chosen.model.effects
-    found = replace(found, chosen=carried_over(found.chosen, found.declared))
+    found = replace(found, chosen=kept)
     alone = {n: ALONE for n in searched if n not in found.chosen.model.effects}
     if found.chosen.model.forms and (explained(found) or _calm(found.chosen) or helps(found, fit)):
         found = replace(found, chosen=simplest(found.chosen))
     if not explained(found):
         found = replace(found, chosen=from_command(found.chosen))
-    found = replace(found, chosen=without_bends(at_neutral(found.chosen)))
+    found = replace(found, chosen=without_bends(without_confounded(at_neutral(found.chosen))))
     model, blind = found.chosen.model, unexcited(declared, found.rounds[0].ranking)
     borrowed = {n: why for r in found.rounds for n, why in r.borrowed.items()}
     blind = {**blind, **{n: why for n, why in (borrowed | alone).items() if n not in model.effects}}

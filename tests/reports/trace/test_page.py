@@ -15,6 +15,7 @@ from reports.trace.page import draw_all, shown_channels, trace_page
 from reports.trace.parameter_figure import draw_parameters
 from reports.trace.record import trace_record
 from reports.trace.residual_figures import means, telling, thinned
+from reports.trace.search_figures import best_forms, drawn_forms
 from reports.trace.tables import decision_table
 from reports.trace.words import FEW, block_words, depends, summary, verdict_sentence
 from tests.reports.html_page import Page, summary_of
@@ -287,6 +288,16 @@ def test_means_in_bins_and_a_thinned_spectrum_keep_the_mean(bent):
     f, power = thinned(replace(curve, mean=np.ones_like(curve.mean)))
     np.testing.assert_allclose(power, 1.0)
     assert np.all(np.diff(f) > 0.0)
+
+
+def test_what_a_round_selected_is_drawn_however_low_it_ranks(bent):
+    first = bent.stages[1].search.rounds[0]
+    turned = replace(first, ranking=first.ranking[::-1])
+    names = [r.name for r in best_forms(turned.ranking)]
+    assert names.index(BENT) > 3
+    assert [r.name for r in drawn_forms(turned, 3)] == [*names[:3], BENT]
+    assert [r.name for r in drawn_forms(replace(turned, taken=None), 3)] == names[:3]
+    assert [r.name for r in drawn_forms(turned, None)] == names
 
 
 def test_a_learnt_block_is_told_beside_the_causes_and_is_none(bent, no_pictures):

@@ -124,8 +124,7 @@ def refit(
             tell(f"fitting the {traced.name}", 0.3 + 0.35 * number)
             model, first = replace(traced.model, stage=stage), tuple(found[:1])
             if before is not None:
-                known = {n: before.model.values[n] for n in before.model.names}
-                model = driven(model.with_values(known), before)
+                model = driven(model.with_values(before.model.found), before)
             same = Candidate(model.fitted())
             before, beside = _chosen(same, seed) if changed else (same, {})
             was, now = traced.model.fitted(), before.model  # at the same least squares

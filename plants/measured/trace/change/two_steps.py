@@ -43,9 +43,8 @@ def white_errors(model: Model) -> Array:
 def sensitivity(model: Model, regulator: Model) -> Array:
     """How each parameter of a driven stage, fitted, moves with each of what drives it, (n, k)."""
     stage = replace(model.stage, name="whole", drives=None, free_drives=None)
-    known = {n: regulator.values[n] for n in regulator.names}
     whole = Model(
-        stage, model.start, {**model.values, **known}, ordered((*regulator.forms, *model.forms)),
+        stage, model.start, {**model.values, **regulator.found}, ordered((*regulator.forms, *model.forms)),
         (*regulator.fixed, *model.fixed),
     )  # fmt: skip
     slopes = whole.linear[1]

@@ -18,7 +18,8 @@ def named_effects(s: StageTrace, errors: Mapping[str, float | None], revised: Pa
     for form in mine.forms:
         prefix = f"{form.NAME}."
         parameters = {
-            n: (revised.values[prefix + n], kind.unit, errors[prefix + n]) for n, kind in form.kinds().items()
+            n: (revised.values[prefix + n], kind.unit, errors.get(prefix + n))
+            for n, kind in form.kinds().items()
         }
         others = {_other(mine, c.model): c.model for c in beside[form.NAME]}
         words = tuple(

@@ -69,8 +69,20 @@ def revise(
     return Trace(
         campaign, fit, said if whole else "unexplained", stages, effects, revised, runs, before, after,
         intervals(runs, before=True), intervals(runs),
-        tuple(dict.fromkeys((*remarks, *dropped, *rigs_differ(stages)))), law, instrument, together,
+        tuple(dict.fromkeys((*remarks, *dropped, *rigs_differ(stages), *_seen_together(stages)))), law,
+        instrument, together,
     )  # fmt: skip
+
+
+def _seen_together(stages: Sequence[StageTrace]) -> list[str]:
+    """The remark on effects of a stage of several parts of the rig, between which nothing was logged."""
+    named = [f.NAME for s in stages if s.stage.parts > 1 for f in s.model.forms]
+    if not named:
+        return []
+    return [
+        f"No pressure was logged: that {', '.join(named)} {'is' if len(named) == 1 else 'are'} of the "
+        "regulator or of the joint is told from the angle alone; a recording with the pressure would test it."
+    ]
 
 
 def _without_what_takes_little(
@@ -94,7 +106,7 @@ def _parameters(
     correlations = []
     for s in stages:
         model = s.search.chosen.model
-        values |= {n: model.values[n] for n in model.names}
+        values |= model.found
         kept = (n for n in model.wrist.hysteresis.NEUTRAL if n in model.fixed)
         values |= {n: model.values[n] for n in kept if n not in base.undetermined}
         found = errors_of(model)

@@ -57,19 +57,20 @@ def search(
 
 
 def search_from_common(
-    alone: EffectSearch, names: Sequence[str], tell: Callable[[str], None], seed: int
-) -> EffectSearch:
-    """The search once more, from effects that nearly any rig has, where what it found is not clearly better
-    on rows or recordings left out; alone: the search for one effect after the other."""
+    alone: EffectSearch, one_by_one: Candidate, names: Sequence[str], tell: Callable[[str], None], seed: int
+) -> tuple[EffectSearch, Candidate]:
+    """The search once more, from effects that nearly any rig has, and what it found that is `carried_over`;
+    of the search for one effect after the other, `alone`, the same where that is clearly better on rows or
+    recordings left out."""
     first = alone.declared
     scope = Scope(first, names, excitation(first.model.stage.playbacks), seed, tell)
     common = common_effects(scope, alone.rounds[0].ranking)
     if common.taken is None:
-        return alone
+        return alone, one_by_one
     found = search(first.model, names, tell, seed, common.taken)
-    one_by_one, together = (carried_over(f.chosen, first) for f in (alone, found))
+    together = carried_over(found.chosen, first)
     on_blocks = falls(together, one_by_one) and enough(together.held_out, one_by_one.held_out, first.held_out)
     rounds = (common, *found.rounds)
     if on_blocks or carries_over(together, one_by_one):
-        return EffectSearch((*rounds, *alone.rounds), alone.chosen, first)
-    return EffectSearch((*alone.rounds, *rounds), found.chosen, first)
+        return EffectSearch((*rounds, *alone.rounds), alone.chosen, first), one_by_one
+    return EffectSearch((*alone.rounds, *rounds), found.chosen, first), together

@@ -43,8 +43,17 @@ class Model:
     @property
     def names(self) -> tuple[str, ...]:
         """Parameters that are fitted: the stage's declared ones, then those of the effects."""
-        own = (f"{f.NAME}.{n}" for f in self.forms for n in f.kinds())
-        return tuple(n for n in (*self.stage.declared, *own) if n not in self.fixed)
+        return tuple(n for n in (*self.stage.declared, *self.of_effects) if n not in self.fixed)
+
+    @property
+    def of_effects(self) -> tuple[str, ...]:
+        """Parameters of the effects, ``effect.parameter``."""
+        return tuple(f"{f.NAME}.{n}" for f in self.forms for n in f.kinds())
+
+    @property
+    def found(self) -> dict[str, float]:
+        """Values of what was fitted, and of all parameters of the effects."""
+        return {n: self.values[n] for n in dict.fromkeys((*self.names, *self.of_effects))}
 
     @property
     def problem(self) -> FitProblem:
@@ -100,9 +109,11 @@ class Model:
 
     def without(self, name: str) -> "Model":
         """The model without the effect of a name."""
-        values = {n: v for n, v in self.values.items() if not n.startswith(f"{name}.")}
+        own = f"{name}."
+        values = {n: v for n, v in self.values.items() if not n.startswith(own)}
         forms = tuple(f for f in self.forms if name != f.NAME)
-        return Model(self.stage, self.start, values, forms, self.fixed)
+        fixed = tuple(n for n in self.fixed if not n.startswith(own))
+        return Model(self.stage, self.start, values, forms, fixed)
 
     def fitted(
         self, evaluations: int = 40, tol: float = 1e-6, rows: NDArray[np.bool_] | None = None
