@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from design.controllers.controller import stacked
 from design.controllers.feedforward import FeedforwardPI
 from design.margins import margins
-from design.synthesis.evaluate import Evaluation, controller, evaluate_with
+from design.synthesis.evaluate import Evaluation, controller, evaluate_with, join
+from design.synthesis.judged import merit
 from design.synthesis.requirements import Problem
-from design.synthesis.tuning import join, merit
 
 Array = NDArray[np.float64]
 

@@ -20,9 +20,8 @@ from design.controllers.lqi import LQI
 from design.input_loop import InputLoop, worst_pole
 from design.synthesis.convex import Unsolved
 from design.synthesis.evaluate import screened
-from design.synthesis.judged import JudgedDesign
+from design.synthesis.judged import JudgedDesign, active_limit
 from design.synthesis.requirements import Problem
-from design.synthesis.tuning import active_limit
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 from design.controllers.pi import PI
 from design.robustness.certificates.continuous.ladder import certifies
 from design.robustness.loop_model import LoopModel
-from design.synthesis.evaluate import Evaluation, controller, evaluate_with
+from design.synthesis.evaluate import Evaluation, controller, evaluate_with, join
 from design.synthesis.requirements import Problem
-from design.synthesis.tuning import join
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

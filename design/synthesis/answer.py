@@ -8,8 +8,9 @@ import numpy as np
 from design.controllers.reference_model import reachable
 from design.evaluation.cases import hindrance
 from design.synthesis.evaluate import adverse_values, out_of_range, simulated
+from design.synthesis.judged import nearest_limit
 from design.synthesis.requirements import COSTS, Problem
-from design.synthesis.tuning import Tuning, nearest_limit
+from design.synthesis.tuning import Tuning
 from plants.wrist import Wrist
 
 UNITS = {"Kp": "kPa/deg", "Ki": "kPa/(deg s)"}

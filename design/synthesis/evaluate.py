@@ -72,6 +72,29 @@ class Evaluation:
         )  # fmt: skip
 
 
+def join(parts: list[Evaluation]) -> Evaluation:
+    """Evaluations of pieces of a set of gains, put together."""
+
+    def table(name: str) -> dict[str, Any]:
+        return {k: np.concatenate([getattr(p, name)[k] for p in parts]) for k in getattr(parts[0], name)}
+
+    row = {n: np.concatenate([getattr(p, n) for p in parts]) for n in ("Kp", "Ki", "cost", "cost_at")}
+    return Evaluation(
+        **row, values=table("values"), values_at=table("values_at"), excess=table("excess"),
+        settings=table("settings"),
+    )  # fmt: skip
+
+
+def best_of(at: Evaluation) -> Evaluation:
+    """The gains of least cost among those that hold the limits, else those of least excess, of those of which
+    a run never settles by the other limits; gains that were not simulated come last, since what they break is
+    not all known."""
+    if at.feasible.any():
+        return at.only(int(np.argmin(np.where(at.feasible, at.cost, np.inf))))
+    others = np.max([np.where(np.isinf(e), 0.0, np.maximum(e, 0.0)) for e in at.excess.values()], axis=0)
+    return at.only(int(np.lexsort((at.cost, others, at.worst_excess, ~np.isfinite(at.cost)))[0]))
+
+
 def rollouts(problem: Problem, Kp: Array, Ki: Array) -> Metrics:
     """Metrics of every scenario under every pair of gains, leaves of shape (gains, scenarios)."""
     return simulated(problem, controller(problem, Kp, Ki), Kp.size)

@@ -10,13 +10,14 @@ worst of many scenarios has none where the worst one changes.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from design.cluster import each
-from design.synthesis.evaluate import Evaluation, evaluate
+from design.synthesis.evaluate import Evaluation, best_of, evaluate, join
+from design.synthesis.judged import active_limit, merit
 from design.synthesis.requirements import Problem
 from design.synthesis.structure import with_gains
 from plants.hysteresis import with_values
@@ -24,11 +25,6 @@ from plants.parameters.files import built_in
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
-PENALTY = 20.0
-"""Price of an excess over a limit in the local search: a share of the cost per share of the limit."""
-ACTIVE = 0.01
-"""A limit is active where the optimum comes this near to it, as a share of the limit."""
-
 ALIKE = 0.4
 """Decades of the slope within which wrists are searched for gains in one and the same region."""
 
@@ -152,41 +148,6 @@ class Tuning:
         )
 
 
-class Judged(Protocol):
-    """What controllers do on a problem, of whatever kind they are."""
-
-    @property
-    def cost(self) -> Array:
-        """Worst cost, (n,)."""
-        ...
-
-    @property
-    def excess(self) -> dict[str, Array]:
-        """How far each is beyond each limit, as a share of it, (n,)."""
-        ...
-
-    @property
-    def worst_excess(self) -> Array:
-        """Largest excess over all limits, (n,)."""
-        ...
-
-
-def active_limit(at: Judged) -> str | None:
-    """The limit that the first gains run into, or None for an optimum inside all limits."""
-    return nearest_limit(at, 0) if at.worst_excess[0] > -ACTIVE else None
-
-
-def nearest_limit(at: Judged, index: int) -> str | None:
-    """The limit that gains come nearest to, or violate most; None where there are no limits."""
-    return max(at.excess, key=lambda name: at.excess[name][index], default=None)
-
-
-def merit(at: Judged) -> Array:
-    """Cost, with excess over the limits at a price, (n,); large but finite where the cost is infinite."""
-    excess = np.nan_to_num(np.maximum(at.worst_excess, 0.0), posinf=1e3)
-    return np.nan_to_num(at.cost, posinf=1e3) * (1.0 + PENALTY * excess)
-
-
 def valleys(values: Array, count: int) -> list[tuple[int, int]]:
     """Cells of a map, shape (n, m), that are no higher than their eight neighbours, lowest first.
 
@@ -264,10 +225,10 @@ def tune(
     for number, begin in enumerate(begins):
         tell("local search", number / len(begins))
         searches.append(local_search(problem, region, begin))
-    at = _best(join([_best(whole), evaluate(problem, *np.array([s.end for s in searches]).T)]))
+    at = best_of(join([best_of(whole), evaluate(problem, *np.array([s.end for s in searches]).T)]))
     for zoom in (1.0, 0.3, 0.1):
         tell("fine map", 1.0 - zoom)
-        at = _best(join([at, evaluate(problem, *_around(at, region, zoom))]))
+        at = best_of(join([at, evaluate(problem, *_around(at, region, zoom))]))
     tell("done", 1.0)
     return Tuning(problem, region, at, whole, tuple(searches))
 
@@ -299,26 +260,3 @@ def _around(at: Evaluation, region: Region, zoom: float) -> tuple[Array, Array]:
     ]
     rows, columns = np.meshgrid(*sides, indexing="ij")
     return rows.ravel(), columns.ravel()
-
-
-def _best(at: Evaluation) -> Evaluation:
-    """The gains of least cost among those that hold the limits, else those of least excess, of those of which
-    a run never settles by the other limits; gains that were not simulated come last, since what they break is
-    not all known."""
-    if at.feasible.any():
-        return at.only(int(np.argmin(np.where(at.feasible, at.cost, np.inf))))
-    others = np.max([np.where(np.isinf(e), 0.0, np.maximum(e, 0.0)) for e in at.excess.values()], axis=0)
-    return at.only(int(np.lexsort((at.cost, others, at.worst_excess, ~np.isfinite(at.cost)))[0]))
-
-
-def join(parts: list[Evaluation]) -> Evaluation:
-    """Evaluations of pieces of a set of gains, put together."""
-
-    def table(name: str) -> dict[str, Any]:
-        return {k: np.concatenate([getattr(p, name)[k] for p in parts]) for k in getattr(parts[0], name)}
-
-    row = {n: np.concatenate([getattr(p, n) for p in parts]) for n in ("Kp", "Ki", "cost", "cost_at")}
-    return Evaluation(
-        **row, values=table("values"), values_at=table("values_at"), excess=table("excess"),
-        settings=table("settings"),
-    )  # fmt: skip

@@ -8,7 +8,8 @@ from design.comparison.compare import FORWARD, TUNED, Comparison
 from design.comparison.on_tasks import DRAWN
 from design.comparison.tolerated import DURATION
 from design.studies.study import Study
-from design.synthesis.tuning import Tuning, nearest_limit
+from design.synthesis.judged import nearest_limit
+from design.synthesis.tuning import Tuning
 from plants.measured.fit import Fit
 from plants.measured.free_run import rmse
 from reports.comparison.figures import coloured, step_columns

@@ -4,8 +4,9 @@ from math import isnan
 
 from design.comparison.compare import METRICS, PAPER, TUNED, Comparison, Row, Standing
 from design.evaluation.metrics import UNITS
+from design.synthesis.judged import ACTIVE
 from design.synthesis.requirements import LIMIT_UNITS, Limits
-from design.synthesis.tuning import ACTIVE, Tuning
+from design.synthesis.tuning import Tuning
 from reports.shared.names import LIMITS, WINDOW, limit_name, name_of, title_of
 from reports.shared.tables import Cell, Column, Group, Table, fixed, number, row, spaced
 

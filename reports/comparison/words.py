@@ -14,7 +14,7 @@ from design.status import Status
 from design.studies.decision import Decision
 from design.studies.study import Study
 from design.synthesis.answer import Answer
-from design.synthesis.tuning import ACTIVE, nearest_limit
+from design.synthesis.judged import ACTIVE, nearest_limit
 from design.synthesis.tuning_rules import PAPER_FACTOR, PAPER_GAINS
 from plants.measured.fit import Fit
 from plants.parameters.quantities import Assumed

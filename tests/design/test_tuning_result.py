@@ -8,8 +8,9 @@ from design.controllers.pi import PI
 from design.evaluation.steps import run
 from design.open_loops import by_python_control
 from design.synthesis.evaluate import evaluate
+from design.synthesis.judged import ACTIVE, merit
 from design.synthesis.requirements import COSTS, Limits
-from design.synthesis.tuning import ACTIVE, merit, tune
+from design.synthesis.tuning import tune
 from plants import Wrist
 
 AXES = ["flexion", "deviation"]

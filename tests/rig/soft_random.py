@@ -56,7 +56,7 @@ def soft_actuator(seed: int) -> SoftRig:
     )  # fmt: skip
 
 
-GRID, COPIES = 70, 2
+GRID, COPIES = 70, 8
 """Switching pressures of a Preisach operator, and how often each relay is drawn, a little off its place."""
 
 

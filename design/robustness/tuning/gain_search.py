@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.controller import Controller
-from design.synthesis.evaluate import Evaluation, adverse_values, evaluate, evaluate_with
+from design.synthesis.evaluate import Evaluation, adverse_values, best_of, evaluate, evaluate_with, join
+from design.synthesis.judged import merit
 from design.synthesis.requirements import COSTS, Problem, excesses
 from design.synthesis.structure import CASCADE_PI, FORWARD_PI, PLAIN_PI, TWO_DOF_PI, Structure
-from design.synthesis.tuning import LocalSearch, Region, Tuning, _begins, _best, join, merit
+from design.synthesis.tuning import LocalSearch, Region, Tuning, _begins
 
 Array = NDArray[np.float64]
 
@@ -57,7 +58,7 @@ def solved(problem: Problem, region: Region, known: Evaluation | None, structure
             return printed(problem, region, found)
     coarse = replace(region, points=max(min(region.points, COARSE[1]), COARSE[0]))
     rows, columns = (g.ravel() for g in np.meshgrid(*coarse.grid, indexing="ij"))
-    mapped = _best(evaluate(problem, rows, columns))
+    mapped = best_of(evaluate(problem, rows, columns))
     return printed(problem, region, _near(problem, region, mapped, max(coarse.resolution), structure))
 
 
@@ -72,7 +73,7 @@ def printed(problem: Problem, region: Region, found: Evaluation) -> Evaluation:
     Kp, Ki = (g.ravel() for g in np.meshgrid(*near, indexing="ij"))
     if not Kp.size:
         return found
-    best = _best(evaluate_law(problem, law_of(found), Kp, Ki))
+    best = best_of(evaluate_law(problem, law_of(found), Kp, Ki))
     return best if best.feasible[0] else found
 
 
@@ -171,14 +172,14 @@ def _better(problem: Problem, law: Law, Kp: Array, Ki: Array, best: Evaluation) 
     are the dearest and the nearest to a limit under it; only the rest are played on all, cheapest first.
     """
     if not best.feasible[0]:
-        return _best(join([best, evaluate_law(problem, law, Kp, Ki)]))
+        return best_of(join([best, evaluate_law(problem, law, Kp, Ki)]))
     few = _telling(problem, law, best)
     seen = evaluate_law(few, law, Kp, Ki)
     order = np.argsort(np.where(seen.feasible, seen.cost, np.inf), kind="stable")
     left = order[(seen.feasible & (seen.cost < best.cost[0]))[order]]
     for piece in np.split(left, range(TOGETHER, left.size, TOGETHER)):
         if piece.size and seen.cost[piece[0]] < best.cost[0]:
-            best = _best(join([best, evaluate_law(problem, law, Kp[piece], Ki[piece])]))
+            best = best_of(join([best, evaluate_law(problem, law, Kp[piece], Ki[piece])]))
     return best
 
 

@@ -22,10 +22,9 @@ from design.mpc.margins_at_rest import Replaceable, margins_at_rest
 from design.mpc.problem import robust
 from design.robustness.requirement import LINEAR, Requirement
 from design.robustness.tuning.robust_tuning import GUARD, RobustTuning, RoundEffort, grow
-from design.synthesis.judged import JudgedDesign
+from design.synthesis.judged import JudgedDesign, active_limit
 from design.synthesis.requirements import COSTS, Problem, excesses
 from design.synthesis.structure import weighted_mpc
-from design.synthesis.tuning import active_limit
 from plants.effects.effect import dead_time_of
 from plants.simulation.periodic import Periodic
 

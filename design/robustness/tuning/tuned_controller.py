@@ -2,8 +2,8 @@
 
 from typing import Any, Protocol
 
+from design.synthesis.judged import Judged
 from design.synthesis.requirements import Problem
-from design.synthesis.tuning import Judged
 
 
 class TunedController(Protocol):
