@@ -35,7 +35,8 @@ class Evaluation:
     cost (n,): the worst over the scenarios (and adverse cases), `cost_at` (n,) where.  values[limit]
     (n,): the worst value of each limited quantity, `values_at` (n,) on which
     scenario or branch.  excess[limit] (n,): how far beyond its limit, as a share
-    of the limit; not above 0 where it is held.
+    of the limit; not above 0 where it is held.  unsettled (n,): runs that never settle, 0 of gains that were
+    not simulated.
     """
 
     Kp: Array
@@ -45,6 +46,7 @@ class Evaluation:
     values: dict[str, Array]
     values_at: dict[str, NDArray[np.intp]]
     excess: dict[str, Array]
+    unsettled: NDArray[np.intp]
     settings: dict[str, Array] = field(default_factory=dict)
 
     @property
@@ -68,6 +70,7 @@ class Evaluation:
             {k: v[one] for k, v in self.values.items()},
             {k: v[one] for k, v in self.values_at.items()},
             {k: v[one] for k, v in self.excess.items()},
+            self.unsettled[one],
             {k: v[one] for k, v in self.settings.items()},
         )  # fmt: skip
 
@@ -78,7 +81,10 @@ def join(parts: list[Evaluation]) -> Evaluation:
     def table(name: str) -> dict[str, Any]:
         return {k: np.concatenate([getattr(p, name)[k] for p in parts]) for k in getattr(parts[0], name)}
 
-    row = {n: np.concatenate([getattr(p, n) for p in parts]) for n in ("Kp", "Ki", "cost", "cost_at")}
+    row = {
+        n: np.concatenate([getattr(p, n) for p in parts])
+        for n in ("Kp", "Ki", "cost", "cost_at", "unsettled")
+    }
     return Evaluation(
         **row, values=table("values"), values_at=table("values_at"), excess=table("excess"),
         settings=table("settings"),
@@ -86,13 +92,14 @@ def join(parts: list[Evaluation]) -> Evaluation:
 
 
 def best_of(at: Evaluation) -> Evaluation:
-    """The gains of least cost among those that hold the limits, else those of least excess, of those of which
-    a run never settles by the other limits; gains that were not simulated come last, since what they break is
-    not all known."""
+    """The gains of least cost among those that hold the limits, else those with the fewest runs that never
+    settle, where they are to, and of these those of least excess; gains that were not simulated come last,
+    since what they break is not all known."""
     if at.feasible.any():
         return at.only(int(np.argmin(np.where(at.feasible, at.cost, np.inf))))
-    others = np.max([np.where(np.isinf(e), 0.0, np.maximum(e, 0.0)) for e in at.excess.values()], axis=0)
-    return at.only(int(np.lexsort((at.cost, others, at.worst_excess, ~np.isfinite(at.cost)))[0]))
+    finite = np.max([np.where(np.isinf(e), -1.0, e) for e in at.excess.values()], axis=0)
+    asked = at.unsettled if "settling_time_s" in at.excess else np.zeros_like(at.unsettled)
+    return at.only(int(np.lexsort((at.cost, finite, asked, ~np.isfinite(at.cost)))[0]))
 
 
 def rollouts(problem: Problem, Kp: Array, Ki: Array) -> Metrics:
@@ -166,7 +173,8 @@ def evaluate_with(problem: Problem, many: Controller, Kp: Array, Ki: Array) -> E
     cost, of_run, excess = screened(problem, many, values, problem.held_to)
     values |= {n: v.max(axis=1) for n, v in of_run.items()}
     at |= {n: largest_at(v) for n, v in of_run.items()}
-    return Evaluation(Kp, Ki, cost.max(axis=1), largest_at(cost), values, at, excess, own)
+    unsettled = np.isinf(of_run["settling_time_s"]).sum(axis=1)
+    return Evaluation(Kp, Ki, cost.max(axis=1), largest_at(cost), values, at, excess, unsettled, own)
 
 
 def largest_at(values: Array) -> NDArray[np.intp]:

@@ -2,32 +2,44 @@
 
 import numpy as np
 
-from design.synthesis.evaluate import Evaluation, best_of
+from design.synthesis.evaluate import Evaluation, best_of, controller, evaluate, join, simulated
+from design.synthesis.requirements import default_problem
+from plants import Wrist
 
 
-def judged(cost, **excess):
+def judged(cost, unsettled, **excess):
     n = len(cost)
     gains, nowhere = np.arange(1.0, n + 1.0), np.zeros(n, np.intp)
     beyond = {name: np.array(e) for name, e in excess.items()}
-    return Evaluation(gains, gains, np.array(cost), nowhere, {}, {}, beyond)
+    return Evaluation(gains, gains, np.array(cost), nowhere, {}, {}, beyond, np.array(unsettled))
 
 
 def test_gains_that_were_not_simulated_come_after_those_of_which_a_run_never_settles():
     """They break a limit of the linear loop by 2 %, and nobody knows what else."""
-    at = judged([np.inf, 5.0, 4.0], Ms=[0.02, -0.1, -0.1], settling_time_s=[-1.0, np.inf, np.inf])
+    at = judged([np.inf, 5.0, 4.0], [0, 1, 1], Ms=[0.02, -0.1, -0.1], settling_time_s=[-1.0, np.inf, np.inf])
     assert best_of(at).Kp[0] == 3.0
 
 
-def test_of_gains_of_which_a_run_never_settles_the_other_limits_decide():
-    at = judged([5.0, 4.0], overshoot_percent=[0.1, 0.9], settling_time_s=[np.inf, np.inf])
+def test_the_fewer_runs_never_settle_the_better_whatever_the_other_limits():
+    at = judged([5.0, 4.0, 4.0], [1, 7, 1], overshoot_percent=[0.1, 0.0, 0.9], settling_time_s=[np.inf] * 3)
     assert best_of(at).Kp[0] == 1.0
 
 
-def test_a_run_that_settles_late_comes_before_one_that_never_does():
-    at = judged([5.0, 4.0], overshoot_percent=[0.9, 0.0], settling_time_s=[0.2, np.inf])
+def test_where_all_runs_settle_the_least_excess_decides():
+    at = judged([5.0, 4.0], [0, 0], overshoot_percent=[0.1, 0.0], settling_time_s=[0.2, 0.4])
     assert best_of(at).Kp[0] == 1.0
 
 
 def test_gains_that_hold_every_limit_come_first_and_of_these_the_cheapest():
-    at = judged([3.0, 5.0, 4.0], overshoot_percent=[0.1, -0.1, 0.0], settling_time_s=[-0.5, -0.5, -0.5])
+    at = judged([3.0, 5.0, 4.0], [0, 0, 0], overshoot_percent=[0.1, -0.1, 0.0], settling_time_s=[-0.5] * 3)
     assert best_of(at).Kp[0] == 3.0
+
+
+def test_runs_that_never_settle_are_counted():
+    problem = default_problem(Wrist.flexion())
+    at = evaluate(problem, [1.2, 0.3], [2.2, 0.3])
+    each = simulated(problem, controller(problem, np.array([1.2, 0.3]), np.array([2.2, 0.3])), 2)
+    assert at.unsettled.tolist() == np.isinf(each.settling_time_s).sum(axis=1).tolist()
+    assert at.unsettled[1] > 0
+    assert at.only(1).unsettled.tolist() == at.unsettled[1:].tolist()
+    assert join([at, at]).unsettled.tolist() == [*at.unsettled, *at.unsettled]
