@@ -3,9 +3,11 @@
 import atexit
 import shutil
 import subprocess
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from tempfile import mkdtemp
+from typing import Any
 
 import pytest
 
@@ -33,14 +35,14 @@ GAINS = {
     "mpc-robust --gains 100,100,1": (100.0, 100.0, 1.0),  # a dead time in its model, of a single command
     "mpc-real-time-robust --gains 25,50,2": (25.0, 50.0, 2.0),
 }
-KINDS = [
-    pytest.param(kind, marks=pytest.mark.slow) if kind == "mpc-robust --gains 100,100,1" else kind
-    for kind in GAINS
-]
-"""All of these for a quick test; writing one of them takes twelve seconds."""
-
 SHORT = ("feedforward", "mpc-real-time", "mpc-real-time-robust --gains 25,50,2")
 STEPS = dict.fromkeys(SHORT, 2000)  # the inverse runs its 10,000 steps with the PI
+
+
+def quick(kinds: Iterable[str]) -> list[Any]:
+    """Kinds for a test that is quick but for those that take six seconds and more to write."""
+    return [pytest.param(k, marks=pytest.mark.slow) if k.startswith("mpc-robust") else k for k in kinds]
+
 
 needs_compiler = pytest.mark.skipif(CC is None, reason="no C compiler (cc, gcc, clang) on this machine")
 

@@ -15,7 +15,7 @@ from design.export.formats.folder import contents
 from plants import InputError, Wrist
 from plants.effects import Creep
 from plants.rig import Zero
-from tests.control.c_target import CC, GAINS, KINDS, OWN, WRIST, exported, needs_compiler, run
+from tests.control.c_target import CC, GAINS, OWN, WRIST, exported, needs_compiler, quick, run
 
 TEXTS = ("h", "c", "README.md")
 
@@ -41,7 +41,7 @@ def test_the_same_law_gives_the_same_bytes(kind):
     assert len(first) == 8
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", quick(GAINS))
 def test_no_date_and_no_path_of_the_machine(kind):
     places = [f"/{folder.name}/" for folder in Path("/").iterdir()]  # where any path of this machine begins
     assert places
@@ -51,7 +51,7 @@ def test_no_date_and_no_path_of_the_machine(kind):
         assert str(Path.cwd()) not in text
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", quick(GAINS))
 def test_every_setting_period_unit_and_member_is_told(kind):
     made, found = exported(kind)[0], texts(kind)
     assert f"#define {made.name.upper()}_PERIOD_S {made.period!r}\n" in found["h"]

@@ -8,7 +8,7 @@ import pytest
 from design.export.fields import REFERENCE
 from design.export.part import SEEN, Seen
 from design.export.vectors import TargetReplay
-from tests.control.c_target import GAINS, WRIST, exported, needs_compiler, program, run
+from tests.control.c_target import GAINS, WRIST, exported, needs_compiler, program, quick, run
 
 pytestmark = needs_compiler
 
@@ -106,7 +106,7 @@ def test_a_start_outside_the_range_and_a_lost_sample_hold_the_end_of_the_range(k
     assert outputs[1] == pytest.approx({250.0: 4.0, -50.0: 0.0, 1000.0: rest}[pressure], abs=1e-9)
 
 
-@pytest.mark.parametrize("kind", [k for k in GAINS if k.startswith("mpc")])
+@pytest.mark.parametrize("kind", quick(k for k in GAINS if k.startswith("mpc")))
 @pytest.mark.parametrize("pressure", [400.0, -199.0])
 def test_good_samples_after_any_start_have_a_plan(kind, pressure):
     good = [("s", 15.0, 0.01 * k % 0.3, 100.0) for k in range(3000)]
@@ -115,7 +115,7 @@ def test_good_samples_after_any_start_have_a_plan(kind, pressure):
     assert outputs.max() <= 4.0
 
 
-@pytest.mark.parametrize("kind", [k for k in GAINS if k != "observer"])
+@pytest.mark.parametrize("kind", quick(k for k in GAINS if k != "observer"))
 def test_a_sensor_that_was_wrong_is_believed_again_within_a_second(kind):
     made, _ = exported(kind)
     within = round(1.0 / made.period)

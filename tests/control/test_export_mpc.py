@@ -14,7 +14,7 @@ from design.export.vectors import TargetReplay
 from design.mpc.linear import planner
 from design.mpc.prediction import coefficients
 from design.mpc.problem import MPCProblem, MPCWeights, robust
-from tests.control.c_target import CC, GAINS, WRIST, exported, needs_compiler, objects, program, run
+from tests.control.c_target import CC, GAINS, WRIST, exported, needs_compiler, objects, program, quick, run
 
 pytestmark = needs_compiler
 
@@ -155,7 +155,7 @@ int main(void)
         assert np.unique(outputs[gone[0] + 5 : gone[-1] + 1]).size == 1
 
 
-@pytest.mark.parametrize("kind", ["mpc", "mpc-robust --gains 100,100,1"])
+@pytest.mark.parametrize("kind", quick(["mpc", "mpc-robust --gains 100,100,1"]))
 def test_single_precision_believes_of_a_pressure_near_rest_what_double_does(kind, tmp_path):
     """Where next to nothing of the pressure's error is left its share is no quotient of two roundings."""
     made = exported(kind)[0].at("single")

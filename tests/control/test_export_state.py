@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from tests.control.c_target import CC, GAINS, KINDS, exported, needs_compiler, objects, program, run
+from tests.control.c_target import CC, GAINS, exported, needs_compiler, objects, program, quick, run
 
 pytestmark = needs_compiler
 
@@ -52,7 +52,7 @@ int main(void)
 """
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", quick(GAINS))
 def test_two_joints_do_not_know_of_each_other(kind):
     n = exported(kind)[0].name
     mine = inputs(

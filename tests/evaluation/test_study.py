@@ -33,6 +33,7 @@ def test_refusals_are_those_of_the_answers():
     assert refused.verdicts["deviation"] == study.verdicts["deviation"]
 
 
+@pytest.mark.slow
 def test_an_answer_is_of_the_gains_and_of_the_nominal_step():
     tuning = small_study().tunings["flexion"]
     found = answer(tuning)
@@ -42,6 +43,7 @@ def test_an_answer_is_of_the_gains_and_of_the_nominal_step():
     assert found.everywhere["iae_deg_s"] == pytest.approx(float(tuning.at.cost[0]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("samples", "said"), [(10, ["flexion"]), (0, [])])
 def test_motions_whose_plants_cannot_be_perturbed_are_named_where_that_was_asked_for(samples, said):
     study = small_study()
@@ -57,12 +59,14 @@ def test_without_the_solver_of_the_MPCs_they_are_left_out_and_the_reason_is_kept
     assert module._mpcs({"flexion": Wrist.flexion()}) == ({}, "daqp is not installed")
 
 
+@pytest.mark.slow
 def test_the_papers_figures_are_redrawn_of_its_two_motions_and_of_nothing_less():
     assert redrawn({"flexion": Wrist.flexion()}) == {}
     assert redrawn({"bending": Wrist.flexion(), "deviation": Wrist.deviation()}) == {}
     assert list(small_study().redrawn) == list(SERIES)
 
 
+@pytest.mark.slow
 def test_a_study_is_a_value():
     study = small_study()
     assert isinstance(study, Study)

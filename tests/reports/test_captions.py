@@ -26,6 +26,7 @@ from tests.reports.report_samples import (
 )
 
 
+@pytest.mark.slow
 def test_a_trade_off_names_the_pareto_front_of_each_motion():
     comparison = small_study().comparison
     said = trade_off_caption(comparison)
@@ -36,6 +37,7 @@ def test_a_trade_off_names_the_pareto_front_of_each_motion():
             assert f"{motion}: {', '.join(name_of(s.controller) for s in front)}" in said
 
 
+@pytest.mark.slow
 def test_the_fastest_feedback_within_the_limits_is_named_with_its_time():
     comparison = small_study().comparison
     said = comparison_captions.worst_caption(comparison)
@@ -49,6 +51,7 @@ def test_the_fastest_feedback_within_the_limits_is_named_with_its_time():
     assert said.endswith(comparison_captions.WORST_CAPTION)
 
 
+@pytest.mark.slow
 def test_a_map_of_the_gains_names_the_nearest_limit():
     study = small_study()
     assert study.tunings
@@ -56,6 +59,7 @@ def test_a_map_of_the_gains_names_the_nearest_limit():
         assert ", nearest to the limit on " in comparison_captions.map_caption(motion, tuning)
 
 
+@pytest.mark.slow
 def test_steps_say_when_the_controllers_in_colour_settle():
     comparison = small_study().comparison
     motions = {m for m, _ in comparison.steps}
@@ -70,6 +74,7 @@ def test_steps_say_when_the_controllers_in_colour_settle():
         assert f"{name_of(TUNED)} settles in {ours.metrics['settling_time_s']:.2f} s" in said
 
 
+@pytest.mark.slow
 def test_the_loop_says_how_long_its_dead_zone_takes():
     """The pressure crosses half of the loop's width at the level of the rest angle before the angle moves."""
     study = small_study()
@@ -99,6 +104,7 @@ def test_the_break_even_map_begins_with_where_it_is():
         assert said.startswith(break_even_words(motion, found))
 
 
+@pytest.mark.slow
 def test_the_contest_counts_who_has_less_error():
     found = small_contest()
     nominal = small_study().comparison
@@ -109,6 +115,7 @@ def test_the_contest_counts_who_has_less_error():
         assert f"{motion}: {len(less)} of {len(others)} controllers" in said
 
 
+@pytest.mark.slow
 def test_the_contest_says_which_of_these_break_a_limit():
     found, nominal = small_contest(), small_study().comparison
     worse = replace(found.scores[0].against["iae_deg_s"], low=-2.0, high=-1.0)

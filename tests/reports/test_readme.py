@@ -87,6 +87,7 @@ def test_it_names_the_pythons_that_the_package_does():
     assert f"Python {versions[0]} to {versions[-1]}" in README
 
 
+@pytest.mark.slow
 def test_the_committed_example_has_the_keys_of_today():
     from reports.comparison.record import comparison_record
     from reports.shared.html import Made

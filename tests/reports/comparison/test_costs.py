@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import pytest
+
 from design.studies.study import Question
 from reports.comparison.contest import main_table
 from reports.comparison.costs import break_even_table, break_even_words, ledger_table, ledger_words
@@ -55,6 +57,7 @@ def test_how_long_steps_take_stands_in_milliseconds_and_who_missed_is_named():
     assert mpc == ["linear MPC", "20", "0.1", "0.1", "0.1", "0.5", "0 of 100", "0.02", "0.05", "0.03", "1"]
 
 
+@pytest.mark.slow
 def test_the_opening_stays_true_where_limits_are_broken_and_nothing_settles():
     study = small_study()
     c = study.comparison
@@ -81,6 +84,7 @@ def test_the_opening_stays_true_where_limits_are_broken_and_nothing_settles():
     assert "no other controller within the limits settles faster" in alone[1]
 
 
+@pytest.mark.slow
 def test_a_leader_that_a_dead_time_undoes_is_named_as_such():
     study, contest = small_study(), small_contest()
 

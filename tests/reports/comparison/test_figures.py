@@ -83,6 +83,7 @@ def test_every_controller_has_a_colour_of_its_own():
     assert min(np.abs(a - b).max() for a, b in combinations(values, 2)) > 0.1
 
 
+@pytest.mark.slow
 def test_the_map_marks_the_gains_that_matter(compared):
     tuning = compared.tunings["flexion"]
     figure = gain_map(tuning)
@@ -102,12 +103,14 @@ def test_the_map_marks_the_gains_that_matter(compared):
     assert any(" > " in w for w in words)  # a limit that some gains break
 
 
+@pytest.mark.slow
 def test_worst_values_that_never_settle_are_drawn_at_the_edge(compared):
     figure = figures.worst_values(compared.comparison)
     assert figure.axes[0].get_xlim()[0] == 0.0
     assert any(line.get_marker() == ">" for line in figure.axes[0].lines)
 
 
+@pytest.mark.slow
 def test_a_fit_is_shown_on_a_recording_that_took_no_part(compared):
     fit = compared.fits["flexion"]
     assert shown_run(fit).role == "validate"
@@ -128,6 +131,7 @@ def test_signals_are_drawn_with_what_is_there():
     assert len(figure.axes[0].lines) == 1
 
 
+@pytest.mark.slow
 def test_drawing_leaves_no_trace_in_the_settings_of_matplotlib(compared):
     before = dict(matplotlib.rcParams)
     svg(figures.worst_values(compared.comparison), "worst")
@@ -144,6 +148,7 @@ def test_figures_are_saved_the_same_each_time_as_png_or_svg(compared, tmp_path):
         save(figures.worst_values(compared.comparison), tmp_path / "x.pdf")
 
 
+@pytest.mark.slow
 def test_an_id_that_is_none_is_refused(compared):
     with pytest.raises(ValueError, match="cannot go before an id"):
         svg(figures.worst_values(compared.comparison), "a b")

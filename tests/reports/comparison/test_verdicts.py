@@ -45,10 +45,12 @@ def test_what_never_settles_is_never_said_to_be_ahead():
     assert "more than 10 s" in made_up(np.inf, 2.0, 4.0)
 
 
+@pytest.mark.slow
 def test_there_is_one_for_each_motion():
     assert list(small_study().verdicts) == ["flexion", "deviation"]
 
 
+@pytest.mark.slow
 def test_the_tuned_PI_is_the_one_that_is_compared_with_the_paper():
     comparison = small_study().comparison
     kept = (TUNED, PAPER)
@@ -64,6 +66,7 @@ def test_the_tuned_PI_is_the_one_that_is_compared_with_the_paper():
         )
 
 
+@pytest.mark.slow
 def test_gains_that_break_a_limit_are_called_the_nearest():
     no = LimitBroken((0.1, 20.0), (0.1, 50.0), 1.0, 2.0, "Ms", 3.0, 2.0, "line1, fast rate")
     study = small_study()
