@@ -1,5 +1,7 @@
 """An effect is kept only where recordings that it was not fitted on are not simulated the worse for it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.stage import Stage
 from plants.measured.trace.search.candidate import Candidate, carries_over
+from plants.measured.trace.search.refits import rather_common
 from plants.measured.trace.search.simplify import carried_over
 from plants.measured.trace.stages.model import Model
 from plants.parameters.files import built_in
@@ -65,3 +68,26 @@ def test_a_recording_beyond_the_range_of_the_others_is_not_held_against_a_model(
     left = both.model.fitted(rows=np.arange(2 * TIME.size) >= other[0]).residual[one[0] : one[1]]
     assert both.over_recordings == pytest.approx(float(np.sqrt(np.mean(left**2))))
     assert candidate(commands=(small, 1.1 * small - 0.12)).over_recordings is not None
+
+
+def guessed(found):
+    """The candidate where the law was chosen from the log."""
+    return Candidate(replace(found.model, stage=replace(found.model.stage, form=0.05)))
+
+
+def test_what_nearly_any_rig_has_comes_before_what_whole_recordings_bear_out_less():
+    rig = Creep(0.2, 4.0)
+    bare, creep, step = (candidate(*e, rig=rig) for e in ((), (Creep(0.1, 5.0),), (LoadStep(0.5, 9.0),)))
+    assert carries_over(step, creep)
+    first, second = rather_common(guessed(bare), [guessed(step), guessed(creep)])
+    assert (first.model.effects, second.model.effects) == (("creep",), ("load-step",))
+    declared = rather_common(bare, [step, creep])  # under a law that was given chi-square decides
+    assert [c.model.effects for c in declared] == [("load-step",), ("creep",)]
+
+
+def test_what_nearly_any_rig_has_comes_no_earlier_where_whole_recordings_do_not_say_so():
+    bare, creep, step = (
+        guessed(candidate(*e, loads=(0.5, 0.5))) for e in ((), (Creep(0.1, 5.0),), (LoadStep(0.5, 11.9),))
+    )
+    assert not carries_over(step, creep)
+    assert rather_common(bare, [step, creep]) == [step, creep]

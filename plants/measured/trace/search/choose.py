@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from plants.measured.trace.ranking.excitation import excitation
 from plants.measured.trace.search.candidate import WORTH, Candidate, carries_over, falls
 from plants.measured.trace.search.common import common_effects, only_together
-from plants.measured.trace.search.refits import Scope, freed, further, reformed
+from plants.measured.trace.search.refits import Scope, freed, further, rather_common, reformed
 from plants.measured.trace.search.rounds import EffectSearch, SearchRound
 from plants.measured.trace.search.simplify import carried_over, pruned
 from plants.measured.trace.search.worth import enough, promising, worth_it
@@ -41,6 +41,7 @@ def search(
     most = MOST if present is None else MOST * stage.parts
     while len(now.model.forms) < most and (not rounds or now.lacks_something):
         candidates, ranking, borrowed = further(scope, beam, now)
+        candidates = rather_common(now, candidates) if candidates else []
         best = candidates[0] if candidates else None
         if best is not None and best.model.chi2 > 1.0 + WORTH and promising(now, best, first):
             best = reformed(best, asked)

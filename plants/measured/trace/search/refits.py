@@ -7,7 +7,7 @@ from plants.effects import EFFECTS
 from plants.measured.trace.ranking.backwards import turns_back
 from plants.measured.trace.ranking.excitation import Excitation
 from plants.measured.trace.ranking.screening import Ranked, Screen, screen
-from plants.measured.trace.search.candidate import WORTH, Candidate
+from plants.measured.trace.search.candidate import WORTH, Candidate, carries_over
 from plants.measured.trace.search.together import fitted_with
 from plants.measured.trace.stages.model import Model
 
@@ -49,9 +49,41 @@ def further(
         ranking = ranking or ranked
         if now.lacks_something:
             found += refit(start.model, shortlist(ranked, effects), forms, scope.asked)
+            found += _common_too(start.model, ranked, found, scope.asked) if place == 0 else []
     borrowed = {n: why for c in found for n, why in borrowed_in(c, scope.asked).items()}
     kept = [c for c in found if not borrowed_in(c, scope.asked) and not turns_back(c.model)]
     return distinct(sorted(kept, key=lambda c: c.model.chi2)), tuple(ranking), borrowed
+
+
+def _common_too(
+    model: Model, ranked: Sequence[Ranked], found: Sequence[Candidate], asked: Excitation
+) -> list[Candidate]:
+    """The effects beyond chance that nearly any rig has, refitted as well if they are not among the best, of
+    a rig whose law was chosen from the log: whether they are `rather_common` is for whole recordings to say.
+    """
+    tried = {n for c in found for n in c.model.effects}
+    names = [n for n in dict.fromkeys(r.name for r in shortlist(ranked)) if EFFECTS[n][0].COMMON]
+    left = [n for n in names if n not in tried] if model.stage.form > 0.0 else []
+    return [c for n in left for c in refit(model, [r for r in ranked if r.name == n], FORMS, asked)]
+
+
+def rather_common(now: Candidate, candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Candidates beyond a model, with one that adds only what nearly any rig has before a best one that adds
+    something else, where recordings left out whole are clearly better simulated by it.
+
+    What drifts with time, or steps at a moment of a recording, follows much in the recordings that it is
+    fitted on, a creep too.
+    """
+    best, *others = candidates
+
+    def common(c: Candidate) -> bool:
+        return all(EFFECTS[n][0].COMMON for n in c.model.effects if n not in now.model.effects)
+
+    if now.model.stage.form > 0.0 and not common(best):
+        for c in others:
+            if len(c.model.effects) <= len(best.model.effects) and common(c) and carries_over(best, c):
+                return [c, *(o for o in candidates if o is not c)]
+    return list(candidates)
 
 
 def shortlist(ranking: Sequence[Ranked], effects: int = SHORTLIST) -> list[Ranked]:
