@@ -56,13 +56,14 @@ def soft_actuator(seed: int) -> SoftRig:
     )  # fmt: skip
 
 
-GRID, COPIES = 70, 8
-"""Switching pressures of a Preisach operator, and how often each relay is drawn, a little off its place."""
+GRID = 70
+"""Switching pressures of a Preisach operator."""
 
 
-def preisach_actuator(seed: int) -> SoftRig:
+def preisach_actuator(seed: int, copies: int = 8) -> SoftRig:
     """The actuator of a seed with another joint: a Preisach operator, which no set of plays is, and a mass
-    that swings, in place of plays and a lag."""
+    that swings, in place of plays and a lag.  copies: how often each relay is drawn, a little off its place:
+    the fewer, the rougher the joint moves."""
     rig, rng = soft_actuator(seed), np.random.default_rng([seed, 33])
     most = rig.gain * (rig.high - rig.low) + max(rig.bias + rig.gain * rig.low, 0.0)
     levels = np.linspace(-0.1, 1.1, GRID)
@@ -73,8 +74,8 @@ def preisach_actuator(seed: int) -> SoftRig:
     density = np.exp(-0.5 * ((middle - centre) / spread) ** 2 - half / width)
     density = np.where(half > 0.0, density, density * (1.0 + 3.0 * rng.uniform(0.0, 1.0)))
     density *= 1.0 + rng.uniform(-0.6, 0.6) * middle
-    on, off = (np.tile(p, COPIES) + rng.uniform(-0.5, 0.5, COPIES * on.size) / GRID for p in (on, off))
-    rise = np.tile(density, COPIES) * rig.full / (COPIES * density.sum())
+    on, off = (np.tile(p, copies) + rng.uniform(-0.5, 0.5, copies * on.size) / GRID for p in (on, off))
+    rise = np.tile(density, copies) * rig.full / (copies * density.sum())
     relays = Relays(most * np.maximum(on, off), most * np.minimum(on, off), rise)
     swing = (float(np.exp(rng.uniform(np.log(1.0), np.log(5.0)))), rng.uniform(0.15, 0.9))
     return replace(rig, name=f"preisach{seed}", cubic=0.0, relays=relays, swing=swing)

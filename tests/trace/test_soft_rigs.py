@@ -168,7 +168,7 @@ def test_a_creep_is_not_taken_for_a_drift_of_the_sensor(tmp_path):
 
 def test_a_creep_as_quick_as_the_lag_leaves_the_weights_of_the_plays_determined(tmp_path):
     """With both free each weight was known to 95 %, and a design for such plants found no gains."""
-    preisach_actuator(961).write(tmp_path, recordings(961), ("check",))
+    preisach_actuator(961, copies=2).write(tmp_path, recordings(961), ("check",))
     trace = trace_campaign(load_campaign(tmp_path), either_way=True)
     p = trace.revised.parameters
     for weight in ("v0", "v1"):
