@@ -21,7 +21,6 @@ from tests.rig.campaign import make_rig, record
 
 pytestmark = pytest.mark.slow
 
-COARSE = Region(points=8)
 TASK = built_in("flexion").rig.task
 
 
@@ -43,18 +42,17 @@ def late(tmp_path_factory):
 
 
 @pytest.mark.suite
-def test_on_a_rig_with_dead_time_the_retuned_pi_settles_where_the_declared_one_does_not_hold(late):
+def test_on_a_rig_with_dead_time_the_retuned_pi_settles_far_sooner_than_the_declared_one(late):
     rig, trace = late
-    control = retune(
-        trace.fit.fitted, trace.revised, rig.closed_loop, "the rig that was measured", COARSE, starts=1
-    )
+    control = retune(trace.fit.fitted, trace.revised, rig.closed_loop, "the rig that was measured")
     old, new = control.declared.judged, control.revised.judged
-    assert old.oscillates or "overshoot_percent" in old.broken
+    assert control.declared.refusal is None  # it holds every limit on the plant that it was tuned on
+    assert {"overshoot_percent", "delay_margin_s", "settling_time_s"} <= set(control.declared.broken)
     assert new.settling_time_s < 4.0
+    assert old.settling_time_s > 2.0 * new.settling_time_s
     assert not new.broken
     assert not new.oscillates
     assert new.iae_deg_s < old.iae_deg_s
-    assert "delay_margin_s" in control.declared.broken
     assert not control.revised.broken
     words = control_sentence(control)
     assert words.startswith("On the rig that was measured, the PI tuned on the declared wrist (Kp ")
