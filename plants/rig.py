@@ -76,11 +76,13 @@ class Uncertainty:
 class Zero:
     """What is logged where pressure and angle of the rig's plants are 0, as on a rig that bends to one side:
     its steps are made about the middle of its range; reversed: whether the logged angle falls as the
-    pressure rises, where that of a plant rises."""
+    pressure rises, where that of a plant rises; rest: angle of the plant at which the rig rests until it is
+    moved first, where its initial curve begins: below 0 where the angle is counted from the middle."""
 
     pressure: float = 0.0
     angle: float = 0.0
     reversed: bool = False
+    rest: float = 0.0
 
     def logged(self, angle: float) -> float:
         """An angle of the rig's plants [deg] as its log has it.
@@ -270,15 +272,15 @@ def parse_rig(table: Mapping[str, Any], where: str) -> Rig:
 
 def _zero(of: Reader, table: Mapping[str, Any]) -> Zero:
     turned = of.get({"reversed": False, **table}, "reversed", bool)
-    pressure, angle = (of.number(table.get(n, 0.0), n) for n in ("pressure", "angle"))
-    return Zero(pressure, angle, turned)
+    pressure, angle, rest = (of.number(table.get(n, 0.0), n) for n in ("pressure", "angle", "rest"))
+    return Zero(pressure, angle, turned, rest)
 
 
 _DISTURBANCES = ("load", "noise", "resolution")
 
 _TABLES: dict[str, tuple[str, ...]] = {
     "units": ("command", "pressure", "angle"),
-    "zero": ("pressure", "angle", "reversed"),
+    "zero": ("pressure", "angle", "reversed", "rest"),
     "command": ("range",),
     "pressure": ("range",),
     "time": ("loop_s", "log_s"),

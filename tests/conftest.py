@@ -34,10 +34,13 @@ APART = (
 )  # fmt: skip
 """Files whose tests take minutes and share nothing but by their parameter: each may run by itself."""
 
+LONG = (*APART, "tests/trace/test_gains_of_soft_rigs.py", "tests/trace/test_suite.py")
+"""These, and files whose fixture takes minutes."""
+
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """What takes minutes begins first, so that no process waits for it at the end."""
-    items.sort(key=lambda item: not item.nodeid.startswith(APART))
+    items.sort(key=lambda item: not item.nodeid.startswith(LONG))
 
 
 def pytest_collection_finish() -> None:

@@ -119,6 +119,11 @@ class HysteresisLaw(ABC):
     def initial(self) -> Any:
         """The memory of a plant that never moved from its rest pressure."""
 
+    def unmoved(self, angle: Number) -> Any:
+        """The memory of a plant that never moved from an angle [deg] at which it rests; None where the law
+        has one initial curve only, from 0."""
+        return None if np.any(angle) else self.initial()
+
     @abstractmethod
     def step(self, memory: Any, before: Number, after: Number, bend: Bend | None = None) -> Any:
         """The memory after the pressure has moved monotonically from `before` to `after` [kPa]; `bend`: what

@@ -174,6 +174,12 @@ class PrandtlIshlinskii(HysteresisLaw):
         """All plays at 0."""
         return PlayMemory(0.0, (0.0,) * len(self.v))
 
+    def unmoved(self, angle: Number) -> PlayMemory:
+        """All plays in the middle of their gaps: the law is the same counted from any angle."""
+        if not np.any(angle):
+            return self.initial()
+        return PlayMemory(angle, (self.uncurved(angle) / np.maximum(self._outer, LEVEL),) * len(self.v))
+
     def _summed(self, x: Number, plays: Iterable[Number]) -> Number:
         return self.v0 * x + sum(v * p for v, p in zip(self.v, plays, strict=True))
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from plants.hysteresis import HysteresisLaw
 from plants.measured.recording import Recording
 from plants.rig import Rig
-from plants.wrist import Number, State
+from plants.wrist import State
 
 Array = NDArray[np.float64]
 NEAR = 5.0, 1.0
@@ -20,21 +20,27 @@ units, such a share of its range and its step (`plants.rig.Rig.scaled`)."""
 @dataclass(frozen=True)
 class Begin:
     """Where a recording starts that does not start at rest: pressure [kPa], angle [deg], and
-    whether the wrist is still on its virgin curve."""
+    whether the wrist is still on its virgin curve, which begins at an angle `rest` [deg]."""
 
     pressure: float
     angle: float
     virgin: bool
+    rest: float = 0.0
+
+    @property
+    def at_zero(self) -> bool:
+        """Whether it starts on the virgin curve of a wrist that rests at an angle of 0."""
+        return self.virgin and not self.rest
+
+    def on_virgin_curve(self, loop: HysteresisLaw) -> bool:
+        """Whether it starts on the virgin curve of a loop, which not every law has from any angle."""
+        return self.virgin and loop.unmoved(self.rest) is not None
 
     def state(self, loop: HysteresisLaw) -> State:
-        """The state of a wrist with a loop; on the virgin curve the static angle is 0."""
-        return begun(loop, self.pressure, self.angle, self.virgin)
-
-
-def begun(loop: HysteresisLaw, pressure: Number, angle: Number, virgin: bool) -> State:
-    """A wrist at rest at a pressure [kPa] and an angle [deg], on the virgin curve or between the branches."""
-    memory = loop.initial() if virgin else loop.resting("inside", angle, pressure)
-    return State(pressure, memory, angle)
+        """The state of a wrist with a loop: on its virgin curve or between the branches."""
+        if self.on_virgin_curve(loop):
+            return State(self.pressure, loop.unmoved(self.rest), self.angle)
+        return State(self.pressure, loop.resting("inside", self.angle, self.pressure), self.angle)
 
 
 def first_rows(recording: Recording, rest_pressure: float = 0.0) -> tuple[float, float]:
@@ -47,7 +53,8 @@ def first_rows(recording: Recording, rest_pressure: float = 0.0) -> tuple[float,
 def first_begin(recording: Recording, rest_pressure: float, rig: Rig) -> Begin:
     """The start that the first rows of a recording show; a wrist at rest is taken to be on the virgin
     curve."""
-    return Begin(*first_rows(recording, rest_pressure), at_rest(recording, rest_pressure, rig))
+    own = first_rows(recording, rest_pressure)
+    return Begin(*own, at_rest(recording, rest_pressure, rig), rig.zero.rest)
 
 
 def like_fitted(recording: Recording, rest_pressure: float, rig: Rig, fitted: Sequence[Begin]) -> Begin:
@@ -73,9 +80,11 @@ def same_places(begins: Sequence[Begin], rig: Rig) -> tuple[tuple[int, ...], ...
 
 
 def at_rest(recording: Recording, rest_pressure: float, rig: Rig) -> bool:
-    """Whether the first rows of a recording look like a wrist that rests at its rest pressure."""
+    """Whether the first rows of a recording look like a wrist that rests at its rest pressure; of one that
+    rests elsewhere than at an angle of 0, the angle alone tells."""
     pressure, angle = first_rows(recording, rest_pressure)
-    return _near(pressure - rest_pressure, angle, rig)
+    from_rest = 0.0 if rig.zero.rest else pressure - rest_pressure
+    return _near(from_rest, angle - rig.zero.rest, rig)
 
 
 def _near(pressure: float, angle: float, rig: Rig) -> bool:

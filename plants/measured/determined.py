@@ -15,6 +15,9 @@ Array = NDArray[np.float64]
 TOO_WIDE = 0.5
 """A standard error beyond this share of the width of its bounds says nothing about a parameter."""
 
+CLEARLY, SLIGHTLY = 0.9, 0.99
+"""Shares of what is left below which another start is clearly better, and better at all."""
+
 
 def estimate_determined(
     problem: FitProblem, start: ParameterSet, starts: int, seed: int
@@ -56,8 +59,9 @@ def _least_determined(problem: FitProblem, found: Estimate, start: ParameterSet)
 
 
 def remembered(problem: FitProblem, x: Array) -> tuple[Begin, ...]:
-    """Where recordings start at a vector (n,), on the virgin curve or off it, as fits better by 1 %; of a
-    problem whose recordings do not start at rest.
+    """Where recordings start at a vector (n,), on the virgin curve or off it, as fits better; of a problem
+    whose recordings do not start at rest.  What starts on the virgin curve stays there unless it fits clearly
+    better off it (`CLEARLY`): where the loop is flat its memory hangs on hundredths of an angle.
 
     Those that start at the same place rested alike: they are asked together.
     """
@@ -71,7 +75,8 @@ def remembered(problem: FitProblem, x: Array) -> tuple[Begin, ...]:
         now = 2 * sum(begins[i].virgin for i in group) >= len(group)
         size, flipped = (sum(sizes[v][i] for i in group) for v in (now, not now))
         for i in group:
-            better[i] = replace(begins[i], virgin=now if flipped >= 0.99 * size else not now)
+            stays = flipped >= (CLEARLY if now else SLIGHTLY) * size
+            better[i] = replace(begins[i], virgin=now if stays else not now)
     return tuple(better)
 
 

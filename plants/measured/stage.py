@@ -202,10 +202,11 @@ def begun(wrist: Wrist, begin: Begin | None) -> State | None:
     """
     if begin is None or not wrist.effects:
         return None if begin is None else begin.state(wrist.hysteresis)
-    if not begin.virgin:
-        begin = replace(
-            begin, angle=static_angle(wrist, begin.angle - beside(wrist, begin.pressure), against=False)
-        )
+    if not begin.at_zero:
+        virgin = begin.on_virgin_curve(wrist.hysteresis)
+        held = (begin.rest if virgin else begin.angle) - beside(wrist, begin.pressure)
+        static = static_angle(wrist, held, against=False)
+        begin = replace(begin, rest=static) if virgin else replace(begin, angle=static)
     at = begin.state(wrist.hysteresis)
     effects = effects_at_rest(wrist, at.pressure, at.memory.h)
     return settled(at._replace(effects=effects), wrist.sampled(), Around())

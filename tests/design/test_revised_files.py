@@ -111,11 +111,11 @@ def test_a_parameter_of_an_effect_has_a_kind():
 
 
 def test_unbounded_goes_to_the_widest_bounds_of_effects_too(plant):
-    path = plant("bounds = [-0.5, 1.0]", "bounds = [0.05, 0.07]")
-    narrow = load(path).parameters["creep.gain"]
-    assert (narrow.low, narrow.high) == (0.05, 0.07)
-    wide = load(path).unbounded().parameters["creep.gain"]
-    assert (wide.low, wide.high) == (-0.5, 1.0)
+    path = plant("bounds = [0.4, 200.0]", "bounds = [3.0, 5.0]")
+    narrow = load(path).parameters["creep.time_constant"]
+    assert (narrow.low, narrow.high) == (3.0, 5.0)
+    wide = load(path).unbounded().parameters["creep.time_constant"]
+    assert (wide.low, wide.high) == (0.4, 200.0)
 
 
 def test_an_unknown_effect(plant):
@@ -152,12 +152,13 @@ def test_a_missing_parameter(plant):
     ("old", "new", "said"),
     [
         ('unit = "1"', 'unit = "deg"', "unit 'deg' is wrong; give the value in 1"),
-        ("value = 0.064", "value = 1.5", "value 1.5 is outside its bounds -0.5 to 1 1"),
+        ("value = 0.064", "value = 1.5", "value 1.5 is outside its bounds 0 to 1 1"),
         ("value = 0.064", "value = true", "value True is not a finite number"),
-        ("bounds = [-0.5, 1.0]", "bounds = [1.0]", "bounds must be two numbers, lower and upper"),
+        ('064\nunit = "1"\nbounds = [0.0, 1.0]', '064\nunit = "1"\nbounds = [1.0]',
+         "bounds must be two numbers, lower and upper"),
         ('kind = "fitted"', 'kind = "guessed"', None),
     ],
-)
+)  # fmt: skip
 def test_a_wrong_entry_is_named_with_effect_and_parameter(plant, old, new, said):
     path = plant(*(("[effects.dead-time]", "[effects.dead-time]") if said is None else (old, new)))
     if said is None:

@@ -1,5 +1,7 @@
 """Prandtl-Ishlinskii keeps what a hysteresis law promises, and four equal segments are its special case."""
 
+from dataclasses import replace
+
 import control
 import numpy as np
 import pytest
@@ -52,6 +54,21 @@ def test_from_rest_too_where_the_transit_has_no_slope(loop, path):
     for last in range(len(path)):
         history = path[: last + 1]
         assert abs(float(walk(flat, history).h) - float(walk(plays, history).h)) < 1e-12
+
+
+@given(sums_of_plays(), paths, between(-25.0, 25.0))
+def test_counted_from_another_angle_it_is_the_same_law_from_its_first_move_on(loop, path, zero):
+    """What `zero` is taken off the angle leaves is a law of the same kind, whose rest pressure and centre
+    have moved; a plant that never moved rests at -zero there."""
+    summed = loop.uncurved(zero)
+    outer = loop.v0 + sum(loop.v)
+    moved = replace(loop, rest_pressure=loop.rest_pressure + summed / outer, centre=loop.centre - summed)
+    here, there = (trace(of, path, REST, of.unmoved(at)) for of, at in ((loop, 0.0), (moved, -zero)))
+    np.testing.assert_allclose(there[1], here[1] - zero, atol=1e-9)
+    np.testing.assert_allclose(
+        np.asarray(there[2].plays) + moved.rest_pressure, np.asarray(here[2].plays) + loop.rest_pressure,
+        atol=1e-9,
+    )  # fmt: skip
 
 
 @given(sums_of_plays(), paths, pressures, st.integers(2, 50))

@@ -29,6 +29,8 @@ def test_only_for_a_design_the_angle_is_counted_from_the_middle(folder):
     assert angles.max() == pytest.approx(-angles.min(), rel=0.1)
     assert begun.parameters.rig.zero.angle == pytest.approx(26.0, abs=2.0)
     assert any("counted from 26 deg" in str(r) for r in begun.instrument)
+    assert begun.parameters.rig.zero.rest == -begun.parameters.rig.zero.angle  # it never moved from 0
+    assert plain.parameters.rig.zero.rest == 0.0
 
 
 def test_a_rig_that_bends_to_both_sides_keeps_its_zero(folder):

@@ -120,7 +120,7 @@ def creeping(quick: dict[str, float], more: tuple[str, ...] = ()) -> Candidate:
 def test_a_creep_as_quick_as_the_lag_leaves_the_slopes_of_the_loop_determined():
     """What creeps at once and the weights are told by their product alone: with intervals of both, a design
     would be for loops of any slope."""
-    now = creeping({"creep.gain": -0.2, "creep.time_constant": 0.2}, ("Tw",))
+    now = creeping({"creep.gain": 0.2, "creep.time_constant": 0.2}, ("Tw",))
     found = without_confounded(now).model
     assert found.values["creep.gain"] == 0.0
     assert "creep.gain" in found.fixed

@@ -17,7 +17,9 @@ from plants.measured.recording import Recording
 from plants.measured.stage import Stage
 from plants.measured.trace.declared import stages_of
 from plants.measured.trace.start import starting
-from plants.rig import Units, built_in_rig
+from plants.parameters.files import built_in
+from plants.rig import Units, Zero, built_in_rig
+from tests.laws.second_law import LOOP
 from tests.rig.soft import CAMPAIGNS, bender, stairs
 
 
@@ -47,6 +49,23 @@ def test_a_held_out_recording_is_virgin_where_those_are_that_start_there():
     assert like_fitted(log, 10.0, rig, (there, elsewhere)) == Begin(3.0, 0.0, True)
     assert like_fitted(log, 10.0, rig, (elsewhere,)) == first_begin(log, 10.0, rig)
     assert not like_fitted(log, 3.0, rig, (replace(there, virgin=False),)).virgin
+
+
+def test_the_virgin_curve_begins_where_a_rig_rests_that_is_counted_from_mid_range():
+    """Four segments have no such curve but from 0: they begin between their branches."""
+    t = np.arange(10) * 0.1
+    log = Recording("check", t, 0.0 * t, pressure=0.0 * t + 3.0, angle=0.0 * t - 15.9)
+    rig = replace(built_in_rig(), zero=Zero(angle=16.0, rest=-16.0))
+    begin = first_begin(log, 36.0, rig)
+    assert begin == Begin(3.0, -15.9, True, -16.0)
+    assert not begin.at_zero
+    assert not first_begin(replace(log, angle=0.0 * t), 36.0, rig).virgin
+    at = begin.state(LOOP)
+    assert float(at.memory.h) == -16.0
+    assert np.ptp(at.memory.plays) == 0.0  # none has been moved to an end of its gap
+    four = built_in("flexion").law.from_values(built_in("flexion").values)
+    assert begin.state(four) == replace(begin, virgin=False).state(four)
+    assert replace(begin, rest=0.0).state(four).memory == four.initial()
 
 
 def test_recordings_that_start_at_the_same_place_rested_alike():

@@ -125,7 +125,7 @@ def channel_residuals(playback: Playback, box: Box, shares: Array) -> tuple[Chan
 
 def free_readings(playback: Playback, wrist: Wrist, begin: Begin) -> tuple[Array, Array]:
     """Readings of angle [deg] and pressure [kPa] of wrists at a log's rows, from its command, (n, lanes)."""
-    pressure, angle = playback.play(wrist, begun(wrist, None if begin.virgin else begin))
+    pressure, angle = playback.play(wrist, begun(wrist, None if begin.at_zero else begin))
     return tuple(np.reshape(x, (len(playback.rows), -1)) for x in (angle, pressure))  # type: ignore[return-value]
 
 

@@ -2,7 +2,8 @@
 
 A share of the static angle follows through one or more slow first-order lags
 (standard linear solids in series; Findley, Lai & Onaran, Creep and Relaxation
-of Nonlinear Viscoelastic Materials, 1976, chapter 5).  Rubber's creep is often
+of Nonlinear Viscoelastic Materials, 1976, chapter 5).  Rubber gives no energy, so
+that it creeps on and never back: no gain is negative.  Its creep is often
 linear in the logarithm of time, which many lags in decades stand for.
 """
 
@@ -87,7 +88,7 @@ class Creep(_Creeping):
 
     FORM = "one time constant"
 
-    gain: Number = parameter("1", "what creeps, over the static angle", -0.5, 1.0, 0.0, (0.1,))
+    gain: Number = parameter("1", "what creeps, over the static angle", 0.0, 1.0, 0.0, (0.1,))
     time_constant: Number = parameter("s", "time constant", 0.4, 200.0, 5.0, (1.0, 3.0, 10.0, 30.0))
 
     @property
@@ -107,9 +108,9 @@ class TwoTimeCreep(_Creeping):
 
     FORM = "two time constants"
 
-    gain: Number = parameter("1", "what creeps soon, over the static angle", -0.5, 1.0, 0.0, (0.06,))
+    gain: Number = parameter("1", "what creeps soon, over the static angle", 0.0, 1.0, 0.0, (0.06,))
     time_constant: Number = parameter("s", "first time constant", 0.2, 40.0, 1.5, (0.6, 2.0))
-    gain_late: Number = parameter("1", "what creeps late, over the static angle", -0.5, 1.0, 0.0, (0.06,))
+    gain_late: Number = parameter("1", "what creeps late, over the static angle", 0.0, 1.0, 0.0, (0.06,))
     ratio: Number = parameter("1", "second time constant over the first", 2.0, 100.0, 8.0, (5.0, 15.0))
 
     @property
@@ -134,7 +135,7 @@ class LogCreep(_Creeping):
 
     FORM = "logarithm of time"
 
-    gain: Number = parameter("1", "what creeps in all, over the static angle", -0.5, 1.5, 0.0, (0.12,))
+    gain: Number = parameter("1", "what creeps in all, over the static angle", 0.0, 1.5, 0.0, (0.12,))
     first: Number = parameter("s", "first time constant", 0.02, 20.0, 0.2, (0.1, 0.4, 1.5))
 
     @property

@@ -123,9 +123,11 @@ def guessed_set(
         else 1.0
     )
     ends = (0.5 * min(share, 1.0) * gain, 2.0 * gain)
+    # Of an angle the lag is that of the joint and of what creeps too: the regulator alone may be far faster.
+    most = rate * (wide if logged else wide**2)
     bounds = {
         "gain": (min(ends), max(ends)),
-        "k_fast": (rate / wide, rate * wide), "k_slow": (rate / wide**2, rate * wide),
+        "k_fast": (rate / wide, most), "k_slow": (rate / wide**2, most),
         "e0": (1e-3 * span, half_way),
     }  # fmt: skip
     if campaign.stage == "wrist":

@@ -125,7 +125,7 @@ def zero_of(remarks: Sequence[Remark]) -> Zero:
     """What a log is counted from after all that was said of it.
 
     >>> zero_of([Remark("counted from", "angle_deg", 26.0, "deg", ("steps.csv",))])
-    Zero(pressure=0.0, angle=26.0, reversed=False)
+    Zero(pressure=0.0, angle=26.0, reversed=False, rest=0.0)
     """
     found = {r.channel: r.value for r in remarks if r.habit in ("counted from", "far")}
     turned = any(r.habit == "reversed" for r in remarks)

@@ -6,7 +6,7 @@ from plants.measured.campaign import Campaign
 from plants.measured.guess.rig import guessed_set
 from plants.measured.instrument.logger import corrected
 from plants.measured.instrument.remark import Remark, zero_of
-from plants.measured.trace.counting.middle import centred, near_zero
+from plants.measured.trace.counting.middle import at_rest_in_log, centred, near_zero
 from plants.measured.trace.counting.sign import rising
 from plants.measured.trace.counting.zero import counted
 from plants.parameters.files import built_in
@@ -48,8 +48,11 @@ def starting(campaign: Campaign, given: ParameterSet | None = None, either_way: 
         return Start(campaign, instrument, built_in(campaign.axis), False)
     campaign, of_sign = rising(campaign)
     campaign, of_pressure = counted(campaign)
+    unmoved = at_rest_in_log(campaign)
     campaign, of_angle = (centred if either_way else near_zero)(campaign)
+    rest = unmoved - sum(r.value for r in of_angle)
     if of_sign:  # the angle as it is logged
         of_angle = tuple(replace(r, value=-r.value) for r in of_angle)
     remarks, guess = (*instrument, *of_sign, *of_pressure, *of_angle), guessed_set(campaign)
-    return Start(campaign, remarks, replace(guess, rig=replace(guess.rig, zero=zero_of(remarks))), True)
+    zero = replace(zero_of(remarks), rest=rest if of_angle else 0.0)
+    return Start(campaign, remarks, replace(guess, rig=replace(guess.rig, zero=zero)), True)

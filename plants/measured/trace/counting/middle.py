@@ -34,21 +34,27 @@ FAR = 1.0
 def near_zero(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     """The campaign with an angle that lies far from zero for its range, as that of a sensor that nobody
     zeroed, counted from the lower end of its range, and that it was.  An output curve bends about zero."""
-    recordings = campaign.recordings
-    angles = [r.angle for r in recordings if r.angle is not None]
+    end = at_rest_in_log(campaign)
+    if not end:
+        return campaign, ()
+    return counted_from(campaign, Zero(angle=end)), (Remark("far", "angle_deg", end, "deg", campaign.names),)
+
+
+def at_rest_in_log(campaign: Campaign) -> float:
+    """The logged angle of a rig that never moved: 0, or the lower end of its range where it lies far from
+    zero."""
+    angles = [r.angle for r in campaign.recordings if r.angle is not None]
     if not angles:
-        return campaign, ()
-    (low, high), step = extent(angles), guessed_rig(campaign).task.step
-    if high == low or max(low, -high) < FAR * (high - low):
-        return campaign, ()
-    end = _rounded(low, step)
-    names = tuple(r.name for r in recordings)
-    return counted_from(campaign, Zero(angle=end)), (Remark("far", "angle_deg", end, "deg", names),)
+        return 0.0
+    low, high = extent(angles)
+    far = high > low and max(low, -high) >= FAR * (high - low)
+    return _rounded(low, guessed_rig(campaign).task.step) if far else 0.0
 
 
 def centred(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     """The campaign with its angle counted from the middle of its range, where it goes to one side, and that
-    it was.  It then starts anywhere: the virgin curve is left behind at the end of the range."""
+    it was.  It may start anywhere, as on the virgin curve, which then begins where the rig rests
+    (`plants.rig.Zero.rest`)."""
     recordings = campaign.recordings
     angles = [r.angle for r in recordings if r.angle is not None]
     if not angles:

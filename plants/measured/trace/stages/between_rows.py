@@ -71,7 +71,7 @@ def with_command(recording: Recording, wrist: Wrist) -> Recording:
     playback = Playback(recording, wrist.rig.sample_time)
     channel = "angle_deg" if recording.pressure is None else "pressure_kPa"
     begin = first_begin(recording, float(wrist.hysteresis.rest_pressure), wrist.rig)
-    begins = None if begin.virgin else (begin,)
+    begins = None if begin.at_zero else (begin,)
     noise = noise_of_campaign([recording], channel) or 1.0
     stage = Stage("whole", channel, noise, (playback,), (), wrist.rig, begins=begins)
 
