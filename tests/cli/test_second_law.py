@@ -8,6 +8,7 @@ import pytest
 
 from plants import Wrist
 from plants.parameters.files import dump, load
+from plants.rig import Zero
 from tests.laws.second_law import LOOP, second_law_file, second_law_set
 from tests.rig import signals
 
@@ -119,3 +120,22 @@ def test_the_tuner_moves_its_loop():
     assert moved.v == pytest.approx([1.2 * v for v in LOOP.v])
     made = case(wrist, Setting(width=1.1))
     assert (made.trouble, len(made.problem.scenarios)) == (None, 10)
+
+
+def test_a_recording_is_played_from_where_a_rig_rests_that_is_counted_from_elsewhere(
+    wrist, campaign, tmp_path
+):
+    """Played from the pressure at which the angle is counted 0, the first seconds would be off by degrees."""
+    plays = second_law_set()
+    outer = LOOP.v0 + sum(LOOP.v)
+    summed = LOOP.uncurved(5.0)
+    moved = {"rest_pressure": LOOP.rest_pressure + summed / outer, "centre": LOOP.centre - summed}
+    parameters = {n: replace(p, value=moved.get(n, p.value)) for n, p in plays.parameters.items()}
+    rig = replace(plays.rig, zero=Zero(angle=5.0, rest=-5.0))
+    dump(replace(plays, parameters=parameters, rig=rig), tmp_path / "moved.toml")
+    outcome = wrist(
+        "simulate", "--recording", campaign / "steps.csv", "--plant", tmp_path / "moved.toml", "--json", "-"
+    )
+    off = np.subtract(outcome.json["angle_deg"], outcome.json["measured_angle_deg"])
+    assert np.sqrt(np.mean(off**2)) < 1.2 * NOISE_DEG
+    assert "played from its first rows" in outcome.err

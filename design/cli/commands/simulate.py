@@ -138,11 +138,15 @@ def _open(wrist: "Wrist", volts: float, start: "Start", duration: float) -> dict
 def _played(wrist: "Wrist", path: Path) -> dict[str, Any]:
     import numpy as np
 
+    from plants.measured.begin import first_begin
     from plants.measured.campaign import load_recording
     from plants.measured.playback import Playback
+    from plants.measured.stage import begun
 
     r = load_recording(path, rig=wrist.rig)
-    pressure, angle = Playback(r, wrist.rig.sample_time).play(wrist)
+    # Counted from mid-range, a rig at rest is not where its recordings begin.
+    begin = first_begin(r, float(wrist.hysteresis.rest_pressure), wrist.rig) if wrist.rig.zero.rest else None
+    pressure, angle = Playback(r, wrist.rig.sample_time).play(wrist, begun(wrist, begin))
     result: dict[str, Any] = {
         "time_s": r.time,
         "command_V": r.command,
@@ -157,7 +161,8 @@ def _played(wrist: "Wrist", path: Path) -> dict[str, Any]:
         if b is not None
     ]
     return {
-        "summary": f"{r.name} played from rest; rms error against the recording {' and '.join(errors)}",
+        "summary": f"{r.name} played from {'rest' if begin is None else 'its first rows'}; "
+        f"rms error against the recording {' and '.join(errors)}",
         **result,
     }
 
