@@ -16,6 +16,8 @@ from plants.effects import (
     Viscous,
     Warming,
 )
+from plants.effects.effect import Around
+from plants.hysteresis import SIDES
 from tests.laws.effect_steps import DT, WRIST, moved, ramp
 
 UP = ramp(100.0, 190.0, rate=200.0)
@@ -23,6 +25,8 @@ LATE = UP > 140.0
 """Rows where the wrist is on line 1 for good."""
 P = WRIST.hysteresis
 X = UP - P.rest_pressure
+SHARES = (0.05, -0.04, 0.03, 0.02, -0.01, 0.01)
+"""Of Chebyshev polynomials of degree 2 to 7."""
 
 WORN = 1 - np.exp(-X / 50.0)
 
@@ -56,12 +60,11 @@ def test_a_rising_pressure_follows_line_1_as_it_is_bent(effect, angle):
 
 
 def test_one_curve_for_both_lines_is_a_sum_of_chebyshev_polynomials():
-    shares = (0.05, -0.04, 0.03, 0.02, -0.01, 0.01)
     path = ramp(100.0, 190.0, 20.0, rate=200.0)
-    h, _ = moved(WRIST + SmoothCurve(*shares), path)
+    h, _ = moved(WRIST + SmoothCurve(*SHARES), path)
     x = (path - P.rest_pressure) / 100.0
-    bend = np.polynomial.chebyshev.chebval(x, (0, 0, *shares)) - np.polynomial.chebyshev.chebval(
-        0.0, (0, 0, *shares)
+    bend = np.polynomial.chebyshev.chebval(x, (0, 0, *SHARES)) - np.polynomial.chebyshev.chebval(
+        0.0, (0, 0, *SHARES)
     )
     up, down = np.arange(len(path)) < 450, np.arange(len(path)) > 1000
     late = up & (path > 140.0)
@@ -69,6 +72,31 @@ def test_one_curve_for_both_lines_is_a_sum_of_chebyshev_polynomials():
     np.testing.assert_allclose(
         h[down], (P.a2 * 100.0 * x + P.w2 + P.a2 * 100.0 * bend)[down], atol=1e-9
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("way", [-1.0, 1.0])
+def test_beyond_1_2_half_ranges_from_rest_one_curve_for_both_lines_bends_no_further(way):
+    """Chebyshev polynomials grow without bound where they are not bound to an interval."""
+    wrist = WRIST.with_values(rest_pressure=100.0 - way * 60.0)
+    path = wrist.hysteresis.rest_pressure + way * np.linspace(0.0, 160.0, 1601)
+    bent, plain = (moved(w, path)[0] for w in (wrist + SmoothCurve(*SHARES), wrist))
+    bend = bent - plain
+    np.testing.assert_allclose(bend[1200:], bend[1200], atol=1e-9)
+    assert np.abs(np.diff(bend[1100:1200])).min() > 1e-4
+
+
+@pytest.mark.parametrize("rest", [40.0, 100.0, 160.0])
+def test_slopes_told_of_one_curve_for_both_lines_are_those_between_its_points(rest):
+    wrist = WRIST.with_values(rest_pressure=rest)
+    effect, loop = SmoothCurve(*SHARES), wrist.hysteresis
+    for reach in ((0.0, 197.6), (10.0, 30.0), (170.0, 195.0)):
+        pressures = np.linspace(*reach, 4001)
+        _, bend, _, _ = effect.sampled(wrist, DT).bend((), pressures, pressures, loop, Around(0.0, 0.0))
+        slopes = 1.0 + np.diff(bend) / np.diff(pressures) / P.a1
+        told = effect.linear(wrist, np.ones(1), DT, reach).slopes
+        assert set(told) == set(SIDES[:2])
+        for slope in told.values():
+            assert slope == pytest.approx((slopes.min(), slopes.max()), rel=1e-2)
 
 
 def test_what_is_worked_stays_worked_on_the_way_back():

@@ -13,6 +13,10 @@ OUTER = SIDES[:2]
 pressure from rest."""
 
 
+STRAIGHT = 1.2
+"""Half ranges from rest beyond which a smooth curve bends the lines no further."""
+
+
 def _from_rest(wrist: Any, reach: tuple[float, float]) -> Any:
     """Pressures from rest, in units of half the range, (201,), where slopes are looked at."""
     return (np.linspace(*reach, 201) - wrist.hysteresis.rest_pressure) / wrist.rig.half_range
@@ -159,7 +163,8 @@ class SampledCurve(NamedTuple):
     def bend(
         self, s: Nothing, before: Number, after: Number, loop: Any, around: Around
     ) -> tuple[Nothing, Number, Number, Number]:
-        x = np.minimum(np.maximum((after - self.rest_pressure) * (1.0 / self.span), -1.2), 1.2)
+        x = (after - self.rest_pressure) * (1.0 / self.span)
+        x = np.minimum(np.maximum(x, -STRAIGHT), STRAIGHT)
         lower, here, curve = 1.0, x, 0.0
         for degree, share in enumerate(self.shares, start=2):
             lower, here = here, 2.0 * x * here - lower
@@ -174,7 +179,7 @@ class SmoothCurve(_Curved):
     """Both lines follow one smooth curve, the transit stays straight.
 
     Chebyshev polynomials T2 to T7 of (P - rest) / half the range, as shares of the line's
-    rise over that.
+    rise over that; beyond 1.2 times half the range from rest the bend stays what it is there.
     """
 
     FORM = "smooth curve of the lines"
@@ -192,5 +197,8 @@ class SmoothCurve(_Curved):
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
         shares = [0.0, 0.0, self.t2, self.t3, self.t4, self.t5, self.t6, self.t7]
-        bend = np.polynomial.Chebyshev(shares).deriv()(np.clip(_from_rest(wrist, reach), -1.2, 1.2))
-        return Linear(slopes=dict.fromkeys(OUTER, _least_and_largest(1.0 + bend)))
+        x = _from_rest(wrist, reach)
+        bend = np.polynomial.Chebyshev(shares).deriv()(np.clip(x, -STRAIGHT, STRAIGHT))
+        straight = np.abs(x) > STRAIGHT
+        found = 0.0 * bend if straight.all() else np.append(bend, np.zeros(np.count_nonzero(straight)))
+        return Linear(slopes=dict.fromkeys(OUTER, _least_and_largest(1.0 + found)))
