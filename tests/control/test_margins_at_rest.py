@@ -131,3 +131,22 @@ def test_the_wrist_is_held_well_inside_a_range_that_does_not_begin_at_zero():
     narrow = PeriodicPI(SimpleNamespace(**{**vars(free.problem), "low": 1.0}))
     expected, found = (np.array(list(pulse_response(c, a, b))) for c in (free, narrow))
     assert found == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "held"), [(0.0, 4.0, 1.6), (1.0, 4.0, 2.8), (2.0, 3.0, 2.6), (-4.0, 1.0, -2.0)]
+)
+def test_the_wrist_is_held_two_fifths_into_its_range_from_the_end_that_is_farther_from_rest(low, high, held):
+    """At rest, at 2.02 V, a wrist counts as never moved, and has no branch."""
+    pi, seen = PeriodicPI.made(straight(WRIST, 0.3, "fast")), []
+    problem = SimpleNamespace(**{**vars(pi.problem), "low": low, "high": high})
+
+    def asked(at):
+        seen.append(at)
+        return pi.init(at)
+
+    noted = SimpleNamespace(problem=problem, init=asked, step=pi.step)
+    next(pulse_response(noted, *branch_matrices(WRIST, "line1", "fast")))
+    (at,) = seen
+    assert at.pressure == pytest.approx(held * WRIST.regulator.gain)
+    assert at.angle == pytest.approx(0.3 * (at.pressure - WRIST.hysteresis.rest_pressure))
