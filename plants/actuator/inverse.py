@@ -13,7 +13,8 @@ from plants.actuator.regulator import SampledRegulator, share
 Number = Any
 
 HALLEY_STEPS, NEWTON_STEPS = 3, 4
-"""Of `error_for`: to rounding for every regulator within the bounds of its parameters at 1 ms."""
+"""Of `error_for`: at 1 ms to rounding for every regulator within the bounds of its parameters whose rates are
+up to a thousand times apart; to 2e-5 of the error up to the ten thousand times that the bounds allow."""
 
 
 def error_for(change: Number, c: SampledRegulator) -> Number:

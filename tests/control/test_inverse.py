@@ -125,6 +125,15 @@ def test_the_command_gives_the_pressure_and_brentq_finds_the_same_error(k_fast, 
     assert regulator.step(100.0, command, c) == pytest.approx(after, abs=1e-11)
 
 
+@pytest.mark.parametrize(("apart", "close"), [(1e3, 1e-12), (1e4, 2e-5)])
+def test_the_error_is_found_however_far_the_rates_are_apart(apart, close):
+    """Between the rates the change grows steeply with the error, so that a start on one side is far off."""
+    error = 100.0 * np.geomspace(3e-3, 3.0, 400)
+    c = regulator.sampled(Regulator(49.4, 100.0, 100.0 / apart, 100.0), 0.001)
+    found = inverse.error_for(regulator.share(error, c) * error, c)
+    np.testing.assert_allclose(found, error, rtol=close)
+
+
 def test_a_regulator_without_variation_is_inverted_in_closed_form():
     c = regulator.sampled(Regulator.lag(49.4, 0.111), 0.001)
     expected = (100.0 + 0.7 / -np.expm1(-0.001 / 0.111)) / 49.4
