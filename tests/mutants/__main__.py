@@ -24,7 +24,7 @@ import pytest
 
 from tests.mutants.forked import prepare, pytest_forked
 from tests.mutants.mutate import Mutant, drawn, mutants
-from tests.mutants.reach import Reached, chosen, enclosing, importing, limits, naming, quickest, record
+from tests.mutants.reach import Reached, chosen, enclosing, importing, limits, naming, quickest, record, seen
 
 ROOT = Path(__file__).parents[2]
 EQUIVALENT = Path(__file__).parent / "equivalent.toml"
@@ -164,8 +164,9 @@ def judged(
             return "equivalent", other["reason"]
     source = mutant.path.read_text(encoding="utf-8")
     functions, enough, each = enclosing(source, path, mutant.line), 5.0 * most + 60.0, limits(reached)
+    others = [] if seen(reached, functions) else quickest(reached, most)
     tries: list[tuple[list[str], list[str]]] = [([*OF_ALL], [])]
-    for tests in (chosen(reached, functions, path, most), [] if functions else quickest(reached, most)):
+    for tests in (chosen(reached, functions, path, most), others):
         tries.append((list(dict.fromkeys(t.partition("::")[0] for t in tests)), tests))
     tries.append((naming(copy, unknown, Path(path)), []))
     ended = "survived", ""

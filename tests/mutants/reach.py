@@ -154,6 +154,11 @@ def chosen(reached: dict[str, Reached], functions: list[str], path: str, most: f
     return found
 
 
+def seen(reached: dict[str, Reached], functions: list[str]) -> bool:
+    """Whether any test calls one of some functions, as none does where they are called on import alone."""
+    return any(not r.functions.isdisjoint(functions) for r in reached.values())
+
+
 def quickest(reached: dict[str, Reached], most: float) -> list[str]:
     """As many tests as end in ``most`` [s] together."""
     ordered = sorted(reached, key=lambda t: reached[t].seconds)

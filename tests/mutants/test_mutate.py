@@ -10,7 +10,7 @@ import pytest
 from tests.mutants.__main__ import ROOMS, ROOT, equivalents, files_of, sources, survivors
 from tests.mutants.forked import Ended, followed
 from tests.mutants.mutate import drawn, mutants
-from tests.mutants.reach import Reached, chosen, enclosing, limits, quickest
+from tests.mutants.reach import Reached, chosen, enclosing, limits, quickest, seen
 
 TEXT = '''"""A law."""
 
@@ -123,6 +123,12 @@ def test_tests_that_reach_it_come_first_and_the_quick_ones_of_them():
     assert chosen(REACHED, ["a.py::f"], "a.py", 5.0) == ["one.py::quick"]
     assert chosen(REACHED, ["a.py::unseen", "a.py::g"], "a.py", 99.0)[0] == "one.py::slow"
     assert chosen(REACHED, [], "b.py", 99.0) == ["two.py::far"]
+
+
+def test_no_test_is_seen_to_call_what_is_called_on_import_alone():
+    assert seen(REACHED, ["a.py::on_import", "a.py::g"])
+    assert not seen(REACHED, ["a.py::on_import"])
+    assert not seen(REACHED, [])
 
 
 def test_of_all_tests_the_quick_ones():
