@@ -125,3 +125,24 @@ def test_a_step_that_begins_at_its_reference_is_never_completed():
     assert np.isinf(still.rise_time_s)
     assert np.isinf(still.settling_time_s)
     assert (still.overshoot_percent, still.iae_deg_s) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("excesses", [(0.5, 0.2, 0.3), (0.2, 0.3, 0.5), (0.0, 0.0, 0.0)])
+def test_the_overshoot_of_stairs_is_the_largest_beyond_a_reference_in_the_direction_of_its_change(
+    excesses, sign
+):
+    """The ways to the references, and a move on a stair that asks for none, are no overshoot."""
+    up, again, down = excesses
+    treads = [(0.0, 4.0, up), (4.0, 4.0, 3.0), (4.0, 8.0, again), (8.0, 5.0, -down), (5.0, 5.0, -3.0)]
+    judge = metrics.of_stairs(15.0, 0.0, 50.0 * len(treads))
+    tally, settling = judge.begin(0.0), np.exp(-np.arange(50) / 3.0)
+    for i, (before, reference, excess) in enumerate(treads):
+        way = reference + (before - reference) * settling
+        way[20] = reference + excess
+        asked = Asked(sign * reference, sign * before, 50.0 * i)
+        for k, angle in enumerate(sign * way):
+            joint = REST._replace(angle=angle)
+            tally = judge.update(tally, 50.0 * i + k, asked, joint, joint, 0.0)
+    found = judge.finish(tally, 50 * len(treads))
+    assert float(found.overshoot_percent) == pytest.approx(100.0 * max(excesses) / 15.0, abs=1e-9)

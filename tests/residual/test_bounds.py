@@ -15,7 +15,9 @@ from plants.measured.residual.checks.periodic import line_in, spectrum_of
 from plants.measured.residual.checks.whiteness import autocorrelation, ljung_box
 from plants.measured.residual.curves import curves_of
 from plants.measured.residual.examine import examine
+from plants.measured.residual.series import background as series_background
 from plants.measured.residual.series.background import (
+    LONGEST_MEMORY,
     LOWEST,
     _bands,
     background,
@@ -115,6 +117,18 @@ def test_background_is_the_spectrum_of_the_noise_and_passes_over_structure():
             ratio = background(series) / first_order(series.frequencies, memory, DT)
             ratios.append(np.interp(at, series.frequencies, ratio))
         assert np.mean(ratios, axis=0) == pytest.approx(np.ones(5), abs=0.3), memory
+
+
+@pytest.mark.parametrize(("shortest", "longest", "off"), [(0.01, 0.04, 0.04), (0.04, LONGEST_MEMORY, 0.1)])
+def test_background_has_noise_of_any_correlation_time_up_to_the_longest(monkeypatch, shortest, longest, off):
+    """Where bands tell its level without a doubt, only what the background is made up of is left."""
+    series = join(short(rows=(9000,)))
+    at = np.geomspace(LOWEST, 0.5 / DT, 60)
+    for memory in np.geomspace(shortest, longest, 12):
+        bands = at, first_order(at, memory, DT), np.full(60, 100.0)
+        monkeypatch.setattr(series_background, "_bands", lambda *_, bands=bands: bands)
+        ratio = background(series) / first_order(series.frequencies, memory, DT)
+        assert ratio == pytest.approx(np.ones(len(ratio)), abs=off), memory
 
 
 def test_background_does_without_an_active_set_that_goes_round_in_circles(monkeypatch):

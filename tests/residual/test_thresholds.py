@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import stats
 from scipy.stats import chi2, gamma
 
 from plants.measured.residual.battery import make_tests
@@ -85,6 +86,14 @@ def test_an_offset_is_held_against_its_deviation():
     assert offset.statistic == pytest.approx(found.joined.mean**2 / variance)
     assert offset.power == pytest.approx(found.joined.mean**2 - variance)
     assert found.joined.mean == pytest.approx(0.5, abs=0.05)
+
+
+def test_an_offset_of_noise_alone_is_as_likely_as_student_says(battery):
+    """Its deviation is known as well as the noise's spectrum is."""
+    offset = battery.evidence["offset", "offset"]
+    student = stats.t.sf(np.sqrt(offset.statistic), battery.freedom)
+    assert offset.p_value == pytest.approx(2.0 * student, rel=1e-6)
+    assert 0.01 < offset.p_value < 0.99
 
 
 @pytest.mark.parametrize(("noise", "steps"), [(1.0, 0.0), (0.6, 1.0)])
