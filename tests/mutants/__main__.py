@@ -37,7 +37,7 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
          "control/test_memory*", "control/test_mpc_loop*", "control/test_registered*", "control/test_spikes*",
          "design/test_effects*", "design/test_limits*", "design/test_tasks*", "measured/test_guess*",
          "robustness/test_lqi*", "robustness/test_remainder*", "robustness/test_structures*",
-         "trace/test_excitation*"),
+         "trace/test_excitation*", "trace/test_fitted*"),
     ),
     "kernels": (
         ("plants/kernel", "design/mpc"),

@@ -1,0 +1,43 @@
+"""An effect whose fit has many minima is fitted from several of its trials, and so is found from any."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from plants.effects.wrist.stick_slip import FreeSlip
+from plants.measured.playback import Playback
+from plants.measured.recording import Recording
+from plants.measured.stage import Stage
+from plants.measured.trace.ranking.screening import Ranked
+from plants.measured.trace.search.together import fitted_with
+from plants.measured.trace.stages.model import Model
+from plants.parameters.files import built_in
+from plants.wrist import Wrist
+
+DECLARED, NOISE, BREAKAWAY = built_in("flexion"), 0.05, 1.5
+
+
+@pytest.fixture(scope="module")
+def lacking():
+    """The declared wrist, on the log of one whose joint sticks as it goes slowly to and fro."""
+    time, rng = 0.01 * np.arange(1200), np.random.default_rng(0)
+    run = Recording("slow", time, np.interp(time, [0.0, 3.0, 6.0, 9.0, 12.0], [2.02, 3.2, 1.4, 2.8, 1.6]))
+    sticks = Wrist.flexion() + FreeSlip(BREAKAWAY, 0.3)
+    _, angle = Playback(run, 0.001).play(sticks, sticks.rest())
+    run = replace(run, angle=angle.ravel() + NOISE * rng.standard_normal(time.size))
+    stage = Stage("whole", "angle_deg", NOISE, (Playback(run, 0.001),), ("a1",), DECLARED.rig)
+    return Model(stage, DECLARED, DECLARED.values)
+
+
+@pytest.mark.parametrize("breakaway", [0.4, 2.5, 6.0])
+def test_a_joint_that_sticks_is_found_from_any_breakaway(lacking, breakaway):
+    ranked = Ranked(FreeSlip, {"breakaway": breakaway, "residue": 0.1}, 1.0, 0.0, 1.0)
+    found = fitted_with(lacking, ranked)
+    assert found.chi2 == pytest.approx(1.0, abs=0.15)
+    assert found.values["stick-slip.breakaway"] == pytest.approx(BREAKAWAY, abs=0.02)
+
+
+def test_one_fit_from_a_joint_that_breaks_away_too_soon_ends_elsewhere(lacking):
+    found = lacking.plus(FreeSlip, {"breakaway": 0.4, "residue": 0.1}).fitted()
+    assert found.chi2 > 5.0
