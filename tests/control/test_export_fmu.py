@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from design.export.catalogue import part
-from design.export.formats.fmu import _platform, sources, unit
+from design.export.formats.fmu import _platform, packed, sources, unit
 from design.export.formats.folder import contents
 from design.export.vectors import vector
-from plants import Wrist
+from plants import InputError, Wrist
 from tests.control.c_target import GAINS, WRIST, needs_compiler
 
 pytestmark = needs_compiler
@@ -96,3 +96,10 @@ def test_folders_of_binaries_have_the_names_of_the_standard(monkeypatch, system,
     monkeypatch.setattr("sys.platform", system)
     monkeypatch.setattr("platform.machine", lambda: machine)
     assert {fmi: _platform(fmi) for fmi in folders} == folders
+
+
+def test_c_that_does_not_compile_is_told_in_a_line_with_what_the_compiler_said(capfd):
+    with pytest.raises(InputError, match=r"^--target fmu: \S+ failed: .*error") as refused:
+        packed("law", {"sources/law.c": "no C\n"}, "2.0")
+    assert "\n" not in str(refused.value)
+    assert capfd.readouterr() == ("", "")

@@ -71,6 +71,17 @@ def test_a_row_of_a_plant_is_what_the_targets_did():
     assert max(float(x) for cell in found for x in cell.split(", ")) < 1e-11
 
 
+def test_a_row_of_several_plants_has_the_largest_difference_of_any(monkeypatch):
+    """Of angle and pressure each, in C and in a unit of either version."""
+    of = {
+        "one": [(1e-9, 2e-8), (3e-9, 4e-8), (7e-9, 6e-8)],
+        "other": [(5e-9, 1e-8), (2e-9, 8e-8), (6e-9, 9e-8)],
+    }
+    monkeypatch.setattr(plant_page, "plant_differences", lambda wrist, steps: of[wrist])
+    cells = ["5e-09", "2e-08", "3e-09, 8e-08", "7e-09, 9e-08"]
+    assert plant_row("creep", of, 300) == ["creep", "2", *cells]
+
+
 def test_an_effect_that_does_not_show_is_not_compared():
     with pytest.raises(InputError, match="no trial of it shows in 100 samples"):
         showing(LoadStep, WRIST, 100)

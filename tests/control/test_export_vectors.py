@@ -8,6 +8,7 @@ from design.export.catalogue import part
 from design.export.vectors import (
     LOST,
     NOISE_DEG,
+    NUDGE,
     SPIKES,
     TargetReplay,
     _open_loop,
@@ -115,7 +116,9 @@ def test_the_angle_comes_in_steps_and_with_noise(made):
     angle = made.rows[:, 1]
     with np.errstate(invalid="ignore"):
         shown = np.isfinite(angle) & (np.abs(angle) < 60.0)
-    np.testing.assert_allclose(angle[shown] * 100.0, np.round(angle[shown] * 100.0), atol=1e-6)
+    steps = np.round(angle[shown] * 100.0).astype(int)
+    np.testing.assert_allclose(angle[shown] * 100.0, steps, atol=1e-6)
+    assert np.gcd.reduce(steps) == 1  # and not in wider ones
     third = np.diff(angle[shown], 3)
     third = np.sort(np.abs(third))[: int(0.9 * third.size)]
     assert np.sqrt(np.mean(third**2) / 20.0) == pytest.approx(
@@ -172,6 +175,30 @@ def test_a_dead_time_stands_between_the_law_that_knows_of_it_and_the_wrist():
     assert np.nanmedian(off) < 2.0 * NOISE_DEG
     wrong = roll(problem, coefficients(WRIST), start, 0.0, np.array(commands[2:]))[:99]
     assert np.nanmedian(np.abs(wrong[:, -1] - found.rows[1:, 1])) > np.nanmedian(off)
+
+
+def test_how_far_an_output_comes_to_be_off_is_told_of_a_nudge_of_the_first_angle_alone(monkeypatch, made):
+    nudges = []
+
+    class Amplifying:
+        """Answers as the vector has it, and with a thousandfold of what the first angle is off."""
+
+        def __init__(self, part):
+            self.rows = iter(made.rows.tolist())
+
+        def begin(self, pressure, angle):
+            assert (pressure, angle) == (made.pressure, made.angle)
+
+        def step(self, seen):
+            reference, angle, pressure, output = next(self.rows)
+            np.testing.assert_array_equal(seen[::2], [reference, pressure])
+            nudges.append(seen[1] - angle)
+            return output + 1e3 * nudges[0]
+
+    monkeypatch.setattr("design.export.vectors.TargetReplay", Amplifying)
+    assert apart(PI, made) == pytest.approx(1e3 * NUDGE, rel=1e-6)
+    assert len(nudges) == len(made.rows)
+    assert not np.nan_to_num(nudges[1:]).any()
 
 
 @pytest.mark.slow
