@@ -96,6 +96,15 @@ def test_an_offset_of_noise_alone_is_as_likely_as_student_says(battery):
     assert 0.01 < offset.p_value < 0.99
 
 
+@pytest.mark.parametrize(
+    ("size", "noise", "least"), [(1.0, 0.0, 5e-10), (2e3, 0.0, 2e-3), (1.0, 0.5, 2.5e-7)]
+)
+def test_noise_is_a_billionth_of_the_power_at_least_and_a_millionth_of_the_floors(size, noise, least):
+    """A series without noise, of a simulation, has a spectrum to be divided by all the same."""
+    found = make_tests(joined(size * np.sin(2.0 * np.pi * np.arange(9000) / 900.0)), noise, 0)
+    assert found.noise_spectrum.min() == pytest.approx(least, rel=1e-6)
+
+
 @pytest.mark.parametrize(("noise", "steps"), [(1.0, 0.0), (0.6, 1.0)])
 def test_steps_that_noise_blurs_are_no_rounding(noise, steps):
     assert make_tests(joined(white(900)), noise, 0, resolution=1.0).rounding == steps
