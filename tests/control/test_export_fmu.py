@@ -103,3 +103,9 @@ def test_c_that_does_not_compile_is_told_in_a_line_with_what_the_compiler_said(c
         packed("law", {"sources/law.c": "no C\n"}, "2.0")
     assert "\n" not in str(refused.value)
     assert capfd.readouterr() == ("", "")
+
+
+def test_what_a_unit_unpacks_to_only_its_owner_may_write():
+    made = part("pi", "flexion", WRIST, (1.0, 2.0))
+    packed_unit = zipfile.ZipFile(io.BytesIO(unit(made, contents(made, WRIST, 60), "3.0")))
+    assert {entry.external_attr >> 16 for entry in packed_unit.infolist()} == {0o644}

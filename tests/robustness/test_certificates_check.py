@@ -45,6 +45,19 @@ def test_a_form_that_was_tampered_with_is_refused(rung: str, model: LoopModel, d
     assert check.margin(form, model, 0.05 - dead_time) < 0.0  # made for another number of moments
 
 
+def test_moments_are_used_only_while_they_bound_what_is_under_way_from_the_right_side(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """By Bessel's inequality they are no more than all of it, which has to count against the function."""
+    form = search(LOOP, popov.RUNG, 0.1, 0.05).form
+    assert form is not None
+    assert check.margin(form, LOOP, 0.05) > check.CONFIRMED
+    monkeypatch.setattr(check, "positive", lambda matrix: 0.5)  # as if all else held
+    fastest = form.R / 0.05 / (2.0 * (form.S + form.R))
+    for share, told in ((0.999, 0.5), (1.001, -1.0)):
+        assert check.margin(replace(form, decay=share * fastest), LOOP, 0.05) == told
+
+
 def test_the_check_sees_a_loop_that_the_form_was_not_made_for() -> None:
     form = search(LOOP, popov.RUNG).form
     assert form is not None

@@ -80,3 +80,21 @@ def test_rays_leave_stability_where_the_slack_is_lost_and_no_ray_of_many_does_so
     assert s.real > 0.0
     away = np.abs(np.array(p) - loop.centre) / np.where(np.array(loop.radius) > 0.0, loop.radius, 1.0)
     assert away.max() == pytest.approx(least.growth, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "loop",
+    [
+        UncertainLoop(4.7, 1.6, (0.11, 1.0, 24.0, 0.62), (0.022, 0.2, 4.8, 0.12), 0.1),
+        UncertainLoop(0.16, 1.1, (0.78, 19.0, 3.2, 1.2), (0.16, 3.8, 0.64, 0.24)),
+        UncertainLoop(9.0, 8.5, (0.18, 12.0, 12.0, 0.91), (0.036, 2.4, 2.4, 0.18), 0.02),
+    ],
+)
+def test_a_root_is_found_in_loops_of_every_kind(loop):
+    """Newton's method with a wrong slope finds that of a loop whose lags are alike, and not of these."""
+    found = smallest(loop)
+    p = [found.parameters[n] for n in ("slope", "rate", "lag", "gain")]
+    s = found.root
+    assert open_loop(loop, p, s / 1j) * np.exp(-s * loop.dead_time) == pytest.approx(-1.0, abs=1e-9)
+    assert s.real > 0.0
+    assert found.confirmed

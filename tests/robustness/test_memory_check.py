@@ -1,6 +1,8 @@
 """The check of functions with memory decides in fractions, and refuses what was tampered with."""
 
 from dataclasses import replace
+from decimal import Context, Decimal
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -113,9 +115,12 @@ def test_slopes_at_will_have_no_function_where_memory_has_one() -> None:
 
 
 def test_the_growth_of_a_sample_is_at_least_that_of_the_rate() -> None:
-    for decay in (0.0, 0.1, 0.3, 7.0):
-        assert float(growth_of(decay, 0.001)) >= np.exp(decay * 0.001)
-        assert float(growth_of(decay, 0.001)) <= np.exp(decay * 0.001) + 1e-12
+    """Also in the digits that floats do not have: proofs in fractions go on from it."""
+    for decay in (0.0, 0.1, 0.3, *np.linspace(0.5, 7.0, 20)):
+        growth = growth_of(float(decay), 0.001)
+        least = Fraction(Decimal(float(decay) * 0.001).exp(Context(prec=60)))
+        assert least <= growth <= least + Fraction(1, 10**13)
+        assert growth.denominator < 10**14
 
 
 @pytest.mark.parametrize("scale", [1, 3])

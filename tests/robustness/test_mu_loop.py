@@ -1,5 +1,6 @@
 """The wrist's loop with constant parameters: bounds of mu about its exact radius, form M-Delta, bad input."""
 
+from dataclasses import replace
 from itertools import product
 
 import control
@@ -225,6 +226,17 @@ def test_statements_say_what_is_proved_refuted_and_only_predicted(monkeypatch):
     assert predicted.status is Status.PREDICTED
     assert predicted.evidence["certified"] is False
     assert "left a gap" in because(predicted)
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "holds"),
+    [(0.8, 0.9, True), (0.9, 1.0, True), (0.9, 1.1, None), (1.0, 1.1, False), (1.1, 1.2, False)],
+)
+def test_a_box_that_need_not_grow_to_hold_an_unstable_loop_fails(lower, upper, holds):
+    r = robust_stability(NARROW, PI(9.0, 27.0), "line1", "fast")
+    found = replace(r, lower=lower, upper=upper)
+    assert found.holds is holds
+    assert found.growth == 1.0 / upper
 
 
 def test_a_certificate_that_the_check_refutes_is_none(monkeypatch):
