@@ -8,12 +8,13 @@ import pytest
 from design.controllers.controller import Measured, stacked
 from design.controllers.feedforward import Feedforward, FeedforwardPI
 from design.controllers.pi import PI
-from design.controllers.reference_model import no_inverse, reachable, within_reach
+from design.controllers.reference_model import _time, no_inverse, reachable, within_reach
 from design.evaluation.cases import Case, stack
 from design.evaluation.runner import play, step_from
 from design.evaluation.steps import run
 from design.evaluation.tasks import Task
 from plants import one_page
+from plants.actuator import regulator
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.wrist.creep import Creep
 from plants.effects.wrist.load_step import LoadStep
@@ -296,3 +297,21 @@ def test_a_reference_beyond_a_range_that_does_not_begin_at_zero_is_counted():
         for _ in range(10):
             state, _ = course.act(state, Measured(reference, 0.0, 0.0))
         assert float(state.course.outside) == beyond
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "target"), [(150.0, 50.0, 0.0), (20.0, 1.2, 0.0), (100.0, 195.9, 197.6)]
+)
+def test_braking_takes_as_long_as_the_regulator_does_whose_rate_is_the_same_at_every_error(
+    before, after, target
+):
+    """Of the last kPa, which takes for ever, nothing is counted, nor of a way that the brake does not go."""
+    c = Feedforward.of(Wrist.flexion().with_values(k_slow=5.0, k_fast=5.0))._sampled_course(0.001)
+    pressure, samples = before, 0
+    while abs(pressure - target) > abs(after - target):
+        pressure = regulator.step(pressure, target / c.wrist.regulator.gain, c.wrist.regulator)
+        samples += 1
+    assert 0.001 * (samples - 1) <= float(_time(before, after, target, c)) <= 0.001 * samples
+    near = target + np.sign(before - target) * np.array([1.0, 0.3, 0.0])
+    np.testing.assert_allclose(_time(before, near, target, c), np.log(abs(before - target)) / 5.0)
+    assert float(_time(before, before + 10.0 * np.sign(before - target), target, c)) == 0.0
