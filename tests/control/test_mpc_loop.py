@@ -12,6 +12,8 @@ from design.mpc.problem import MPCProblem
 from design.mpc.real_time import real_time_mpc
 from plants import Wrist
 from plants.effects.regulator.dead_time import DeadTime, TubeDeadTime
+from plants.effects.sensor.gyro_drift import Drift
+from plants.effects.sensor.periodic import Hum
 from plants.effects.wrist.load_step import LoadStep
 from plants.simulation.sensor import HOLD, sensor
 
@@ -34,8 +36,13 @@ class SampledPIAsMPC:
 
 @pytest.mark.parametrize(
     "effects",
-    [(), (DeadTime(0.0374),), (TubeDeadTime(0.02, 0.03), LoadStep(1.0, 0.2))],
-    ids=["declared", "dead time", "tube and load"],
+    [
+        (),
+        (DeadTime(0.0374),),
+        (TubeDeadTime(0.02, 0.03), LoadStep(1.0, 0.2)),
+        (Drift(1.5), Hum(2.0, 0.3, 0.2)),
+    ],
+    ids=["declared", "dead time", "tube and load", "drift and hum"],
 )
 def test_a_pi_is_played_as_design_loop_plays_it(effects):
     wrist = Wrist.flexion()
@@ -82,8 +89,10 @@ def test_the_memory_at_the_start_is_read_off_angle_and_pressure(start):
     assert (believed.lack, believed.shift) == pytest.approx((0.0, 0.0), abs=1e-9)
 
 
-def test_a_run_in_two_parts_is_the_run():
-    wrist, controller = Wrist.flexion(), real_time_mpc(MPCProblem(Wrist.flexion()))
+@pytest.mark.parametrize("wrist", [Wrist.flexion(), Wrist.flexion() + Drift(1.5)], ids=["declared", "drift"])
+def test_a_run_in_two_parts_is_the_run(wrist):
+    """The second shows what a sensor does that long after the start of the first."""
+    controller = real_time_mpc(MPCProblem(Wrist.flexion()))
     whole = run(wrist, controller, 15.0, duration=0.6, record=True)
     first = run(wrist, controller, 15.0, duration=0.3)
     second = run(wrist, controller, 15.0, first.last.plant, 0.3, True, begin=0.3, memory=first.controller)

@@ -281,6 +281,14 @@ def test_python_control_steps_the_same_plant():
     np.testing.assert_allclose(theirs.outputs[1], wrist.simulate(volts).angle, rtol=0, atol=1e-10)
 
 
+def test_slopes_of_the_output_curve_may_be_as_much_flatter_as_steeper_and_those_of_the_mirrored_joint_too():
+    kinds = PrandtlIshlinskii.kinds()
+    bounds = {(kinds[n].low, kinds[n].high) for n in ("b2", "b1", "c1", "c2")}
+    assert len(bounds) == 1
+    low, high = bounds.pop()
+    assert low * high == pytest.approx(1.0)
+
+
 def test_a_first_guess_has_the_slopes_and_the_width_that_were_seen():
     loop = rough(0.36, 0.08, 20.0, 90.0)
     assert loop.problem(LOW, HIGH) is None
