@@ -127,6 +127,29 @@ def test_a_step_that_begins_at_its_reference_is_never_completed():
     assert (still.overshoot_percent, still.iae_deg_s) == (0.0, 0.0)
 
 
+TREADS = [(0.0, 4.0), (4.0, 4.0), (4.0, 8.0), (8.0, 5.0), (5.0, 5.0)]
+"""References before and after the change that each stair begins with [deg]."""
+
+
+def of_stairs(ways, sign=1.0):
+    """Metrics of stairs, relative to a step of 15 deg: the angles on each of `TREADS`, of as many samples."""
+    held = len(ways[0])
+    judge = metrics.of_stairs(15.0, 0.0, float(held * len(ways)))
+    tally = judge.begin(0.0)
+    for i, ((before, reference), way) in enumerate(zip(TREADS, ways, strict=True)):
+        asked = Asked(sign * reference, sign * before, float(held * i))
+        for k, angle in enumerate(sign * way):
+            joint = REST._replace(angle=angle)
+            tally = judge.update(tally, float(held * i + k), asked, joint, joint, 0.0)
+    return judge.finish(tally, held * len(ways))
+
+
+def approaches(times):
+    """Angles on each tread that come near exponentially, with so many samples to 37 %."""
+    shares = [np.exp(-np.arange(60) / time) for time in times]
+    return [after + (before - after) * s for (before, after), s in zip(TREADS, shares, strict=True)]
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("excesses", [(0.5, 0.2, 0.3), (0.2, 0.3, 0.5), (0.0, 0.0, 0.0)])
 def test_the_overshoot_of_stairs_is_the_largest_beyond_a_reference_in_the_direction_of_its_change(
@@ -134,15 +157,25 @@ def test_the_overshoot_of_stairs_is_the_largest_beyond_a_reference_in_the_direct
 ):
     """The ways to the references, and a move on a stair that asks for none, are no overshoot."""
     up, again, down = excesses
-    treads = [(0.0, 4.0, up), (4.0, 4.0, 3.0), (4.0, 8.0, again), (8.0, 5.0, -down), (5.0, 5.0, -3.0)]
-    judge = metrics.of_stairs(15.0, 0.0, 50.0 * len(treads))
-    tally, settling = judge.begin(0.0), np.exp(-np.arange(50) / 3.0)
-    for i, (before, reference, excess) in enumerate(treads):
-        way = reference + (before - reference) * settling
+    ways = approaches([3.0] * 5)
+    for way, (_, reference), excess in zip(ways, TREADS, (up, 3.0, again, -down, -3.0), strict=True):
         way[20] = reference + excess
-        asked = Asked(sign * reference, sign * before, 50.0 * i)
-        for k, angle in enumerate(sign * way):
-            joint = REST._replace(angle=angle)
-            tally = judge.update(tally, 50.0 * i + k, asked, joint, joint, 0.0)
-    found = judge.finish(tally, 50 * len(treads))
+    found = of_stairs(ways, sign)
     assert float(found.overshoot_percent) == pytest.approx(100.0 * max(excesses) / 15.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "times", [(5.0, 1.0, 3.0, 4.0, 1.0), (2.0, 1.0, 8.0, 4.0, 1.0), (2.0, 1.0, 3.0, 9.0, 1.0)]
+)
+def test_stairs_settle_when_the_slowest_of_them_does_and_not_where_one_has_not(times):
+    """Within 2 % of 15 deg, each from its own beginning."""
+    ways = approaches(times)
+    outside = [
+        np.flatnonzero(np.abs(way - after) >= 0.3) for way, (_, after) in zip(ways, TREADS, strict=True)
+    ]
+    slowest = max(rows[-1] + 1 for rows in outside if rows.size)
+    assert float(of_stairs(ways).settling_time_s) == pytest.approx(0.001 * slowest)
+    for way in ways:
+        late = way.copy()
+        late[-1] += 0.31
+        assert float(of_stairs([late if w is way else w for w in ways]).settling_time_s) == np.inf
