@@ -152,6 +152,22 @@ def test_a_hum_is_taken_out_of_differences_from_forty_times_the_power_around_it(
     assert (np.median(left) < 5.0) == taken
 
 
+@pytest.mark.parametrize("louder", ["slower", "faster"])
+@pytest.mark.parametrize(("times", "taken"), [(25.0, False), (60.0, True)])
+def test_the_power_around_a_hum_is_that_on_both_sides(louder, times, taken):
+    """Of noise of power 19 on one side and 1 on the other, which is 10 around it."""
+    rows, phase, left = 4000, 2.0 * np.pi * 0.137 * np.arange(4000), []
+    beyond = np.fft.rfftfreq(rows) > 0.137
+    power = np.where(beyond == (louder == "faster"), 19.0, 1.0)
+    for seed in range(5):
+        white = np.random.default_rng(seed).standard_normal(rows)
+        noise = np.fft.irfft(np.sqrt(power) * np.fft.rfft(white), rows)
+        wave = np.sqrt(10.0 * 4.0 * times / rows) * np.sin(phase)
+        found = _without_hum(noise + wave)
+        left.append(abs(np.exp(1j * phase) @ found) ** 2 / rows)
+    assert (np.median(left) < 50.0) == taken
+
+
 def test_of_differences_below_four_deviations_a_hum_is_taken_out_by_least_squares():
     rows, cycles = 4000, 548
     phase = 2.0 * np.pi * cycles / rows * np.arange(rows)

@@ -36,6 +36,15 @@ def test_a_residual_without_noise_comes_back_whole():
     assert np.allclose(denoised(events, 0.0), events)
 
 
+@pytest.mark.parametrize("rows", [100, 3000])
+def test_what_is_as_slow_as_the_series_is_kept_however_small(rows):
+    """The widest scale is a few times shorter than the series; what is slower is not asked about."""
+    slow = 0.01 * NOISE * np.cos(np.pi * np.arange(rows) / rows)
+    inside = slice(rows // 10, -rows // 10)
+    found = denoised(slow, NOISE)
+    np.testing.assert_allclose(found[inside], slow[inside], atol=0.1 * np.ptp(slow))
+
+
 def test_a_sensor_that_is_quieter_at_rest_than_in_use():
     noise = np.random.default_rng(5).normal(0.0, NOISE, T.size)
     assert np.allclose(denoised(noise, 0.1 * NOISE), denoised(noise, NOISE), atol=0.3 * NOISE)
