@@ -51,6 +51,15 @@ def test_definiteness_is_decided_where_floats_cannot() -> None:
     assert not positive_definite(exact([[1.0, 0.5], [0.4, 1.0]]))
 
 
+def test_a_matrix_that_is_not_symmetric_in_a_single_pair_is_refused() -> None:
+    """Elimination looks at one of the two alone, so that it would call another matrix definite."""
+    for i in range(4):
+        for j in range(4):
+            matrix = exact(2.0 * np.eye(4))
+            matrix[i, j] += Fraction(1, 10**30)
+            assert positive_definite(matrix) == (i == j)
+
+
 def test_a_product_is_that_of_the_fractions_whatever_their_denominators() -> None:
     random = np.random.default_rng(3)
     a, b = exact(random.normal(size=(3, 5)) * 10.0 ** random.integers(-30, 30, (3, 5))), exact(np.eye(5))
