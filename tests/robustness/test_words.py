@@ -7,8 +7,8 @@ import pytest
 from scipy.linalg import expm
 
 from design.robustness.certificates.sampled.lifted import radius_bounds
-from design.robustness.certificates.sampled.switched import continuous, discrete
-from design.robustness.certificates.sampled.words import discrete_word, necklaces, search_word
+from design.robustness.certificates.sampled.switched import Switched, continuous, discrete
+from design.robustness.certificates.sampled.words import _holder, discrete_word, necklaces, search_word
 
 GOLDEN = [np.array([[1.0, 1.0], [0.0, 1.0]]), np.array([[1.0, 0.0], [1.0, 1.0]])]
 
@@ -96,6 +96,17 @@ def test_sampled_words_hold_whole_samples_and_agree_with_continuous_ones() -> No
     assert sampled.growth == pytest.approx(free.growth, rel=0.02)
     assert sampled.growth <= free.growth + 1e-9
     assert free.grows
+
+
+@pytest.mark.parametrize("longest", [1, 2, 3, 4, 5, 8, 9, 16, 17, 100])
+def test_a_mode_that_is_held_for_whole_samples_is_a_power_of_its_matrix(longest: int) -> None:
+    """Up to the longest that is asked for: by squaring, of which there have to be enough."""
+    dt, generators = 0.01, (np.array([[-1.0, 3.0], [-2.0, 0.5]]), np.array([[0.2, -4.0], [1.0, -3.0]]))
+    hold = _holder(Switched(generators, dt), longest * dt)
+    steps = np.arange(1, longest + 1)
+    for i, m in enumerate(generators):
+        powers = [np.linalg.matrix_power(np.eye(2) + dt * m, k) for k in steps]
+        np.testing.assert_allclose(hold(i, steps * dt), powers, rtol=1e-12)
 
 
 def test_same_seed_same_word() -> None:
