@@ -41,6 +41,12 @@ def test_the_same_law_gives_the_same_bytes(kind):
     assert len(first) == 8
 
 
+def test_every_file_ends_with_the_end_of_a_line():
+    """As C99 (5.1.1.2) asks of a source that is not empty."""
+    files = contents(part("pi", "flexion", WRIST, GAINS["pi"]), WRIST, 50)
+    assert {name for name, text in files.items() if not re.search(r"\S\n\Z", text)} == set()
+
+
 @pytest.mark.parametrize("kind", quick(GAINS))
 def test_no_date_and_no_path_of_the_machine(kind):
     places = [f"/{folder.name}/" for folder in Path("/").iterdir()]  # where any path of this machine begins

@@ -151,3 +151,9 @@ def test_its_values_are_marked_as_learnt_in_a_file(tmp_path, value):
     assert load(tmp_path / "revised.toml") == revised
     again = revised.fitted({"learnt.static3": 2.0}, {"learnt.static3": None}, "another rig")
     assert again.parameters["learnt.static3"].provenance == Learnt("another rig")
+
+
+def test_both_ends_of_the_pressures_that_it_was_learnt_on_may_be_any_of_the_same():
+    """Whatever the unit of the rig and wherever its pressures are counted from: a range is its mirror image's."""
+    low, high = (LearntBlock.kinds()[end] for end in ("low", "high"))
+    assert (low.low, low.high) == (high.low, high.high) == (-high.high, high.high)
