@@ -154,6 +154,6 @@ def test_its_values_are_marked_as_learnt_in_a_file(tmp_path, value):
 
 
 def test_both_ends_of_the_pressures_that_it_was_learnt_on_may_be_any_of_the_same():
-    """Whatever the unit of the rig and wherever its pressures are counted from: a range is its mirror image's."""
+    """Wherever the pressures of a rig are counted from."""
     low, high = (LearntBlock.kinds()[end] for end in ("low", "high"))
     assert (low.low, low.high) == (high.low, high.high) == (-high.high, high.high)
