@@ -88,8 +88,9 @@ def test_an_offset_is_held_against_its_deviation():
     assert found.joined.mean == pytest.approx(0.5, abs=0.05)
 
 
-def test_an_offset_of_noise_alone_is_as_likely_as_student_says(battery):
+def test_an_offset_of_noise_alone_is_as_likely_as_student_says():
     """Its deviation is known as well as the noise's spectrum is."""
+    battery = make_tests(joined(white(9000)), 1.0, 0)
     offset = battery.evidence["offset", "offset"]
     student = stats.t.sf(np.sqrt(offset.statistic), battery.freedom)
     assert offset.p_value == pytest.approx(2.0 * student, rel=1e-6)
