@@ -1,5 +1,5 @@
-"""What holds for every test: hypothesis draws the same examples in every run, BLAS has one thread, tests that
-share what is costly run in one process, and nothing looks for garbage among modules."""
+"""What holds for every test: hypothesis draws the same examples in every run of the same files, BLAS has one
+thread, tests that share what is costly run in one process, and nothing looks for garbage among modules."""
 
 import gc
 import os
