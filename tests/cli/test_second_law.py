@@ -9,7 +9,7 @@ import pytest
 from plants import Wrist
 from plants.parameters.files import dump, load
 from plants.rig import Zero
-from tests.laws.second_law import LOOP, second_law_file, second_law_set
+from tests.laws.second_law import LOOP, counted_from, second_law_file, second_law_set
 from tests.rig import signals
 
 NOISE_DEG, NOISE_KPA = 0.05, 0.1
@@ -126,13 +126,9 @@ def test_a_recording_is_played_from_where_a_rig_rests_that_is_counted_from_elsew
     wrist, campaign, tmp_path
 ):
     """Played from the pressure at which the angle is counted 0, the first seconds would be off by degrees."""
-    plays = second_law_set()
-    outer = LOOP.v0 + sum(LOOP.v)
-    summed = LOOP.uncurved(5.0)
-    moved = {"rest_pressure": LOOP.rest_pressure + summed / outer, "centre": LOOP.centre - summed}
-    parameters = {n: replace(p, value=moved.get(n, p.value)) for n, p in plays.parameters.items()}
-    rig = replace(plays.rig, zero=Zero(angle=5.0, rest=-5.0))
-    dump(replace(plays, parameters=parameters, rig=rig), tmp_path / "moved.toml")
+    moved = second_law_set(counted_from(LOOP, 5.0))
+    rig = replace(moved.rig, zero=Zero(angle=5.0, rest=-5.0))
+    dump(replace(moved, rig=rig), tmp_path / "moved.toml")
     outcome = wrist(
         "simulate", "--recording", campaign / "steps.csv", "--plant", tmp_path / "moved.toml", "--json", "-"
     )

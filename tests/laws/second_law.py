@@ -1,5 +1,6 @@
 """Plants whose hysteresis is Prandtl-Ishlinskii, for tests of what goes through with any law."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from hypothesis import assume
@@ -14,6 +15,13 @@ LOOP = PrandtlIshlinskii(
     v0=0.08, v=(0.12, 0.09, 0.07), reach=34.0, span=9.0, b2=0.85, b1=0.9, c1=1.1, c2=1.05
 )
 """About as wide and as steep as the paper's flexion; curved, its reversals rounded."""
+
+
+def counted_from(loop: PrandtlIshlinskii, zero: float) -> PrandtlIshlinskii:
+    """The same loop with an angle of 0 where it was `zero` [deg]: its rest pressure and centre have moved."""
+    summed = loop.uncurved(zero)
+    rest = loop.rest_pressure + summed / (loop.v0 + sum(loop.v))
+    return replace(loop, rest_pressure=rest, centre=loop.centre - summed)
 
 
 def second_law_set(loop: PrandtlIshlinskii = LOOP, axis: str = "flexion") -> ParameterSet:

@@ -1,7 +1,5 @@
 """Prandtl-Ishlinskii keeps what a hysteresis law promises, and four equal segments are its special case."""
 
-from dataclasses import replace
-
 import control
 import numpy as np
 import pytest
@@ -17,7 +15,7 @@ from plants.kernel import pytrees
 from plants.linearisation import nlsys, wrist_x0
 from plants.parameters.files import dump, load
 from tests.laws.law_strategies import HIGH, LOW, REST, between, paths, pressures, symmetric_loops, trace, walk
-from tests.laws.second_law import LOOP, second_law_set, sums_of_plays
+from tests.laws.second_law import LOOP, counted_from, second_law_set, sums_of_plays
 
 ROUNDING = 1e-10
 starts = st.sampled_from(["line1", "line2", "inside"])
@@ -58,11 +56,8 @@ def test_from_rest_too_where_the_transit_has_no_slope(loop, path):
 
 @given(sums_of_plays(), paths, between(-25.0, 25.0))
 def test_counted_from_another_angle_it_is_the_same_law_from_its_first_move_on(loop, path, zero):
-    """What `zero` is taken off the angle leaves is a law of the same kind, whose rest pressure and centre
-    have moved; a plant that never moved rests at -zero there."""
-    summed = loop.uncurved(zero)
-    outer = loop.v0 + sum(loop.v)
-    moved = replace(loop, rest_pressure=loop.rest_pressure + summed / outer, centre=loop.centre - summed)
+    """A plant that never moved rests at -zero there."""
+    moved = counted_from(loop, zero)
     here, there = (trace(of, path, REST, of.unmoved(at)) for of, at in ((loop, 0.0), (moved, -zero)))
     np.testing.assert_allclose(there[1], here[1] - zero, atol=1e-9)
     np.testing.assert_allclose(

@@ -1,5 +1,7 @@
 """A fit can start from the log alone: delay, lag, gain and loop are guessed within bounds around them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -117,6 +119,16 @@ def test_a_guess_is_a_set_that_says_that_it_is_guessed(soft, law, tmp_path):
     dump(found, tmp_path / "guess.toml")
     assert load(tmp_path / "guess.toml").values == found.values
     assert "guessed" in (tmp_path / "guess.toml").read_text()
+
+
+@pytest.mark.parametrize(("logged", "times"), [(True, 8.0), (False, 64.0)])
+def test_a_regulator_that_is_seen_through_the_angle_alone_may_be_far_faster(soft, logged, times):
+    """What the joint and its creep take is in the lag of the angle."""
+    _, campaign = soft
+    fit = tuple(r if logged else replace(r, pressure=None) for r in campaign.fit)
+    found = guessed_set(replace(campaign, fit=fit, validate=())).parameters
+    for rate in (found["k_fast"], found["k_slow"]):
+        assert rate.high == pytest.approx(times * rate.value)
 
 
 def test_the_widest_play_is_turned_well_before_the_ends_of_strokes(soft):

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from plants.effects.wrist.creep import Creep
 from plants.effects.wrist.stick_slip import FreeSlip
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
@@ -41,3 +42,25 @@ def test_a_joint_that_sticks_is_found_from_any_breakaway(lacking, breakaway):
 def test_one_fit_from_a_joint_that_breaks_away_too_soon_ends_elsewhere(lacking):
     found = lacking.plus(FreeSlip, {"breakaway": 0.4, "residue": 0.1}).fitted()
     assert found.chi2 > 5.0
+
+
+def test_an_effect_that_fits_worse_than_none_is_fitted_from_next_to_none_of_it():
+    class Fitted:
+        """Without the effect chi-square is 9; a fit from above 0.5 ends in a valley at 26."""
+
+        def __init__(self, gain=0.0):
+            self.chi2 = 26.0 if gain > 0.5 else 9.0 - 5.0 * (gain > 0.0)
+            self.gain = gain
+
+        def plus(self, form, values):
+            assert form is Creep
+            return Fitted(values["gain"])
+
+        def fitted(self, evaluations, tol):
+            return self
+
+    ranked = Ranked(Creep, {"gain": 0.8, "time_constant": 4.0}, 1.0, 0.0, 1.0)
+    found = fitted_with(Fitted(), ranked)
+    assert found.chi2 == 4.0
+    assert found.gain == pytest.approx(0.08)
+    assert fitted_with(Fitted(), replace(ranked, values={**ranked.values, "gain": 0.4})).gain == 0.4

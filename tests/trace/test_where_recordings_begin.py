@@ -84,6 +84,16 @@ def test_whether_they_rested_is_decided_by_all_of_a_place_together(monkeypatch):
     assert [b.virgin for b in found] == [True, True, True, False]
 
 
+@pytest.mark.parametrize(("off", "stays"), [(91.0, True), (89.0, False)])
+def test_what_rests_is_off_the_virgin_curve_only_where_it_fits_a_tenth_better(monkeypatch, off, stays):
+    """Where the loop is flat its memory hangs on hundredths of an angle, and fits a little better with it."""
+    left = {True: (100.0,), False: (off,)}
+    monkeypatch.setattr(determined, "_sizes", lambda problem, x: list(left[problem.stage.begins[0].virgin]))
+    stage = Stage("wrist", "angle_deg", 1.0, (), (), built_in_rig(), begins=(Begin(3.0, 0.0, virgin=True),))
+    (found,) = determined.remembered(FitProblem(stage, (), (), {}), np.zeros(0))
+    assert found.virgin == stays
+
+
 @pytest.mark.parametrize(("pressure", "rests"), [(1.02, True), (1.2, False)])
 def test_a_rest_is_as_near_as_the_units_of_the_rig_make_it(pressure, rests):
     """0.2 bar are 20 kPa, a tenth of the range of the rig."""

@@ -199,6 +199,6 @@ class SmoothCurve(_Curved):
         shares = [0.0, 0.0, self.t2, self.t3, self.t4, self.t5, self.t6, self.t7]
         x = _from_rest(wrist, reach)
         bend = np.polynomial.Chebyshev(shares).deriv()(np.clip(x, -STRAIGHT, STRAIGHT))
-        straight = np.abs(x) > STRAIGHT
+        straight = np.abs(x) > STRAIGHT  # there the slope is that of the lines; at its edge both are
         found = 0.0 * bend if straight.all() else np.append(bend, np.zeros(np.count_nonzero(straight)))
         return Linear(slopes=dict.fromkeys(OUTER, _least_and_largest(1.0 + found)))

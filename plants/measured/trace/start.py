@@ -50,9 +50,9 @@ def starting(campaign: Campaign, given: ParameterSet | None = None, either_way: 
     campaign, of_pressure = counted(campaign)
     unmoved = at_rest_in_log(campaign)
     campaign, of_angle = (centred if either_way else near_zero)(campaign)
-    rest = unmoved - sum(r.value for r in of_angle)
+    rest = sum((unmoved - r.value for r in of_angle), 0.0)
     if of_sign:  # the angle as it is logged
         of_angle = tuple(replace(r, value=-r.value) for r in of_angle)
     remarks, guess = (*instrument, *of_sign, *of_pressure, *of_angle), guessed_set(campaign)
-    zero = replace(zero_of(remarks), rest=rest if of_angle else 0.0)
+    zero = replace(zero_of(remarks), rest=rest)
     return Start(campaign, remarks, replace(guess, rig=replace(guess.rig, zero=zero)), True)
