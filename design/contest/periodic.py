@@ -32,7 +32,7 @@ def play_coupled(
     for first in range(0, one.commands.shape[0], one.substeps):
         rests = one.loop.plant.pressure - rest, two.loop.plant.pressure - rest
         one, two = decide(one, first, rests[1]), decide(two, first, rests[0])
-        after, (path,) = move(one, first, np.broadcast_to(rests[1], (one.substeps, one.late.size)))
+        after, (path,) = move(one, first, np.broadcast_to(rests[1], one.commands[one.period(first)].shape))
         for _ in range(MOST_TURNS):
             other, (beside,) = move(two, first, path[:-1] - rest)
             after, (renewed,) = move(one, first, beside[:-1] - rest)

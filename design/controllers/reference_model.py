@@ -30,6 +30,8 @@ from plants.dynamics import Number, SampledWrist
 from plants.errors import InputError, InputWarning
 from plants.wrist import State, Wrist
 
+WIDE = "wider than what the commands move the joint by, so that no angle is reached from every memory"
+
 
 @remembers(
     outside=("", "samples in which the reference was out of reach and the nearest was taken"),
@@ -117,9 +119,18 @@ def no_inverse(plant: Wrist) -> str | None:
     if stubborn:
         words = f"the effect{'s' * (len(stubborn) > 1)} {', '.join(stubborn)}"
         return f"no inverse of {words}: invert the wrist without it (replace effects by ()), or use a PI"
+    air = plant.regulator
+    if air.k_slow > air.k_fast:
+        return (
+            f"no inverse of the regulator: k_slow {air.k_slow:.4g} is above k_fast {air.k_fast:.4g} 1/s; "
+            "correct the parameters, or use a PI"
+        )
     problem = plant.hysteresis.problem(*plant.reach)
     if problem:
         return f"no inverse of the loop: {problem}; correct the parameters, or use a PI"
+    low, high = reachable(plant)
+    if low > high:
+        return f"no inverse of the loop: it is {WIDE}; correct the parameters, or use a PI"
     return None
 
 
@@ -136,11 +147,16 @@ def reachable(plant: Wrist) -> tuple[float, float]:
 def within_reach(plant: Wrist, reference: float) -> float:
     """The reference [deg], clamped to what the wrist reaches.
 
-    Warns (InputWarning), with the range, where that changes it; raises InputError for one that is not finite.
+    Warns (InputWarning), with the range, where that changes it; raises InputError for one that is not finite,
+    and for any where the loop is so wide that no angle is reached from every memory.
     """
     if not np.isfinite(reference):
         raise InputError(f"reference {reference:g} deg: need a finite angle")
     low, high = reachable(plant)
+    if low > high:
+        raise InputError(
+            f"reference {reference:g} deg: the loop is {WIDE}; correct the plant's loop or command range"
+        )
     if low <= reference <= high:
         return reference
     nearest = min(max(reference, low), high)

@@ -4,7 +4,7 @@ A controller either acts in every sample, and is compiled with the plant, or onc
 (`plants.simulation.periodic`); plants, sensors, noise and judge are the same for both.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -40,8 +40,7 @@ class Lanes:
     reference profiles, judge, duration [s], the sensor and its noise of standard deviation 1 (rows, lanes), a
     row for every 10 samples; time of the start [s], for effects that depend on it; pressure of the other
     motion [kPa] (samples, lanes), at rest where not given; a reference that was logged [deg] (samples,), in
-    place of the profiles; samples that each lane asks for, (lanes,), where they need not go on to the end,
-    and may go on beyond it, to the end of a controller's period."""
+    place of the profiles; samples that each lane asks for, (lanes,), where they need not go on to the end."""
 
     wrist: Wrist
     state: State
@@ -147,8 +146,8 @@ def play(
     """Play a controller, whose settings may be arrays of lanes where it acts in every sample.
 
     record: all signals of every sample; signals: rows of some instead, such as ``plant.angle``, after every
-    `every` samples (of a periodic controller, every sample).  Raises InputError where the duration is no
-    whole number of a controller's periods.
+    `every` samples (of a periodic controller, every sample, its last period cut short where the duration is
+    no whole number of them).  Raises InputError for a duration without a sample.
     """
     if isinstance(controller, Periodic):
         return _play_periodic(lanes, controller, held, record, signals)
@@ -171,9 +170,6 @@ def play(
 def _play_periodic(
     lanes: Lanes, controller: Periodic, held: Any, record: bool, signals: tuple[str, ...]
 ) -> PlayedTask:
-    if lanes.lasts is not None:
-        samples = lanes.samples + -lanes.samples % int(controller.problem.substeps)
-        lanes = replace(lanes, duration=samples * lanes.dt)
     first = begun(lanes, controller, held)
     last, rows = periodic.play(first, recorded(first.loop) if record else signals)
     went = trajectory(rows, lanes.state, first.c.plant, lanes.dt, lanes.begin) if record else None

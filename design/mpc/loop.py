@@ -41,14 +41,13 @@ def run(
     begin: float = 0.0,
     memory: Any = None,
 ) -> Play:
-    """Step the reference [deg] at time 0 and run the loop for a duration [s], a whole number of periods.
+    """Step the reference [deg] at time 0 and run the loop for a duration [s].
 
     Metrics are those of `design.evaluation.steps.run`, leaves of shape (1,), and so is the trajectory.  The
-    loop
-    starts from `state` (the wrist's rest where not given), of which the controller sees angle and pressure;
-    `memory`: its state where it has been acting before; noise: of the sensor, of standard deviation 1, (rows,
-    1), as of `plants.simulation.periodic.PeriodicLoop`.  Raises
-    InputError for a duration that is no number of periods and for a wrist whose parameters are arrays.
+    loop starts from `state` (the wrist's rest where not given), of which the controller sees angle and
+    pressure; `memory`: its state where it has been acting before; noise: of the sensor, of standard deviation
+    1, (rows, 1), as of `plants.simulation.periodic.PeriodicLoop`.  Raises InputError for a duration without a
+    sample and for a wrist whose parameters are arrays.
     """
     if any(np.ndim(v) for v in wrist.values.values()):
         raise InputError("an MPC is played on one wrist at a time: give parameters that are numbers")

@@ -74,6 +74,10 @@ class PeriodicLoop:
         """Samples in a period."""
         return int(self.controller.problem.substeps)
 
+    def period(self, first: int) -> slice:
+        """The samples of the period that begins with a sample; the last one may be cut short."""
+        return slice(first, min(first + self.substeps, self.commands.shape[0]))
+
     def around(self, sample: int, other: Number) -> Around:
         """Surroundings at a sample; other: how far the other motion's pressure is from rest [kPa]."""
         return Around(self.begin + sample * self.dt, other)
@@ -98,17 +102,14 @@ def begin(
     memories: list[Any] | None = None,
 ) -> PeriodicLoop:
     """A loop before its first period, the controller having seen the plant at rest unless it comes with
-    `memories` of its own.
+    `memories` of its own.  Where a duration [s] is no whole number of periods, its last one is cut short.
 
-    Raises InputError for a duration [s] that is no whole number of periods.
+    Raises InputError for a duration without a sample.
     """
     dt = wrist.rig.sample_time
-    substeps, samples = int(controller.problem.substeps), round(duration / dt)
-    if samples < 1 or samples % substeps or abs(samples * dt - duration) > 1e-9:
-        raise InputError(
-            f"duration of {duration:g} s is no whole number of periods: "
-            f"give a multiple of {substeps * dt:g} s"
-        )
+    samples = round(duration / dt)
+    if samples < 1:
+        raise InputError(f"duration of {duration:g} s: give at least a sample, {dt:g} s")
     late = np.broadcast_to(wrist.values.get(DELAY, 0.0), (lanes,)) / dt
     c = SampledClosedLoop(prompt(wrist).sampled(), (), reference, judge, sensor)
     first = ClosedLoop(state)
@@ -142,7 +143,7 @@ def decide(s: PeriodicLoop, first: int, other: Number = QUIET.other_pressure) ->
     for lane, memory in enumerate(s.memories):
         measured = Measured(float(error[lane]), float(seen[lane]), float(pressure[lane]))
         after, command, told = s.controller.step(memory, measured)
-        s.commands[first : first + s.substeps, lane] = command
+        s.commands[s.period(first), lane] = command
         memories.append(after)
         s.periods.append(told)
     return replace(s, memories=memories)
@@ -152,17 +153,18 @@ def move(
     s: PeriodicLoop, first: int, other: Array | None = None, record: tuple[str, ...] = ("plant.pressure",)
 ) -> tuple[ClosedLoop, Array]:
     """Plants and judges after the period from a sample on, and what is recorded on the way, (signals,
-    substeps + 1, lanes); other: how far the other motion's pressure is from rest [kPa] at the start of
-    each sample, (substeps, lanes), at rest where not given."""
-    index = np.arange(first, first + s.substeps, dtype=float)
+    samples + 1, lanes); other: how far the other motion's pressure is from rest [kPa] at the start of
+    each sample, (samples, lanes), at rest where not given."""
+    period = s.period(first)
+    index = np.arange(period.start, period.stop, dtype=float)
     own = {
-        "command": s.commands[first : first + s.substeps],
+        "command": s.commands[period],
         "arriving": arriving(s.commands, s.before, s.late, index),
     }
     if other is not None:
         own["other_pressure"] = np.ascontiguousarray(other)
     shared = {"index": index, "time": s.begin + index * s.dt}
-    return advance(s.loop, s.c, s.substeps, shared, own, every=1, record=record, jobs=1)
+    return advance(s.loop, s.c, index.size, shared, own, every=1, record=record, jobs=1)
 
 
 def play(s: PeriodicLoop, record: tuple[str, ...] = ()) -> tuple[PeriodicLoop, Array]:

@@ -137,11 +137,16 @@ def test_a_controller_that_is_played_by_periods_meets_the_same_cases():
         np.testing.assert_allclose(getattr(other, name), getattr(one, name), rtol=1e-6, atol=1e-9)
 
 
-def test_a_period_that_does_not_divide_the_window_is_refused():
+def test_the_last_period_is_cut_short_where_periods_do_not_divide_the_window():
+    """What comes after the window changes nothing of it."""
     seventh = EverySample()
     seventh.problem = SimpleNamespace(substeps=7)
-    with pytest.raises(InputError, match="no whole number of periods"):
-        run(lanes(side_by_side(RIG)[:1], QUIET), seventh)
+    case = lanes(side_by_side(RIG)[:1], QUIET)
+    longer = replace(case, duration=case.duration + (7 - case.samples % 7) * case.dt)
+    assert case.samples % 7 > 0 == longer.samples % 7
+    short, whole = (play(c, seventh, signals=("plant.angle", "plant.pressure")).rows for c in (case, longer))
+    assert short.shape[1] == case.samples + 1
+    np.testing.assert_array_equal(short, whole[:, : case.samples + 1])
 
 
 def test_coupled_motions_do_what_two_wrists_in_one_loop_do():
