@@ -110,7 +110,8 @@ class Zero:
 @dataclass(frozen=True)
 class Rig:
     """A rig; limits: by name, as `design.synthesis.requirements.Limits`; sample times [s] of loop and log;
-    zero: what its log is counted from."""
+    zero: what its log is counted from; angle_delay: by how much later than the pressure its angle is read
+    [s], by the sensor as far as is known, so that a controller reads it as late."""
 
     name: str
     title: str
@@ -124,6 +125,7 @@ class Rig:
     limits: Mapping[str, float] = field(hash=False)
     uncertainty: Uncertainty
     zero: Zero = Zero()
+    angle_delay: float = 0.0
 
     @property
     def rest_pressure(self) -> float:
@@ -165,6 +167,7 @@ class Rig:
         """The rig as in its TOML file."""
         t, u = self.task, self.uncertainty
         zero = {} if self.zero == Zero() else {"zero": dict(vars(self.zero))}
+        late = {"angle_delay_s": self.angle_delay} if self.angle_delay else {}
         return {
             "name": self.name,
             "title": self.title,
@@ -173,7 +176,7 @@ class Rig:
             **zero,
             "command": {"range": list(self.command_range)},
             "pressure": {"range": list(self.pressure_range)},
-            "time": {"loop_s": self.sample_time, "log_s": self.log_time},
+            "time": {"loop_s": self.sample_time, "log_s": self.log_time, **late},
             "task": {
                 "step": t.step, "band": t.band, "duration_s": t.duration, "hold_s": t.hold,
                 "reaction": list(t.reaction),
@@ -267,6 +270,7 @@ def parse_rig(table: Mapping[str, Any], where: str) -> Rig:
             of.pair(sure, "dead_time_s", True), *(of.not_negative(sure, n) for n in _DISTURBANCES),
         ),
         _zero(of, parts["zero"]),
+        of.not_negative({"angle_delay_s": 0.0, **parts["time"]}, "angle_delay_s"),
     )  # fmt: skip
 
 
@@ -283,7 +287,7 @@ _TABLES: dict[str, tuple[str, ...]] = {
     "zero": ("pressure", "angle", "reversed", "rest"),
     "command": ("range",),
     "pressure": ("range",),
-    "time": ("loop_s", "log_s"),
+    "time": ("loop_s", "log_s", "angle_delay_s"),
     "task": ("step", "band", "duration_s", "hold_s", "reaction"),
     "limits": (
         "overshoot_percent", "Ms", "delay_margin_s", "total_variation_V", "steady_error_percent", "Mt",

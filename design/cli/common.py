@@ -118,12 +118,14 @@ def following(said: Any, *words: object) -> None:
 
 
 def say_left_out(said: Any, plant: "ParameterSet") -> None:
-    """Say in a line which effects of a plant a design leaves out, if it does."""
+    """Say, in a line each, which effects of a plant a design leaves out, and which delay it adds."""
     from design.synthesis.designed_plant import left_out
 
     gone = left_out(plant)
     if gone:
         said.print(f"left out, in the sensor or an event of the recordings: {', '.join(gone)}")
+    if late := plant.rig.angle_delay:
+        said.print(f"the angle is read {late:.3g} s late: in the loop that is dead time, and counted as such")
 
 
 def numbers(text: str, option: str, example: str) -> tuple[float, ...]:

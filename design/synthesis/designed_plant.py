@@ -4,17 +4,43 @@ An effect of the sensor is the same under any gains.  An event of the recordings
 picked up, is no property of the rig: at its moment every run of the design would have it, and no gains keep
 the overshoot of a step small that has a load step within it.  Loads of the size that the rig states are cases
 of the requirement.
+
+An angle that is read late is late for the controller too, unless the logger alone is (which its
+campaign.toml states).  In a loop a delay of the sensor and one of the command are the same, so that it is
+added to the plant's dead time.
 """
 
 from dataclasses import replace
 
+from plants.effects.regulator.dead_time import DeadTime
 from plants.parameters.correlation import pairs_of
 from plants.parameters.quantities import ParameterSet
 
 
 def designed(plant: ParameterSet) -> ParameterSet:
-    """The plant without what a design leaves out."""
-    return without(plant, left_out(plant))
+    """The plant without what a design leaves out, the delay of its angle in its dead time."""
+    return in_loop(without(plant, left_out(plant)))
+
+
+def in_loop(plant: ParameterSet) -> ParameterSet:
+    """The plant as a controller meets it: the delay of its angle is added to its dead time.
+
+    >>> from plants.parameters.files import built_in
+    >>> flexion = built_in("flexion")
+    >>> in_loop(replace(flexion, rig=replace(flexion.rig, angle_delay=0.08))).values["dead-time.delay"]
+    0.08
+    """
+    late = plant.rig.angle_delay
+    if not late:
+        return plant
+    rig, delay = replace(plant.rig, angle_delay=0.0), f"{DeadTime.NAME}.{DeadTime.DELAY}"
+    if delay in plant.parameters:
+        own = plant.parameters[delay]
+        own = replace(own, value=own.value + late, high=max(own.high, own.value + late))
+        return replace(plant, rig=rig, parameters={**plant.parameters, delay: own})
+    of_log = "the delay of the angle in the log"
+    whole = plant.revised((DeadTime,), {delay: late}, {}, of_log, plant.title)
+    return replace(whole, rig=rig, remainder=plant.remainder, correlation=plant.correlation)
 
 
 def left_out(plant: ParameterSet) -> tuple[str, ...]:

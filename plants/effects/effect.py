@@ -126,6 +126,11 @@ class ExcitationHints(Protocol):
         """Length of the longest recording [s]."""
         ...
 
+    def pressed_beyond(self, angle: float, way: float) -> float:
+        """By how much the drive goes on, as a share of its range, after the joint has come to an angle [deg]
+        (way: 1 from below, -1 from above)."""
+        ...
+
     def harmonic(self, frequency: float) -> int | None:
         """Which multiple of the single sine that was asked a frequency [Hz] is; None for none."""
         ...

@@ -22,6 +22,9 @@ LEAST_COLOUR = 0.06
 SURE, SCATTER = 5.0, 1.5
 """Standard deviations by which they must be larger; its square, times the number of differences."""
 
+ROUNDED = 1e-12
+"""Share of the largest value below which a step is the rounding of a conversion."""
+
 
 def noise_floor(values: Array) -> float:
     """Standard deviation of white noise on a slowly moving signal, shape (n,), in its unit.
@@ -82,9 +85,14 @@ def _trimmed(differences: Array) -> float:
 def resolution(values: Array) -> float:
     """Smallest step between the values of a channel; 0 for a channel that never changes.
 
-    A channel cannot be known better than its rounding, whose error is uniform.
+    A channel cannot be known better than its rounding, whose error is uniform.  Steps as small as the
+    rounding of a conversion of units are none.
+
+    >>> resolution(np.array([0.1, 0.3, 0.1 + 0.2]))
+    0.19999999999999998
     """
     steps = np.diff(np.unique(values))
+    steps = steps[steps > ROUNDED * np.abs(values).max(initial=0.0)]
     return float(np.min(steps)) if steps.size else 0.0
 
 

@@ -62,7 +62,8 @@ def answer(trace: Trace) -> str:
         return f"No effect explains the residual: {named}, {less}, {floor}."
     if not trace.effects:
         falls = f"{error} {_amount(after, channel)}, {floor}"
-    return f"None of the {len(EFFECTS)} effects explains the residual: {falls}."
+        return f"None of the {len(EFFECTS)} effects explains the residual: {falls}."
+    return f"{head[0].upper()}{head[1:]} a part of the residual: {falls}."
 
 
 def evidence(trace: Trace) -> str:

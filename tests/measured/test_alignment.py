@@ -12,6 +12,8 @@ from plants.measured.instrument.alignment import delay_between, in_step
 from plants.measured.instrument.logger import corrected
 from plants.measured.instrument.offsets import offsets_between
 from plants.measured.instrument.stated import StatedHabits
+from plants.measured.noise import resolution
+from plants.measured.trace.start import starting
 from tests.measured.conftest import DECLARATION
 from tests.rig.soft import CAMPAIGNS
 from tests.rig.soft_random import recordings, soft_actuator
@@ -73,6 +75,33 @@ def test_in_step_reads_a_channel_when_it_was_measured(plain):
     back = in_step(late(r, 10), "angle_deg", 0.1)
     np.testing.assert_allclose(back.angle[:-1], r.angle[: len(back.angle) - 1], atol=1e-9)
     assert len(back.time) == len(r.time) - 10
+
+
+@pytest.mark.parametrize("delay", [0.013, 0.1])
+def test_in_step_reads_no_finer_than_the_sensor(plain, delay):
+    """Values between two rows are those that the sensor would have shown; else a guess of a rig from them has
+    a resolution that no sensor has."""
+    r = replace(plain.fit[0], angle=0.25 * np.rint(plain.fit[0].angle / 0.25))
+    back = in_step(r, "angle_deg", delay)
+    assert resolution(back.angle) == pytest.approx(0.25)
+    between = np.interp(back.time + delay, r.time, r.angle)
+    assert np.abs(back.angle - between).max() < 0.126
+
+
+def test_the_delay_of_an_angle_is_the_rigs_unless_the_logger_is_stated_to_be_late(plain):
+    moved = replace(plain, fit=tuple(late(r, 15) for r in plain.fit))
+    begun = starting(moved)
+    assert begun.parameters.rig.angle_delay == pytest.approx(0.15, abs=0.02)
+    assert "design counts this as dead time" in " ".join(map(str, begun.instrument))
+    guessed = starting(replace(moved, axis="elbow"))
+    assert guessed.parameters.rig.angle_delay == begun.parameters.rig.angle_delay
+    stated = replace(moved, logger=replace(moved.logger, delays={"angle_deg": 0.15}))
+    assert starting(stated).parameters.rig.angle_delay == 0.0
+    assert "dead time" not in " ".join(map(str, starting(stated).instrument))
+    before = replace(begun.parameters, rig=replace(begun.parameters.rig, angle_delay=0.05))
+    assert starting(moved, before).parameters.rig.angle_delay == begun.parameters.rig.angle_delay
+    assert starting(stated, before).parameters.rig.angle_delay == 0.0
+    assert starting(plain, before).parameters.rig.angle_delay == 0.05  # this log tells nothing else
 
 
 @pytest.mark.slow

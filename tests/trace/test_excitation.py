@@ -1,5 +1,6 @@
 """What sits in the command is not named as an effect of the rig."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,10 +10,13 @@ from plants.effects.regulator.leak import LaminarLeak
 from plants.effects.sensor.gyro_drift import Drift
 from plants.effects.sensor.periodic import Hum
 from plants.effects.wrist.creep import Creep, LogCreep, TwoTimeCreep
+from plants.effects.wrist.end_stop import GivingStop, HardStop
+from plants.effects.wrist.inertia import StiffeningInertia
 from plants.effects.wrist.load_step import LoadStep
 from plants.effects.wrist.loop_shape import OneMorePlay
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
+from plants.measured.trace.ranking.contact import pressed_beyond
 from plants.measured.trace.ranking.excitation import excitation, line
 from plants.measured.trace.search.refits import rank
 
@@ -33,6 +37,37 @@ def test_a_hum_at_a_harmonic_of_the_only_sine_is_borrowed(order):
 
 def test_a_hum_beside_the_harmonics_is_not():
     assert Hum(0.25, 1.0).borrowed(asked(SINE)) is None
+
+
+def pressed(top):
+    """Steps of a joint with a lag that cannot pass an angle."""
+    drive = 10.0 * STEPS.command
+    angle = np.empty_like(drive)
+    angle[0] = drive[0]
+    for k in range(1, len(T)):
+        angle[k] = min(angle[k - 1] + 0.05 * (drive[k] - angle[k - 1]), top)
+    noise = np.random.default_rng(2).normal(0.0, 0.02, len(T))
+    return replace(STEPS, pressure=drive, angle=angle + noise)
+
+
+@pytest.mark.parametrize("form", [HardStop, GivingStop])
+def test_a_stop_that_nothing_is_pressed_against_is_the_end_of_a_curve(form):
+    free, stopped = pressed(1e3), pressed(25.0)
+    most = float(free.angle.max())
+    assert "end of a curve" in form(-90.0, most).borrowed(asked(free))
+    assert form(-90.0, 25.0).borrowed(asked(stopped)) is None
+    below = [replace(r, pressure=-r.pressure, angle=-r.angle) for r in (free, stopped)]
+    assert "end of a curve" in form(-most, 90.0).borrowed(asked(below[0]))
+    assert form(-25.0, 90.0).borrowed(asked(below[1])) is None
+
+
+def test_without_an_angle_nothing_is_at_a_stop():
+    assert pressed_beyond([STEPS], 0.0, 1.0) == 0.0
+
+
+def test_an_inertia_without_a_mass_is_none():
+    assert "no mass" in StiffeningInertia(0.0, 1.5).borrowed(asked(STEPS))
+    assert StiffeningInertia(0.01, 1.5).borrowed(asked(STEPS)) is None
 
 
 def test_under_steps_any_hum_is_the_rigs():

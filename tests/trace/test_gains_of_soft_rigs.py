@@ -3,16 +3,20 @@
 The actuator is of `tests.rig.soft`, which shares no code with the library; it bends to one side.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from design.robustness.tuning.recommended import tune_candidates
 from design.studies.design_study import Taken, required_of
 from design.synthesis.designed_plant import designed
+from plants.effects.effect import dead_time_of
 from plants.measured.campaign import load_campaign
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.files import dump, load
 from plants.rig import Zero
+from plants.wrist import Wrist
 from tests.promise.soft import held
 from tests.rig.soft import CAMPAIGNS
 
@@ -35,4 +39,22 @@ def test_steps_about_the_middle_of_the_range_of_a_bending_actuator(tmp_path):
     tuned = tune_candidates(required_of(designed(plant), Taken())).best
     assert tuned.holds
     seen = held(make(), tuned.final.gains, plant)
+    assert seen.kept, str(seen)
+
+
+@pytest.mark.suite
+def test_what_a_late_sensor_delays_is_dead_time_of_the_loop(tmp_path):
+    """A log does not tell a sensor that is late from a logger that is; a loop behind the sensor would have a
+    dead time that its design did not know."""
+    make, fit, validate = CAMPAIGNS["bender"]
+    rig, late = make(), 0.2
+    replace(rig, logger=replace(rig.logger, angle_delay=late)).write(tmp_path / "late", fit, validate)
+    trace = trace_campaign(load_campaign(tmp_path / "late"), either_way=True)
+    assert trace.revised.rig.angle_delay == pytest.approx(late, abs=0.05)
+    plant = designed(trace.revised)
+    assert dead_time_of(Wrist.of(plant).effects) == pytest.approx(late + rig.delay, abs=0.1)
+    tuned = tune_candidates(required_of(plant, Taken())).best
+    assert tuned.holds
+    # In a loop a delay of the sensor and one of the command are the same.
+    seen = held(replace(rig, delay=rig.delay + late), tuned.final.gains, trace.revised)
     assert seen.kept, str(seen)

@@ -74,6 +74,7 @@ def command(
     out: OutOption = None,
     jobs: JobsOption = None,
 ) -> None:
+    from design.synthesis.designed_plant import in_loop
     from plants.errors import InputError
     from plants.wrist import STARTS, Wrist
 
@@ -99,7 +100,8 @@ def command(
     with progress("simulate"):
         if gains is not None:
             asked = wrist.rig.task.step if step is None else step
-            result = _closed(wrist, pi_gains(gains, rig=wrist.rig), asked, start, duration)
+            looped = Wrist.of(in_loop(chosen))
+            result = _closed(looped, pi_gains(gains, rig=wrist.rig), asked, start, duration)
         elif recording is not None:
             result = _played(wrist, recording)
         else:

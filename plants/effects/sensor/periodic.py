@@ -30,7 +30,7 @@ def _part(name: str, trial: float) -> Any:
     return parameter("deg", f"{name}, phase 0 at time_s = 0", -20.0, 20.0, 0.0, (0.0, trial) if trial else ())
 
 
-_FREQUENCY = parameter("Hz", "frequency of the sinusoid", 0.05, 50.0, 1.0, (1.0,), 0.002)
+_FREQUENCY = parameter("Hz", "frequency of the sinusoid", 0.05, 100.0, 1.0, (1.0,), 0.002)
 
 
 SLOWEST = 2.0

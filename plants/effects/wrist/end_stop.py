@@ -7,7 +7,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, Nothing, Number, TrialHints, parameter
+from plants.effects.effect import (
+    Around,
+    Effect,
+    ExcitationHints,
+    Nothing,
+    Number,
+    TrialHints,
+    parameter,
+)  # fmt: skip
+
+PRESSED = 0.03
+"""Share of its range by which the pressure has to go on at a stop to tell it from the end of a curve."""
 
 
 class _Stops(NamedTuple):
@@ -110,6 +121,16 @@ class _Stop(Effect):
         rest = {n: v for n, v in next(cls.trials(log.rig)).items() if n not in ("low", "high")}
         for a, b in list(product(lows, highs))[1:]:
             yield {**rest, "low": float(a), "high": float(b)}
+
+    def borrowed(self, asked: ExcitationHints) -> str | None:
+        """A stop that nothing is pressed against is the end of a curve as well."""
+        ends = ((float(self.low), -1.0), (float(self.high), 1.0))
+        if max(asked.pressed_beyond(*end) for end in ends) >= PRESSED:
+            return None
+        return (
+            f"nowhere does the pressure go on by {100 * PRESSED:.0f} % of its range while the joint stays at "
+            "a stop, so that it may be the end of a curve; record with the joint pressed against the stop"
+        )
 
     def obstacle(self, pressure: float, angle: float) -> str | None:
         beyond = float(np.clip(angle, self.low, self.high))

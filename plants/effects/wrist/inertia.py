@@ -11,8 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Effect, Linear, Number, parameter
+from plants.effects.effect import Effect, ExcitationHints, Linear, Number, parameter
 from plants.meanings import remembers
+
+MASSLESS = 0.001
+"""Inertia [s] below which a joint has none that any log could show."""
 
 NULL = 1e-6
 """Inertia [s] that stands for none: its second pole is gone within a nanosecond."""
@@ -92,6 +95,12 @@ class _Inert(Effect):
         """The two poles of the transient, two halves of Tw where it rings."""
         root = max(wrist.Tw**2 - 4.0 * self.inertia**2, 0.0) ** 0.5
         return (wrist.Tw + root) / 2, (wrist.Tw - root) / 2
+
+    def borrowed(self, asked: ExcitationHints) -> str | None:
+        """Without a mass, what else a form has is of the lag."""
+        if float(self.inertia) < MASSLESS:
+            return "the fit has a lag that changes and no mass; record quick steps, after which a mass swings"
+        return None
 
     def no_bound(self, wrist: Any) -> str | None:
         return "only linear damping has an impulse response"

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from plants.measured.campaign import Campaign
 from plants.measured.guess.rough_models import ROWS, lagged, loop_guess, static_guess
+from plants.measured.noise import resolution
 from plants.measured.recording import Recording
 
 Array = NDArray[np.float64]
@@ -122,4 +123,6 @@ def in_step(recording: Recording, channel: str, delay: float) -> Recording:
     if values is None or delay <= 0.0 or recording.time[-1] - recording.time[0] < 2.0 * delay:
         return recording
     moved = np.interp(recording.time + delay, recording.time, values)
+    if step := resolution(values):  # values between two would look like those of a finer sensor
+        moved = values[0] + step * np.rint((moved - values[0]) / step)
     return replace(recording, **{field: moved}).until(float(recording.time[-1] - delay) + 1e-9)

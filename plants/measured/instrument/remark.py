@@ -56,8 +56,8 @@ class Remark:
                         "the middle of its range, so that steps go either way. The revised plant keeps this."
                     )
                 return (
-                    f"The pressure is {self.value:.4g} kPa where the command is zero; it is counted from "
-                    "there. The revised plant keeps this."
+                    f"A straight line of the pressure over the command meets a command of zero at "
+                    f"{self.value:.4g} kPa; the pressure is counted from there. The revised plant keeps this."
                 )
             case "far":
                 return (
@@ -77,8 +77,9 @@ class Remark:
             case "saturated":
                 return (
                     f"The {name} reads exactly zero for up to {self.value:.3g} s and never beyond ({where}): "
-                    "the sensor saturates, or there is a stop. Simulations are compared as such a sensor "
-                    "reads them, so rows at zero tell only that the true value is not on the other side."
+                    "the sensor saturates, there is a stop, or the joint rests there. Simulations are "
+                    "compared as a sensor that saturates reads them, so rows at zero tell only that the true "
+                    "value is not on the other side."
                 )
             case "clipped":
                 seen = "reaches" if self.stated else "stays at exactly"
@@ -88,9 +89,15 @@ class Remark:
                     "that the true value is not within."
                 )
             case "late":
-                return (
+                said = (
                     f"The {name} channel is logged {self.value:.3g} s later than the others ({where}); it is "
                     "put back to when it was measured."
+                )
+                if self.stated or self.channel != "angle_deg":
+                    return said
+                return (
+                    f"{said} A controller may read it as late, so that a design counts this as dead time; if "
+                    "the logger alone is late, state angle_delay_s in [logger]."
                 )
             case "repeated":
                 return f"{self.value:.0f} rows were written twice ({where}); the copies are left out."
@@ -130,6 +137,17 @@ def zero_of(remarks: Sequence[Remark]) -> Zero:
     found = {r.channel: r.value for r in remarks if r.habit in ("counted from", "far")}
     turned = any(r.habit == "reversed" for r in remarks)
     return Zero(found.get("pressure_kPa", 0.0), found.get("angle_deg", 0.0), turned)
+
+
+def angle_delay_of(remarks: Sequence[Remark]) -> float | None:
+    """The delay [s] of the angle that a controller meets as well: what was found in a log, 0 where it is
+    stated to be the logger's, None where nothing was found.
+
+    >>> angle_delay_of([Remark("late", "angle_deg", 0.08, "s", ("steps.csv",))])
+    0.08
+    """
+    late = (r for r in remarks if r.habit == "late" and r.channel == "angle_deg")
+    return next((0.0 if r.stated else r.value for r in late), None)
 
 
 def habits(remarks: Sequence[Remark]) -> list[dict[str, object]]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from plants.measured.campaign import Campaign
 from plants.measured.guess.rig import guessed_set
 from plants.measured.instrument.logger import corrected
-from plants.measured.instrument.remark import Remark, zero_of
+from plants.measured.instrument.remark import Remark, angle_delay_of, zero_of
 from plants.measured.trace.counting.middle import at_rest_in_log, centred, near_zero
 from plants.measured.trace.counting.sign import rising
 from plants.measured.trace.counting.zero import counted
@@ -42,10 +42,12 @@ def starting(campaign: Campaign, given: ParameterSet | None = None, either_way: 
     False
     """
     campaign, instrument = corrected(campaign)
+    late = angle_delay_of(instrument)
+    if given is None and campaign.axis in built_in_rig().motions:
+        given = built_in(campaign.axis)
     if given is not None:
-        return Start(campaign, instrument, given, False)
-    if campaign.axis in built_in_rig().motions:
-        return Start(campaign, instrument, built_in(campaign.axis), False)
+        rig = given.rig if late is None else replace(given.rig, angle_delay=late)
+        return Start(campaign, instrument, replace(given, rig=rig), False)
     campaign, of_sign = rising(campaign)
     campaign, of_pressure = counted(campaign)
     unmoved = at_rest_in_log(campaign)
@@ -54,5 +56,5 @@ def starting(campaign: Campaign, given: ParameterSet | None = None, either_way: 
     if of_sign:  # the angle as it is logged
         of_angle = tuple(replace(r, value=-r.value) for r in of_angle)
     remarks, guess = (*instrument, *of_sign, *of_pressure, *of_angle), guessed_set(campaign)
-    zero = replace(zero_of(remarks), rest=rest)
-    return Start(campaign, remarks, replace(guess, rig=replace(guess.rig, zero=zero)), True)
+    rig = replace(guess.rig, zero=replace(zero_of(remarks), rest=rest), angle_delay=late or 0.0)
+    return Start(campaign, remarks, replace(guess, rig=rig), True)

@@ -5,13 +5,14 @@ that the model does not make of the command.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
+from plants.measured.trace.ranking.contact import pressed_beyond
 
 Array = NDArray[np.float64]
 SINGLE = 0.7
@@ -41,7 +42,7 @@ class Excitation:
 
     lines: frequency [Hz] of each single sine, and how finely it is known [Hz], empty where the commands hold
     more; ramp: whether each is one ramp; begins: time [s] up to which the recordings only begin; longest [s];
-    minor_loops: whether they turn round inside their range too.
+    minor_loops: whether they turn round inside their range too; recordings: themselves.
     """
 
     lines: tuple[tuple[float, float], ...]
@@ -49,6 +50,11 @@ class Excitation:
     begins: float
     longest: float
     minor_loops: bool = True
+    recordings: tuple[Recording, ...] = field(default=(), repr=False, compare=False)
+
+    def pressed_beyond(self, angle: float, way: float) -> float:
+        """By how much of its range the drive goes on while the joint stays at an angle [deg]."""
+        return pressed_beyond(self.recordings, angle, way)
 
     def harmonic(self, frequency: float, orders: int = 20) -> int | None:
         """Which multiple of a line a frequency [Hz] is, as far as the recordings tell; None for none."""
@@ -72,7 +78,8 @@ def excitation(playbacks: Sequence[Playback]) -> Excitation:
         for r, s, f in zip(recordings, spans, lines, strict=True)
     )
     ramp = bool(spans[ramps].sum() >= MOST * spans.sum())
-    return Excitation(alone, ramp, begins, float(spans.max()), inner_turns(recordings) >= TURNS)
+    turns = inner_turns(recordings) >= TURNS
+    return Excitation(alone, ramp, begins, float(spans.max()), turns, tuple(recordings))
 
 
 def inner_turns(recordings: Sequence[Recording]) -> int:

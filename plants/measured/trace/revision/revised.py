@@ -94,7 +94,7 @@ def _without_what_takes_little(
     if not idle:
         return stages, []
     tried = ", ".join(f.NAME for s in idle for f in s.model.forms)
-    return kept, [f"Tried and not adopted, since too little of what is left goes with it: {tried}."]
+    return kept, [f"Tried and not adopted, since more than half of what is left stays: {tried}."]
 
 
 def _parameters(

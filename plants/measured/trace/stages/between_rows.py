@@ -43,6 +43,9 @@ TURNED = 30.0
 """Sum of squares over the noise that has to go for a command to be held, or straight, against what is taken
 for granted: where it hardly moves but by jumps both are alike."""
 
+RESTS = 0.5
+"""Share of its rows in which a command of steps does not change."""
+
 REMAINS = 0.25
 """Share of what chi-square has above 1 that may remain: what a model lacks goes in part with times too."""
 
@@ -95,9 +98,12 @@ def _fitted(model: Model) -> Model:
 
 
 def _turned(stage: Stage) -> Stage:
-    """The stage with commands held between rows that were straight, and straight where they were held."""
+    """The stage with commands held between rows that were straight, and straight where they were held; steps
+    are steps, since a ramp over a row in their place only makes them half a row late."""
 
     def turned(r: Recording) -> Recording:
+        if r.commanded == "held" and np.mean(np.diff(r.command) == 0.0) > RESTS:
+            return r
         return replace(r, between="straight" if r.commanded == "held" else "held", ahead=None)
 
     return replace(stage, playbacks=tuple(replace(p, recording=turned(p.recording)) for p in stage.playbacks))
