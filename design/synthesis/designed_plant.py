@@ -12,14 +12,26 @@ added to the plant's dead time.
 
 from dataclasses import replace
 
+from plants.actuator.delay import LONGEST
 from plants.effects.regulator.dead_time import DeadTime
+from plants.errors import InputError
 from plants.parameters.correlation import pairs_of
 from plants.parameters.quantities import ParameterSet
 
 
 def designed(plant: ParameterSet) -> ParameterSet:
-    """The plant without what a design leaves out, the delay of its angle in its dead time."""
-    return in_loop(without(plant, left_out(plant)))
+    """The plant without what a design leaves out, the delay of its angle in its dead time.
+
+    Raises InputError, in one line, for a dead time of more samples than a loop of compiled laws can hold.
+    """
+    found = in_loop(without(plant, left_out(plant)))
+    late, dt = found.values.get(f"{DeadTime.NAME}.{DeadTime.DELAY}", 0.0), found.rig.sample_time
+    if late > (LONGEST - 1) * dt:
+        raise InputError(
+            f"{plant.title}: a dead time of {late:.3g} s is more than {LONGEST - 1} samples of {dt:g} s; "
+            "give a longer sample time of the loop, loop_s in [rig.time]"
+        )
+    return found
 
 
 def in_loop(plant: ParameterSet) -> ParameterSet:

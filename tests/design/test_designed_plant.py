@@ -14,11 +14,12 @@ from plants.effects.regulator.dead_time import DeadTime, TubeDeadTime
 from plants.effects.regulator.leak import LaminarLeak
 from plants.effects.sensor.gyro_drift import Drift
 from plants.effects.wrist.load_step import GradualLoad, LoadStep
+from plants.errors import InputError
 from plants.parameters.files import built_in, dump, load
 
 
-def plant_with(*forms):
-    values = {f"{f.NAME}.{n}": k.low + 0.6 * (k.high - k.low) for f in forms for n, k in f.kinds().items()}
+def plant_with(*forms, share=0.6):
+    values = {f"{f.NAME}.{n}": k.low + share * (k.high - k.low) for f in forms for n, k in f.kinds().items()}
     return built_in("flexion").revised(forms, values, {}, "a test")
 
 
@@ -49,7 +50,7 @@ def test_a_load_that_was_picked_up_is_the_only_event():
 
 @pytest.mark.parametrize("form", [None, DeadTime, TubeDeadTime])
 def test_an_angle_that_is_read_late_is_dead_time_of_the_loop(form, tmp_path):
-    plant = plant_with(*([] if form is None else [form]))
+    plant = plant_with(*([] if form is None else [form]), share=0.3)
     own = plant.values.get("dead-time.delay", 0.0)
     late = replace(plant, rig=replace(plant.rig, angle_delay=0.08))
     dump(late, tmp_path / "late.toml")
@@ -66,3 +67,12 @@ def test_an_angle_that_is_read_late_is_dead_time_of_the_loop(form, tmp_path):
     np.testing.assert_allclose(then[80:], now[:-80], atol=1e-9)
     dump(looped, tmp_path / "looped.toml")
     assert load(tmp_path / "looped.toml").values == looped.values
+
+
+def test_a_dead_time_that_no_delay_line_holds_is_refused_in_a_line():
+    """It would be cut short without a word."""
+    plant = plant_with(DeadTime, share=0.51)
+    with pytest.raises(InputError, match="is more than 510 samples of 0"):
+        designed(replace(plant, rig=replace(plant.rig, angle_delay=0.01)))
+    slower = replace(plant.rig, sample_time=0.002, angle_delay=0.01)
+    assert designed(replace(plant, rig=slower)).values["dead-time.delay"] == pytest.approx(0.52)
