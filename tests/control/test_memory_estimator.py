@@ -117,6 +117,7 @@ def test_noise_comes_through_no_larger_than_it_is():
 def test_settings_that_make_no_sense_are_refused():
     for changes, words in (
         ({"bandwidth": -1.0}, "bandwidth"),
+        ({"bandwidth": np.array([15.0, -1.0])}, "bandwidth"),
         ({"doubt": 0.0}, "doubt"),
         ({"bandwidth": float("nan")}, "finite"),
     ):

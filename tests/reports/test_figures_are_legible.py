@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from design.controllers.pi import PI
 from design.evaluation.scenarios import tuning_scenarios
+from design.status import Status
 from design.studies.paper import redrawn
 from design.studies.shown.branch_steps import branch_steps
 from design.synthesis.requirements import Limits, Problem
@@ -65,7 +66,9 @@ def cards():
     """The steps of a card, one motion and both."""
     d = small_decision()
     row = CardRow(d.motion, d.controller, d.gains, d.matrix, d.evidence["proved"], d.band)
-    two = [row, row]
+    proved = {**row.proved, "status": Status.OPEN, "rate_1_s": 0.043}
+    gains = {"Kp": 12.94, "Ki": 11.29, "b": 0.6, "Tf": 0.0123}
+    two = [row, replace(row, gains=gains, proved=proved)]
     return {"one motion": draw_steps([row]), "both": draw_steps(two), "whole card": draw_card(two)}
 
 

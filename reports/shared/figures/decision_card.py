@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 SMALL = 7.0
 """Size of the letters of the table [pt]."""
 
+TITLE = 68
+"""Letters of a title that stand in one line above the table."""
+
 LIMIT, BOUND = 0.17, 0.1
 """Widths of the first two columns, as shares of the table's."""
 
@@ -54,7 +57,9 @@ def draw_card(rows: Sequence[CardRow]) -> "Figure":
             at.set_ylabel("Angle [deg]")
             at.set_title(r.motion)
             table.set_axis_off()
-            table.set_title(f"{gains_words(r.gains)}; stability {proof_words(r)}", fontsize=8.5)
+            gains, proof = gains_words(r.gains), f"stability {proof_words(r)}"
+            apart = "; " if len(gains) + len(proof) < TITLE else "\n"
+            table.set_title(f"{gains}{apart}{proof}", fontsize=8.5)
             _matrix(table, matrix_table([r]))
         axes[-2].set_xlabel("Time [s]")
         figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
