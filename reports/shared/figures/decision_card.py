@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 SMALL = 7.0
 """Size of the letters of the table [pt]."""
 
-TITLE = 68
+TITLE = 77
 """Letters of a title that stand in one line above the table."""
 
 LIMIT, BOUND = 0.17, 0.1

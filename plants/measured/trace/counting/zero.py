@@ -29,7 +29,7 @@ from plants.measured.trace.stages.model import Model
 from plants.rig import Zero
 
 Array = NDArray[np.float64]
-WORTH = 0.01
+WORTH = 0.003
 """Share of the pressure's range by which the zeros must differ: less is within what a regulator leaves."""
 
 BELOW = 0.1
