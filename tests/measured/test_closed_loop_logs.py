@@ -11,8 +11,9 @@ from plants.measured.campaign import load_campaign
 from plants.measured.fit import fit_campaign
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
+from plants.measured.stage import Stage
 from plants.measured.trace.rig_fit import fit_rig
-from plants.measured.trace.stages.between_rows import with_command
+from plants.measured.trace.stages.between_rows import _turned, with_command
 from plants.parameters.files import built_in
 from plants.wrist import Wrist
 from tests.rig.campaign import QUICK, logged_table, make_campaign, make_rig, record_closed, set_points
@@ -103,6 +104,18 @@ def test_nor_does_a_regulator_that_became_faster_or_slower(tmp_path, factor):
     plant = built_in("flexion")
     wrist = Wrist.from_values({**plant.values, **values, **changed}, rig=plant.rig)
     assert with_command(recording, wrist) is recording
+
+
+def test_steps_of_a_command_are_no_ramps_over_a_row():
+    """They would only make the steps half a row late, for which a regulator that lacks a dead time asks."""
+    time = np.arange(400) / 20
+    steps, wave = np.repeat([0.0, 3.0, 1.0, 2.0], 100), 2.0 + np.sin(time)
+    played = tuple(Playback(Recording(n, time, u)) for n, u in (("steps", steps), ("wave", wave)))
+    stage = Stage("regulator", "pressure_kPa", 1.0, played, (), built_in("flexion").rig)
+    turned = [p.recording.commanded for p in _turned(stage).playbacks]
+    assert [p.recording.commanded for p in played] == ["held", "held"]
+    assert turned == ["held", "straight"]
+    assert [p.recording.commanded for p in _turned(_turned(stage)).playbacks] == ["held", "held"]
 
 
 @pytest.mark.suite

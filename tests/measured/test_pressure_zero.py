@@ -4,6 +4,8 @@ The rigs are those of `tests.rig.soft`, which share no code with the library; th
 the command is zero.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -23,6 +25,20 @@ def test_the_zero_is_the_rigs_within_a_noise(tmp_path):
     rig = bender()
     rig.write(tmp_path, ("stairs", "steps", "wave"), ("check",))
     assert zero(tmp_path) == pytest.approx(rig.bias, abs=rig.logger.pressure_noise)
+
+
+@pytest.mark.parametrize("share", [0.006, -0.008])
+def test_an_offset_of_less_than_a_hundredth_of_the_range_is_no_leak(tmp_path, share):
+    """As the offset of *soft1300* of `tests.rig.soft_random`, for which a leak was named."""
+    rig = bender()
+    most = rig.gain * (rig.high - rig.low)
+    replace(rig, bias=share * most).write(tmp_path, ("stairs", "steps", "wave"), ("check",))
+    assert zero(tmp_path) == pytest.approx(share * most, abs=rig.logger.pressure_noise)
+
+
+def test_no_offset_is_none(tmp_path):
+    replace(bender(), bias=0.0).write(tmp_path, ("stairs", "steps", "wave"), ("check",))
+    assert zero(tmp_path) is None
 
 
 def test_so_is_that_of_a_rig_that_never_rests(tmp_path):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from plants.measured.trace.judge import alternatives
+from plants.measured.trace.traced_stage import helps
 
 ROWS, BLOCKS = 4000, 20
 
@@ -45,3 +46,18 @@ def test_one_that_leaves_much_more_is_none_however_the_errors_scatter():
 
 def test_another_number_of_effects_is_no_alternative():
     assert found(candidate(("creep",), 1.0), candidate(("drift", "leak"), 1.0)) == {"creep": []}
+
+
+@pytest.mark.parametrize(("left", "kept"), [(5.4, True), (5.6, False)])
+def test_effects_that_leave_half_of_a_stage_are_kept_and_others_are_not(left, kept):
+    """Each has shown on rows left out that it serves; of a declared 10 nine are above the noise."""
+    search: Any = SimpleNamespace(
+        chosen=SimpleNamespace(model=SimpleNamespace(chi2=left)),
+        declared=SimpleNamespace(
+            model=SimpleNamespace(chi2=10.0, stage=SimpleNamespace(channel="angle_deg", noise=0.1))
+        ),
+    )
+    fit: Any = SimpleNamespace(fit_rmse={"angle_deg": 0.3})
+    assert helps(search, fit) == kept
+    under_the_law: Any = SimpleNamespace(fit_rmse={"angle_deg": 0.4})  # 16 under the law that was declared
+    assert helps(search, under_the_law)
