@@ -10,6 +10,7 @@ import anywidget
 import numpy as np
 import traitlets
 
+from design.synthesis.designed_plant import in_loop
 from design.synthesis.requirements import Limits
 from design.synthesis.tuning import Region
 from design.tuner import gains_file, record
@@ -205,8 +206,8 @@ def _named(given: Wrist | ParameterSet | str | Path) -> tuple[str, Wrist, str]:
                 return axis, given, f"--axis {axis} "
         return "your wrist", given, ""
     if isinstance(given, ParameterSet):
-        return given.axis, Wrist.of(given), ""
+        return given.axis, Wrist.of(in_loop(given)), ""
     if given in ("flexion", "deviation"):
         return str(given), Wrist.of(built_in(str(given))), f"--axis {given} "
-    chosen = load(given)
+    chosen = in_loop(load(given))
     return chosen.axis, Wrist.of(chosen), f"--plant {given} "

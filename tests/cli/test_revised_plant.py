@@ -1,6 +1,7 @@
 """A revised plant goes through every command as a declared one does."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -40,6 +41,23 @@ def test_simulate_open_and_closed(wrist, revised):
     late = wrist("simulate", "--plant", revised, "--gains", "3.13,10.4", "--json", "-").json
     soon = wrist("simulate", "--gains", "3.13,10.4", "--json", "-").json
     assert late["metrics"]["overshoot_percent"] > 10.0 > soon["metrics"]["overshoot_percent"]
+
+
+def test_an_angle_that_is_read_late_is_late_in_every_loop(wrist, tmp_path):
+    base, path = built_in("flexion"), tmp_path / "late.toml"
+    dump(replace(base, rig=replace(base.rig, angle_delay=0.1)), path)
+    assert wrist("show", "--plant", path).code == 0
+    open_loop, declared = (wrist("simulate", *of, "--json", "-").json for of in (("--plant", path), ()))
+    assert open_loop["angle_deg"] == declared["angle_deg"]  # as the joint moves
+    late = wrist("simulate", "--plant", path, "--gains", "3.13,10.4", "--json", "-").json
+    soon = wrist("simulate", "--gains", "3.13,10.4", "--json", "-").json
+    assert late["metrics"]["overshoot_percent"] > 10.0 > soon["metrics"]["overshoot_percent"]
+    plain = ("--plain", "--nominal", "--points", "5", "--starts", "1", "--json", "-")
+    tuned = wrist("tune", "--plant", path, *plain)
+    assert "the angle is read 0.1 s late" in tuned.err
+    assert tuned.json["Ki"] < wrist("tune", *plain).json["Ki"]
+    made = wrist("export", "plant", "--plant", path, "--out", tmp_path / "c", "--json", "-").json
+    assert made["settings"]["dead-time.delay"] == 0.1
 
 
 @pytest.mark.slow

@@ -105,10 +105,11 @@ def command(
     from design.export.catalogue import part, record
     from design.export.formats.targets import TARGETS
     from design.export.plant.files import PLANT
+    from design.synthesis.designed_plant import in_loop
     from plants.wrist import Wrist
 
     check_places({"--json": json}, out)
-    chosen = parameter_set(axis, plant)
+    chosen = in_loop(parameter_set(axis, plant))
     wrist = Wrist.of(chosen)
     if controller == PLANT:
         refused = {"--gains": gains, "--rate-limit": rate_limit, "--hand-over": hand_over or None}
