@@ -208,7 +208,7 @@ def what_is_left(stage: StageTrace, adopted: bool) -> str:
 def learnt(stage: StageTrace) -> str:
     """The description of the residual, or that there is none."""
     if stage.description is not None:
-        return description(stage.description)
+        return description(stage.description, stage.stage.channel)
     return "No smooth curve of a variable describes it on held-out blocks of time."
 
 

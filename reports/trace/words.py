@@ -66,11 +66,20 @@ def answer(trace: Trace) -> str:
     return f"{head[0].upper()}{head[1:]} a part of the residual: {falls}."
 
 
+def _chi_squares(s: StageTrace) -> tuple[float, float]:
+    """Chi-square of a stage before and after; simulated from the command where effects were last fitted so,
+    and the pressure that was measured says nothing of them."""
+    declared, chosen = s.search.declared.model, s.search.chosen.model
+    if s.model.forms and chosen.chi2 > declared.chi2:
+        declared, chosen = declared.freely, chosen.freely
+    return declared.chi2, chosen.chi2
+
+
 def evidence(trace: Trace) -> str:
     """How chi-square moved in each stage, and how many effects were refitted."""
     said = []
     for s in trace.stages:
-        declared, chosen = s.search.declared.model.chi2, s.search.chosen.model.chi2
+        declared, chosen = _chi_squares(s)
         moved = f" to {fixed(chosen, 2)}" if s.model.forms else ""
         said.append(f"{_channel(s.stage.channel)} {fixed(declared, 2)}{moved}")
     rounds = [r for s in trace.stages for r in s.search.rounds]
@@ -276,14 +285,14 @@ def describe(after: Examination, channel: str) -> str:
     return f"{size}; {depends(after.depends_on)}."
 
 
-def description(learnt: Description) -> str:
-    """How much of a residual a description accounts for, in a sentence."""
+def description(learnt: Description, channel: str) -> str:
+    """How much of the residual of a channel a description accounts for, in a sentence."""
     curves = "smooth curves of " if len(learnt.variables) > 1 else "a smooth curve of "
     made = curves + listed([VARIABLES.get(v, v) for v in learnt.variables])
     accounts = "account" if len(learnt.variables) > 1 else "accounts"
     return (
         f"A description, not a cause: {made} {accounts} for {100 * learnt.described:.0f} % of the residual "
-        "beyond noise, on held-out blocks of time."
+        f"of the {_channel(channel)} beyond noise, on held-out blocks of time."
     )
 
 

@@ -198,7 +198,9 @@ def lines(trace: "Trace") -> list[Any]:
     if trace.effects:
         said += ["", _effects(trace.effects)]
     words = [w for e in trace.effects for w in e.separations]
-    words += [description(s.description) for s in trace.unexplained if s.description is not None]
+    words += [
+        description(s.description, s.stage.channel) for s in trace.unexplained if s.description is not None
+    ]
     if trace.cannot_judge:
         words.append("These recordings cannot decide:")
         words += [f"  {name}: {why}" for name, why in trace.cannot_judge.items()]

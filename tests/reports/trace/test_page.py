@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from reports.trace.record import trace_record
 from reports.trace.residual_figures import means, telling, thinned
 from reports.trace.search_figures import best_forms, drawn_forms
 from reports.trace.tables import decision_table
-from reports.trace.words import FEW, block_words, depends, summary, verdict_sentence
+from reports.trace.words import FEW, block_words, depends, evidence, summary, verdict_sentence
 from tests.reports.html_page import Page, summary_of
 from tests.reports.report_samples import small_trace
 
@@ -170,6 +171,7 @@ def test_the_pressure_is_drawn_over_time_only_where_something_was_found_in_it(be
 def test_what_no_effect_explains_is_described_and_not_called_a_cause(unexplained, made, no_pictures):
     text = Page(trace_page(unexplained, made)).text
     assert "Unexplained: of the angle" in text
+    assert "% of the residual of the angle beyond noise" in text
     assert "a description, not a cause" in text.lower()
     assert "depends on the angle, and jumps at times" in text
     assert "Tried & dropped." in text
@@ -231,9 +233,31 @@ def test_the_verdicts_read_well(bent, unexplained):
         "The residual has structure that none of the 17 effects explains: the angle error on "
     )
     assert left.endswith("; the residual depends on the angle, and jumps at times.")
+    part = replace(bent, verdict="unexplained")
+    assert summary(part)[0].startswith(
+        "Branch-curvature explains a part of the residual: held-out angle RMSE"
+    )
     tied = replace(bent.effects[0], alternatives=("end-stop", "softening"))
     said = verdict_sentence(replace(bent, effects=(tied,)))
     assert said.endswith("; these recordings do not distinguish branch-curvature from end-stop or softening.")
+
+
+def test_chi_squares_of_a_stage_are_of_one_kind_of_simulation(bent):
+    """What was last fitted in a free run from the command leaves more under the measured pressure."""
+
+    def model(measured, free):
+        return SimpleNamespace(chi2=measured, forms=("creep",), freely=SimpleNamespace(chi2=free))
+
+    (stage,) = (s for s in bent.stages if s.name == "wrist")
+    for chosen, said in (
+        (model(115.0, 9.0), "angle 90.00 to 9.00"),
+        (model(3.0, 9.0), "angle 27.00 to 3.00"),
+    ):
+        search = SimpleNamespace(
+            declared=SimpleNamespace(model=model(27.0, 90.0)), chosen=SimpleNamespace(model=chosen), rounds=[]
+        )
+        of_stage = SimpleNamespace(stage=stage.stage, search=search, model=chosen)
+        assert said in evidence(replace(bent, stages=(of_stage,)))
 
 
 def test_a_channel_that_was_not_logged_is_null(bent):
