@@ -1,9 +1,16 @@
 """Where no gains hold every limit, the nearest are those of which all that they break is known, and least."""
 
+from dataclasses import replace
+
 import numpy as np
 
+from design.margins import margins
+from design.robustness.tuning.gain_search import evaluate_law, law_with
+from design.robustness.tuning.nearest_gains import nearest
 from design.synthesis.evaluate import Evaluation, best_of, controller, evaluate, join, simulated
-from design.synthesis.requirements import default_problem
+from design.synthesis.requirements import Limits, default_problem
+from design.synthesis.structure import PLAIN_PI
+from design.synthesis.tuning import Region, Tuning
 from plants import Wrist
 
 
@@ -43,3 +50,32 @@ def test_runs_that_never_settle_are_counted():
     assert at.unsettled[1] > 0
     assert at.only(1).unsettled.tolist() == at.unsettled[1:].tolist()
     assert join([at, at]).unsettled.tolist() == [*at.unsettled, *at.unsettled]
+
+
+def tuned(Kp, Ki, **limits):
+    """Gains of flexion under other limits, those of a plain PI with all its settings."""
+    wrist = Wrist.flexion()
+    problem = default_problem(wrist, replace(Limits.of(wrist.rig), **limits))
+    law = law_with(PLAIN_PI, PLAIN_PI.settings)
+    at = evaluate_law(problem, law, np.array([Kp]), np.array([Ki]))
+    return Tuning(problem, Region.of(wrist), at, at, ())
+
+
+def test_where_a_margin_cannot_be_held_runs_that_settle_come_before_it():
+    """Gains so low that hardly a run settles, for the sake of an Ms that no gains hold."""
+    slow = tuned(0.5, 0.3, Ms=1.0)
+    assert not slow.feasible
+    found = nearest(slow)
+    assert found.at.unsettled[0] < slow.at.unsettled[0]
+    each = simulated(found.problem, controller(found.problem, found.at.Kp, found.at.Ki), 1)
+    assert np.isinf(each.settling_time_s).sum() == found.at.unsettled[0]
+    margin = margins(found.problem.branches, controller(found.problem, found.at.Kp, found.at.Ki))
+    assert margin.Ms[0] <= 2.0
+    assert margin.delay_margin_s[0] >= found.problem.limits.delay_margin_s
+
+
+def test_gains_with_which_every_run_settles_stay():
+    found = tuned(1.2, 2.2, overshoot_percent=1e-6)
+    assert not found.feasible
+    assert found.at.unsettled[0] == 0
+    assert nearest(found) is found

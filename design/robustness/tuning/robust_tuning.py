@@ -29,6 +29,7 @@ from design.robustness.requirement import Requirement
 from design.robustness.samples.hunt import Hunted
 from design.robustness.tuning.case_pool import POOL, harshest, pool_of
 from design.robustness.tuning.gain_search import solved, with_evidence
+from design.robustness.tuning.nearest_gains import nearest
 from design.robustness.tuning.tuned_controller import TunedController
 from design.robustness.tuning.worse_branches import on_all_branches
 from design.synthesis.answer import out_of_reach
@@ -166,6 +167,9 @@ def tune_robustly(
 
     grown = grow(requirement, problem, design, seed, rounds, jobs, tell)
     tell("map", 0.9)
+    if not grown.final.feasible and structure is PLAIN_PI:
+        last = grown.rounds[-1]
+        grown = replace(grown, rounds=(*grown.rounds[:-1], replace(last, tuning=nearest(last.tuning))))
     if starts > 0:
         last = grown.rounds[-1]
         shown = replace(last, tuning=with_evidence(last.tuning, starts))

@@ -1,0 +1,48 @@
+"""The nearest gains where none hold a grown set: those with the fewest runs that never settle.
+
+A search passes over gains that break a limit of the linear loop without a run, since no run could make them
+hold.  Where nothing holds, such a search may end with gains so low that not even the plant as fitted settles,
+for the sake of an Ms on one corner of a wide box, beside gains with which every run does.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from design.robustness.tuning.gain_search import evaluate_law, law_of
+from design.synthesis.evaluate import Evaluation, best_of, join
+from design.synthesis.tuning import Tuning
+
+POINTS, FINER = 12, 7
+"""Points of the map of the region in each gain, and of the finer one around its best cell."""
+
+BEYOND = {"Ms": 1.0, "Mt": 1.0, "delay_margin_s": 0.0}
+"""Share of a limit of the linear loop by which gains may miss it and still be the nearest: twice the limit of
+Ms and Mt, a quarter away from -1 for a half, with all of the delay margin."""
+
+
+def nearest(found: Tuning) -> Tuning:
+    """The tuning with the gains of a map of its region of which fewer runs of its set never settle, if there
+    are any, those that miss a limit of the linear loop by up to `BEYOND` among them."""
+    problem, law = replace(found.problem, screened=False), law_of(found.at)
+    before = best = evaluate_law(problem, law, found.at.Kp, found.at.Ki)
+    if not before.unsettled[0]:
+        return found
+    region = replace(found.region, points=min(found.region.points, POINTS))
+    rows, columns = region.grid
+    for _ in range(2):
+        Kp, Ki = (g.ravel() for g in np.meshgrid(rows, columns, indexing="ij"))
+        best = best_of(join([best, _within(evaluate_law(problem, law, Kp, Ki))]))
+        rows, columns = (
+            np.clip(gain[0] * ratio ** np.linspace(-1.0, 1.0, FINER), *ends)
+            for gain, ratio, ends in zip(
+                (best.Kp, best.Ki), region.resolution, (region.Kp, region.Ki), strict=True
+            )
+        )
+    return replace(found, at=best, map=best) if best.unsettled[0] < before.unsettled[0] else found
+
+
+def _within(at: Evaluation) -> Evaluation:
+    """The evaluation with those that miss a limit of the linear loop by more counted as not simulated."""
+    missed = [at.excess[n] > share for n, share in BEYOND.items() if n in at.excess]
+    return replace(at, cost=np.where(np.any(missed, axis=0), np.inf, at.cost)) if missed else at
