@@ -15,7 +15,7 @@ from plants.effects.effect import (
     Number,
     TrialHints,
     parameter,
-)  # fmt: skip
+)
 
 PRESSED = 0.03
 """Share of its range by which the pressure has to go on at a stop to tell it from the end of a curve."""
