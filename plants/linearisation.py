@@ -109,9 +109,14 @@ def branch_slope(wrist: "Wrist", branch: str) -> float:
     return slopes[branch]
 
 
-def branch_slopes(wrist: "Wrist", pressures: tuple[float, float] | None = None) -> dict[str, float]:
+def branch_slopes(
+    wrist: "Wrist",
+    pressures: tuple[float, float] | None = None,
+    within: tuple[float, float] | None = None,
+) -> dict[str, float]:
     """Slopes [deg/kPa] of the branches on which the closed loop can work between two pressures [kPa], those
-    of the rig's task (`task_pressures`) where not given.
+    of the rig's task (`task_pressures`), which it never leaves, where not given; within: pressures [kPa] that
+    it never leaves, any where not given.
 
     What is proved of every motion asks for all pressures that the command can give, `Wrist.reach`.
 
@@ -119,8 +124,9 @@ def branch_slopes(wrist: "Wrist", pressures: tuple[float, float] | None = None) 
     >>> branch_slopes(Wrist.flexion())
     {'transit': 0.0803, 'line1': 0.36, 'line2': 0.36}
     """
-    low, high = task_pressures(wrist) if pressures is None else pressures
-    return {name: float(slope) for name, slope in wrist.hysteresis.branches(low, high).items()}
+    if pressures is None:
+        pressures = within = task_pressures(wrist)
+    return {name: float(slope) for name, slope in wrist.hysteresis.branches(*pressures, within).items()}
 
 
 def branch_ss(wrist: "Wrist", branch: str, rate: str = "fast") -> Any:
@@ -244,9 +250,9 @@ def _parts(wrist: "Wrist", z: Any, pressures: tuple[float, float]) -> list[Linea
 
 
 def slopes_with_effects(wrist: "Wrist", pressures: tuple[float, float]) -> dict[str, tuple[float, ...]]:
-    """Least and largest slope [deg/kPa] of each branch between two pressures [kPa], with what effects do to
-    it; one where they are the same.  Ends of one branch, named after a comma (outer branch, flattest), are
-    one branch here.
+    """Least and largest slope [deg/kPa] of each branch between two pressures [kPa] that are never left, with
+    what effects do to it; one where they are the same.  Ends of one branch, named after a comma (outer
+    branch, flattest), are one branch here.
 
     Where a curve of the law is steep an effect may make it flat again: only what meets at one pressure is
     multiplied, so that the range is looked at in pieces.
@@ -254,9 +260,10 @@ def slopes_with_effects(wrist: "Wrist", pressures: tuple[float, float]) -> dict[
     found: dict[str, list[float]] = {}
     edges, still = np.linspace(*pressures, PIECES + 1), np.ones(1)
     driving = np.broadcast_to(driving_pressure(wrist, edges), edges.shape)
+    within = float(driving.min()), float(driving.max())
     for piece, driven in zip(pairwise(edges.tolist()), pairwise(driving.tolist()), strict=True):
         parts = _parts(wrist, still, piece)
-        for branch, straight in branch_slopes(wrist, (min(driven), max(driven))).items():
+        for branch, straight in branch_slopes(wrist, (min(driven), max(driven)), within).items():
             sides = wrist.hysteresis.sides(branch)
             bent = [straight * x for x in _products([slope_factors(x.slopes, sides) for x in parts])]
             added = [[x.added[side] for x in parts if side in x.added] for side in sides]

@@ -147,16 +147,15 @@ def numbers(text: str, option: str, example: str) -> tuple[float, ...]:
 
 
 def check_dead_time(plant: "ParameterSet", asked: float | None) -> None:
-    """Refuse a dead time that is asked of a plant that has one of its own, which keeps it."""
+    """Refuse a longest dead time that is no longer than the one that the plant has of its own."""
     from plants.effects.regulator.dead_time import DeadTime
     from plants.errors import InputError
 
-    own = next((e for e in plant.effects if e.NAME == DeadTime.NAME), None)
-    if asked and own is not None:
-        delay = plant.values[f"{DeadTime.NAME}.delay"]
+    own = plant.values.get(f"{DeadTime.NAME}.{DeadTime.DELAY}", 0.0)
+    if asked and asked <= own:
         raise InputError(
-            f"--dead-time: the plant has a dead time of its own, {1000.0 * delay:.3g} ms, and is judged with "
-            f"its interval; wrist robust --box {DeadTime.NAME}.delay=0:{delay + asked:.3g} takes more"
+            f"--dead-time: the plant has a dead time of its own, {1000.0 * own:.3g} ms, and is judged with "
+            "its interval; give a longer one, which holds that, or 0 for none beside it"
         )
 
 

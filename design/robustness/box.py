@@ -13,13 +13,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.evaluation.scenarios import Spread
-from design.status import Status
+from design.robustness.confidence_region import ConfidenceRegion
+from design.robustness.intervals import (
+    AssumedShare,
+    Given,
+    Interval,
+    StandardErrors,
+    half_width,
+    narrowed,
+    refuse_outside,
+)
 from plants.effects.wrist.remainder import ColouredRemainder
 from plants.errors import InputError
 from plants.hysteresis import Role
 from plants.linearisation import branch_slopes
-from plants.parameters.correlation import matrix_of
-from plants.parameters.quantities import Assumed, Fitted, Parameter, ParameterSet
+from plants.parameters.quantities import Fitted, ParameterSet
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -42,58 +50,14 @@ branches of the loop would cross."""
 
 
 @dataclass(frozen=True)
-class Given:
-    """An interval that was asked for."""
-
-
-@dataclass(frozen=True)
-class StandardErrors:
-    """An interval of so many standard errors either way of a value that was fitted to data."""
-
-    count: float
-    data: str
-
-
-@dataclass(frozen=True)
-class AssumedShare:
-    """An interval of a share of the value either way; together: parameters that vary by one factor; fitted:
-    the value was, without a standard error."""
-
-    share: float
-    together: tuple[str, ...] = ()
-    fitted: bool = False
-
-
-Origin = Given | StandardErrors | AssumedShare
-"""Where an interval comes from."""
-
-
-@dataclass(frozen=True)
-class Interval:
-    """Bounds of a parameter, low < high, in its unit, and where they come from; or, where `scaled` names
-    parameters, of the factor by which these differ from the plant's."""
-
-    name: str
-    low: float
-    nominal: float
-    high: float
-    unit: str
-    origin: Origin
-    scaled: tuple[str, ...] = ()
-
-    @property
-    def status(self) -> Status | None:
-        """Assumed, where nobody measured how far the parameter may lie off and nobody gave it."""
-        return Status.ASSUMED if isinstance(self.origin, AssumedShare) else None
-
-
-@dataclass(frozen=True)
 class Box:
     """Intervals of a plant's parameters; the others keep the values of `plant`.
 
-    Estimates whose errors are correlated vary together: within their intervals, as far as so many standard
-    errors along each principal axis of their correlation take them.  remainder: what the plant leaves, as a
-    disturbance of every wrist of the box; which part of it a wrist meets is the last of the intervals.
+    Estimates lie in their joint confidence region, at the confidence of each interval: the more there are,
+    the less likely is it that all lie at the ends of theirs.  Those whose errors are correlated vary
+    together: within their intervals, as far as so many standard errors along each principal axis of their
+    correlation take them.  remainder: what the plant leaves, as a disturbance of every wrist of the box;
+    which part of it a wrist meets is the last of the intervals.
     """
 
     plant: ParameterSet
@@ -111,26 +75,19 @@ class Box:
         return Wrist.of(self.plant)
 
     @cached_property
-    def _together(self) -> tuple[NDArray[np.intp], Array]:
-        """Which intervals are of estimates whose errors are correlated, (m,), and the symmetric square root
-        of their correlation (m, m), each row in units of the interval's half-width."""
-        at = [k for k, i in enumerate(self.intervals) if isinstance(i.origin, StandardErrors)]
-        matrix = matrix_of(self.plant.correlation, [self.intervals[k].name for k in at])
-        tied = np.flatnonzero(np.abs(matrix - np.eye(len(at))).sum(axis=1))
-        sizes, vectors = np.linalg.eigh(matrix[np.ix_(tied, tied)])
-        return np.array(at, np.intp)[tied], (vectors * np.sqrt(np.maximum(sizes, 0.0))) @ vectors.T
+    def region(self) -> ConfidenceRegion:
+        """Where the estimates of the box lie together."""
+        return ConfidenceRegion.of(self.intervals, self.plant.correlation)
 
     def coordinates(self, shares: Array) -> dict[str, Array]:
         """Values of the intervals, by their names, at places in the box: `shares` of shape (intervals, ...),
         0 at the lower and 1 at the upper end of each, or of each principal axis of what is correlated."""
-        shares = np.asarray(shares, float)
+        shares = self.region.within(np.asarray(shares, float))
         found = [i.low + (i.high - i.low) * s for i, s in zip(self.intervals, shares, strict=True)]
-        tied, root = self._together
-        if tied.size:
-            moved = np.tensordot(root, 2.0 * shares[tied] - 1.0, axes=1)
-            for k, by in zip(tied, moved, strict=True):
-                i = self.intervals[k]
-                found[k] = np.clip(i.nominal + self._half(i) * by, i.low, i.high)
+        tied, moved = self.region.tied, self.region.along_axes(shares)
+        for k, by in zip(tied, moved, strict=True):
+            i = self.intervals[k]
+            found[k] = np.clip(i.nominal + self._half(i) * by, i.low, i.high)
         return {i.name: v for i, v in zip(self.intervals, found, strict=True)}
 
     def _half(self, i: Interval) -> float:
@@ -172,7 +129,7 @@ class Box:
         others, which stay in the middle: at least all that the box holds."""
         own = {n for names in _together(self.plant).values() for n in names}
         ends = [(0.0, 1.0) if own & {i.name, *i.scaled} else (0.5,) for i in self.intervals]
-        apart = replace(self, plant=replace(self.plant, correlation={}))
+        apart = replace(self, intervals=tuple(replace(i, origin=Given()) for i in self.intervals))
         return [apart.at(np.array(corner)) for corner in product(*ends)]
 
     def slopes(self, branch: str) -> tuple[float, float]:
@@ -225,10 +182,10 @@ def box_of(
         kind = kinds[name]
         if name in given:
             low, high = given[name]
-            _refuse(name, low, high, kind.low, kind.high, p)
+            refuse_outside(name, low, high, kind.low, kind.high, p)
             found.append(Interval(name, low, p.value, high, p.unit, Given()))
             continue
-        half, origin = _half_width(name, p, shares, sigmas, name in inner)
+        half, origin = half_width(name, p, shares, sigmas, name in inner)
         group = next((g for g, of in together.items() if name in of), None)
         if group and isinstance(origin, AssumedShare):
             groups[group] += (name,)
@@ -260,51 +217,16 @@ def shares_of(plant: ParameterSet, spread: Spread) -> dict[str, float]:
     return slopes | widths | {"Tw": spread.lag} | dict.fromkeys(("k_fast", "k_slow", "e0"), RATES)
 
 
-def _half_width(
-    name: str, p: Parameter, shares: Mapping[str, float], sigmas: float, scales: bool
-) -> tuple[float, Origin | None]:
-    """Half-width of the interval of a parameter and where it comes from; 0 and None where it has none.
-    `scales`: with the outer branches, even if stated."""
-    share, fitted = shares.get(name, 0.0), isinstance(p.provenance, Fitted)
-    if isinstance(p.provenance, Fitted) and p.provenance.std_error is not None:
-        return sigmas * p.provenance.std_error, StandardErrors(sigmas, p.provenance.data)
-    if fitted or isinstance(p.provenance, Assumed) or scales:
-        return share * abs(p.value), AssumedShare(share, fitted=fitted)
-    return 0.0, None
-
-
-def _refuse(name: str, low: float, high: float, least: float, most: float, p: Parameter) -> None:
-    if not (np.isfinite(low) and np.isfinite(high)) or low >= high:
-        what = "inverted" if low > high else "empty"
-        raise InputError(f"box: {name} = {low:g}:{high:g} {p.unit} is {what}; give low:high with low < high")
-    if low < least or high > most:
-        raise InputError(f"box: {name} = {low:g}:{high:g} {p.unit} is outside {least:g} to {most:g}")
-    if not low <= p.value <= high:
-        raise InputError(
-            f"box: {name} = {low:g}:{high:g} {p.unit} does not hold the plant's own value {p.value:g}"
-        )
-
-
 def _forwards(box: Box) -> Box:
     """The box, or the widest, in `NARROWED` steps of the loop's intervals, whose loops all run forwards."""
     own = {n for names in _together(box.plant).values() for n in names}
     for share in np.linspace(1.0, 0.0, NARROWED + 1):
-        parts = [_narrowed(i, float(share)) if own & {i.name, *i.scaled} else i for i in box.intervals]
+        parts = [narrowed(i, float(share)) if own & {i.name, *i.scaled} else i for i in box.intervals]
         narrow = replace(box, intervals=tuple(i for i in parts if i.low < i.high))
         words = _backwards(narrow)
         if words is None:
             return narrow
     raise InputError(f"box: {words} at a corner of the box; give a smaller one")
-
-
-def _narrowed(interval: Interval, share: float) -> Interval:
-    """An interval of standard errors with this share of its width; any other, which somebody stated, as it
-    is."""
-    if not isinstance(interval.origin, StandardErrors):
-        return interval
-    middle, fewer = interval.nominal, replace(interval.origin, count=share * interval.origin.count)
-    low, high = middle + share * (interval.low - middle), middle + share * (interval.high - middle)
-    return replace(interval, low=low, high=high, origin=fewer)
 
 
 def _backwards(box: Box) -> str | None:

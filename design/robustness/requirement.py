@@ -23,14 +23,12 @@ from design.evaluation.scenarios import Spread
 from design.evaluation.tasks import tuning_tasks
 from design.margins import BranchResponse, Margins, branch_responses, margins
 from design.robustness.box import SIGMAS, Box, box_of
-from design.robustness.samples.conditions import Conditions
+from design.robustness.samples.conditions import Conditions, beside
 from design.robustness.samples.draws import generator
 from design.robustness.samples.search_space import KINDS, Kind, Space
 from design.robustness.samples.worst import excesses
 from design.synthesis.requirements import Limits, Problem
 from plants.effects.effect import dead_time_of
-from plants.effects.regulator.dead_time import DeadTime
-from plants.effects.wrist.load_step import LoadStep
 from plants.effects.wrist.remainder import ColouredRemainder
 from plants.kernel import pytrees
 from plants.parameters.quantities import ParameterSet
@@ -76,13 +74,10 @@ class Requirement:
 
     @cached_property
     def space(self) -> Space:
-        """Every case, as places of a cube; a plant that has a dead time or a load of its own keeps it, within
-        the box."""
-        own = {e.NAME for e in self.wrist.effects}
-        late = 0.0 if DeadTime.NAME in own else self.conditions.dead_time
-        load = 0.0 if LoadStep.NAME in own else self.conditions.load
-        kinds = tuple(k for k in self.kinds if k != "load" or load > 0.0)
-        return Space(self.box, 3, late, load, self.duration, kinds)
+        """Every case, as places of a cube; a dead time or a load of the plant's own varies within the box."""
+        met = beside(self.wrist, self.conditions)
+        kinds = tuple(k for k in self.kinds if k != "load" or met.load > 0.0)
+        return Space(self.box, 3, met.dead_time, met.load, self.duration, kinds)
 
     @cached_property
     def branches(self) -> tuple[BranchResponse, ...]:
@@ -98,15 +93,19 @@ class Requirement:
         return tuple(found.values())
 
     def corners(self) -> list[Wrist]:
-        """The nominal wrist, and those at the ends of the intervals that move a response at all."""
+        """The nominal wrist, and those at the ends of the intervals that move a response at all, of estimates
+        as many at once as their joint confidence region holds."""
         middle = np.full(len(self.box.intervals), 0.5)
         before = _stacked(self.box.at(middle))
         moved = []
         for i in range(middle.size):
             ends = [_stacked(self.box.at(_with(middle, i, share))) for share in (0.0, 1.0)]
             moved.append(max(_moved(before, e) for e in ends))
-        order = np.argsort(moved)[::-1]
-        chosen = [int(i) for i in order if moved[i] > 1e-9][:MOST_CORNERS]
+        region, chosen = self.box.region, list[int]()
+        for i in map(int, np.argsort(moved)[::-1]):
+            estimates = len({*chosen, i}.intersection(region.at.tolist()))
+            if moved[i] > 1e-9 and len(chosen) < MOST_CORNERS and region.holds(estimates):
+                chosen.append(i)
         found = []
         for shares in product((0.0, 1.0), repeat=len(chosen)):
             place = middle.copy()

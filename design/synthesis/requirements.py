@@ -12,7 +12,7 @@ from design.evaluation.cases import Case, stack
 from design.evaluation.runner import Lanes
 from design.evaluation.scenarios import Spread, tuning_scenarios, within_reach
 from design.margins import BranchResponse, branch_responses
-from plants.effects.regulator.dead_time import DeadTime
+from plants.effects.effect import dead_time_of
 from plants.rig import Rig, built_in_rig
 from plants.simulation.disturbance import burdened
 from plants.simulation.sensor import HOLD, PERFECT, Sensor
@@ -182,7 +182,7 @@ def late_problem(
     jobs: int | None = None,
 ) -> Problem:
     """All scenarios behind a dead time [s], the longest that the rig states if not given, which is in the
-    margins too; a plant with a dead time of its own keeps that.
+    margins too; a plant with a dead time of its own has what is left of it beside that.
 
     >>> from plants.wrist import Wrist
     >>> problem = late_problem(Wrist.flexion())
@@ -190,7 +190,8 @@ def late_problem(
     ({0.05}, 12)
     """
     late = wrist.rig.uncertainty.dead_time[1] if dead_time is None else dead_time
-    if late == 0.0 or any(e.NAME == DeadTime.NAME for e in wrist.effects):
+    late -= float(np.max(dead_time_of(wrist.effects)))
+    if late < wrist.rig.sample_time:
         return default_problem(wrist, limits, cost, jobs=jobs)
     scenarios = [replace(s, wrist=burdened(s.wrist, late, None)) for s in tuning_scenarios(wrist)]
     plain = Problem.of(wrist, scenarios, limits, cost, duration, jobs)

@@ -237,7 +237,9 @@ class FourSegment(HysteresisLaw):
         corner = np.where(up, np.minimum(met, end), np.maximum(met, end))
         return corner, memory.h + self.first_slope(memory) * (corner - before)
 
-    def branches(self, low: float, high: float) -> dict[str, float]:
+    def branches(
+        self, low: float, high: float, within: tuple[float, float] | None = None
+    ) -> dict[str, float]:
         """The transit and the two lines; the virgin curve has slope 0 and is left once, for good."""
         return {"transit": self.s, "line1": self.a1, "line2": self.a2}
 

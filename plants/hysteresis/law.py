@@ -203,10 +203,13 @@ class HysteresisLaw(ABC):
         rises) at which the slope changes most, where the first slope ends; beyond `end` it is `end`'s."""
 
     @abstractmethod
-    def branches(self, low: float, high: float) -> dict[str, float]:
+    def branches(
+        self, low: float, high: float, within: tuple[float, float] | None = None
+    ) -> dict[str, float]:
         """Slopes [deg/kPa] of the branches on which a loop can work between two pressures [kPa], by name; all
         that occur lie between the least and the largest.  Names do not depend on the pressures; two ends
-        of one branch have their names after a comma."""
+        of one branch have their names after a comma.  within: pressures [kPa] that are never left; any
+        where not given."""
 
     def straight(self) -> bool:
         """Whether the two outer branches are straight lines."""

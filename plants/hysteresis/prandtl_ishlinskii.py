@@ -299,21 +299,33 @@ class PrandtlIshlinskii(HysteresisLaw):
         """Where the output curve is."""
         return all(float(m) == 1.0 for m in (self.b2, self.b1, self.c1, self.c2))
 
-    def branches(self, low: float, high: float) -> dict[str, float]:
+    def branches(
+        self, low: float, high: float, within: tuple[float, float] | None = None
+    ) -> dict[str, float]:
         """With no play engaged and with all of them, on the flattest and on the steepest piece of the curve
         that these pressures reach; what some of the plays make lies between, and so needs no name.  A law
         with a curve has all three names, even where its pieces there have one slope."""
         outer, width = float(self._outer), float(self._width)
-        ends = [outer * (p - float(self.rest_pressure)) + w for p in (low, high) for w in (-width, width)]
+
+        def plays(pressure: float, side: float) -> float:
+            return outer * (pressure - float(self.rest_pressure)) + side * width
+
+        ends = [plays(p, side) for p in (low, high) for side in (-1.0, 1.0)]
+        if within is not None:
+            # The plays go no further down than on the descending branch at the least pressure, and no
+            # further up than on the ascending one at the largest.
+            least, most = sorted((plays(within[0], 1.0), plays(within[1], -1.0)))
+            ends = [min(max(u, least), most) for u in ends]
         s, c = float(self.span), float(self.centre)
         knots = (-np.inf, c - 2.0 * s, c - s, c + s, c + 2.0 * s, np.inf)
         slopes = (self.b2, self.b1, 1.0, self.c1, self.c2)
         reached = [
             float(m)
             for m, (a, b) in zip(slopes, pairwise(knots), strict=True)
-            if a < max(ends) and b > min(ends)
+            if a <= max(ends) and b >= min(ends)
         ]
-        first, least, most = float(self.v0) * min(reached), outer * min(reached), outer * max(reached)
+        first = float(self.v0) * min(reached)
+        least, most = outer * min(reached), outer * max(reached)
         if len(set(slopes)) == 1:
             return {REVERSED: first, "outer branch": most}
         return {REVERSED: first, "outer branch, flattest": least, "outer branch, steepest": most}

@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from typing import Any
 
-from design.robustness.box import AssumedShare, Given, Origin
 from design.robustness.certificates.continuous.virgin import VirginBounds
 from design.robustness.certificates.statements import (
     VirginTimes,
 )
+from design.robustness.intervals import AssumedShare, Given, Origin
 from design.robustness.statement import Statement
 from reports.robustness.claims import claim_words
 from reports.robustness.reasons import because, virgin_words

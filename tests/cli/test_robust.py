@@ -181,13 +181,13 @@ def test_gains_of_two_degrees_of_freedom_are_taken_in_line():
 
 
 @pytest.mark.parametrize("command", [("robust", "--gains", "1.2,2.2", *QUICK), ("tune", "--two-dof")])
-def test_a_dead_time_beside_a_plant_s_own_is_refused(wrist, tmp_path, command):
+def test_a_dead_time_within_a_plant_s_own_is_refused(wrist, tmp_path, command):
     plant = built_in("flexion").revised([DeadTime], {"dead-time.delay": 0.02}, {}, "p1")
     dump(plant, tmp_path / "late.toml")
-    outcome = wrist(*command, "--plant", tmp_path / "late.toml", "--dead-time", "0.05")
+    outcome = wrist(*command, "--plant", tmp_path / "late.toml", "--dead-time", "0.015")
     assert outcome.code == 2
     assert "has a dead time of its own, 20 ms" in outcome.err
-    assert "--box dead-time.delay=0:0.07 takes more" in outcome.err
+    assert "give a longer one" in outcome.err
 
 
 def test_an_interval_that_is_given_twice_is_refused():

@@ -74,6 +74,16 @@ def test_where_a_margin_cannot_be_held_runs_that_settle_come_before_it():
     assert margin.delay_margin_s[0] >= found.problem.limits.delay_margin_s
 
 
+def test_where_no_gains_within_twice_the_limits_settle_any_stable_loop_may():
+    """An Ms that only gains hold with which hardly a run settles: twice its limit is 1.1."""
+    slow = tuned(0.5, 0.3, Ms=0.55)
+    found = nearest(slow)
+    assert slow.at.unsettled[0] > found.at.unsettled[0] == 0
+    margin = margins(found.problem.branches, controller(found.problem, found.at.Kp, found.at.Ki))
+    assert 1.1 < margin.Ms[0] < 2.0
+    assert margin.delay_margin_s[0] >= found.problem.limits.delay_margin_s
+
+
 def test_gains_with_which_every_run_settles_stay():
     found = tuned(1.2, 2.2, overshoot_percent=1e-6)
     assert not found.feasible

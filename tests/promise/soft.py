@@ -19,12 +19,13 @@ import numpy as np
 from design.robustness.tuning.recommended import tune_candidates
 from design.studies.design_study import Taken, required_of
 from design.synthesis.designed_plant import designed
-from plants.effects.regulator.dead_time import DeadTime
+from plants.effects.effect import dead_time_of
 from plants.errors import InputError
 from plants.measured.campaign import load_campaign
 from plants.measured.trace.result import Trace
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.quantities import ParameterSet
+from plants.wrist import Wrist
 from tests.promise.held import LATE, Held
 from tests.rig.campaign import drop
 from tests.rig.core import TICK, Controller
@@ -97,8 +98,8 @@ def _tuned(rig: SoftRig, trace: Trace) -> bool | None:
 
 def held(rig: SoftRig, gains: Mapping[str, float], plant: ParameterSet) -> Held:
     """Close the loop on a soft actuator with gains of a PI or a PI with two degrees of freedom; task, limits,
-    range of the command and zero of the angle are of the plant's rig.  A plant that was traced with a dead
-    time has what the rig has; to any other the requirement adds one."""
+    range of the command and zero of the angle are of the plant's rig.  Late: with as much more dead time as
+    the requirement adds to the plant's own."""
     stated, v = plant.rig, plant.values
     controller = Controller(
         gains["Kp"], gains["Ki"], v["gain"], v["rest_pressure"], *stated.command_range,
@@ -116,7 +117,7 @@ def held(rig: SoftRig, gains: Mapping[str, float], plant: ParameterSet) -> Held:
         settling[outside[:, -1]] = np.inf
         return float(np.max(error / steps)), float(settling.max()), False
 
-    added = 0.0 if any(e.NAME == DeadTime.NAME for e in plant.effects) else LATE
+    added = max(LATE - float(dead_time_of(Wrist.of(plant).effects)), 0.0)
     return Held(worst(0.0), worst(added), stated.limits["overshoot_percent"] / 100.0)
 
 

@@ -11,7 +11,8 @@ from design.evaluation.cases import stack
 from design.evaluation.runner import play
 from design.mpc.linear import linear_mpc
 from design.mpc.problem import MPCProblem
-from design.robustness.box import Box, Interval, box_of
+from design.robustness.box import Box, box_of
+from design.robustness.intervals import Interval
 from design.robustness.samples.adversary import worst_case
 from design.robustness.samples.search_space import CALM, HOLD, Space, reference
 from design.robustness.samples.worst import excesses, scores

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from design.evaluation.scenarios import Spread
-from design.robustness.box import SIGMAS, StandardErrors, box_of
+from design.robustness.box import SIGMAS, box_of
+from design.robustness.intervals import StandardErrors
 from design.status import Status
 from plants import InputError
 from plants.hysteresis import with_values

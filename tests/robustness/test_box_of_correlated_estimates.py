@@ -4,8 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import chi2
 
-from design.robustness.box import StandardErrors, box_of
+from design.robustness.box import box_of
+from design.robustness.intervals import StandardErrors
+from design.robustness.requirement import requirement
 from plants.errors import InputError
 from plants.parameters.correlation import ParameterCorrelation, matrix_of, parse_correlation
 from plants.parameters.files import built_in, dump, load
@@ -28,6 +31,7 @@ def places(box, count=4000):
 def test_without_correlation_it_is_what_it_was():
     apart, none = box_of(fitted({})), box_of(fitted({"w1": {"a1": 0.0}}))
     x = places(apart, 50)
+    x[apart.region.at] = 0.5 + 0.5 * (x[apart.region.at] - 0.5)  # well within their region
     for name, values in apart.values(x).items():
         np.testing.assert_array_equal(values, none.values(x)[name])
         i = next((i for i in apart.intervals if i.name == name), None)
@@ -54,12 +58,48 @@ def test_they_vary_as_their_errors_do():
 def test_what_the_data_knows_of_a_sum_is_kept():
     """Two slopes of which only the sum is known well: no corner is off by the sum of both errors."""
     plant = replace(fitted({"a2": {"a1": -0.99}}))
-    for box, most in ((box_of(plant), 0.4), (box_of(replace(plant, correlation={})), 4.0)):
+    nearer = np.sqrt(chi2.ppf(chi2.cdf(4.0, 1), 4) / 16.0)  # of four at once, see the joint region below
+    for box, most in ((box_of(plant), 0.4 * nearer), (box_of(replace(plant, correlation={})), 4.0 * nearer)):
         corners = np.round(places(box))
         values = box.values(corners)
         off = (values["a1"] - plant.values["a1"]) / ERRORS["a1"]
         off = off + (values["a2"] - plant.values["a2"]) / ERRORS["a2"]
         assert np.abs(off).max() == pytest.approx(most, rel=1e-6)
+
+
+def test_estimates_lie_in_their_joint_confidence_region():
+    """The distance that a chi-square variable exceeds as rarely as a normal one exceeds two standard errors,
+    by the correlation that was given; nothing else is drawn nearer, nor an estimate by itself."""
+    correlation = {"w1": {"a1": 0.9}, "a2": {"a1": -0.3}}
+    box = box_of(fitted(correlation))
+    x = places(box)
+    x[:, :2000] = np.round(x[:, :2000])
+    off = np.array([(box.values(x)[n] - box.plant.values[n]) / ERRORS[n] for n in NAMES])
+    inverse = np.linalg.inv(matrix_of(correlation, NAMES))
+    within = np.abs(off).max(axis=0) < 1.999  # by no interval's end cut off
+    squared = np.einsum("il,ij,jl->l", off, inverse, off)[within]
+    most = chi2.ppf(chi2.cdf(4.0, 1), 4)
+    assert squared.max() <= most * (1.0 + 1e-9)
+    assert squared.max() > 0.99 * most
+    others = [k for k in range(len(box.names)) if k not in box.region.at]
+    at_ends = np.full(len(box.names), 0.5)
+    at_ends[others] = 1.0
+    for k in others:
+        assert box.coordinates(at_ends)[box.names[k]] == box.intervals[k].high
+    alone = np.full(len(box.names), 0.5)
+    alone[box.names.index("Tw")] = 1.0
+    assert box.values(alone)["Tw"] == pytest.approx(box.plant.values["Tw"] + 2.0 * ERRORS["Tw"])
+
+
+def test_margins_are_taken_where_as_many_estimates_are_at_their_ends_as_the_region_holds():
+    """Two of four: three would be 3.46 standard errors off, and the region ends at 3.12."""
+    asked = requirement(fitted({}))
+    box = asked.box
+    assert box.region.radius == pytest.approx(np.sqrt(chi2.ppf(chi2.cdf(4.0, 1), 4)))
+    at_ends = [
+        sum(abs(w.values[n] - box.plant.values[n]) > 1.99 * ERRORS[n] for n in NAMES) for w in asked.corners()
+    ]
+    assert max(at_ends) == 2
 
 
 def test_the_slopes_of_a_certificate_hold_all_that_the_box_holds():

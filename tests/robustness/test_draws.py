@@ -6,7 +6,9 @@ from scipy import stats
 
 from design.controllers.pi import PI
 from design.evaluation import steps as loop
-from design.robustness.box import Box, Interval, box_of
+from design.robustness.box import Box, box_of
+from design.robustness.intervals import Interval
+from design.robustness.requirement import requirement, requirement_record
 from design.robustness.samples.conditions import NONE, Conditions
 from design.robustness.samples.draws import CHUNK, SamplingTask, draw
 from design.robustness.samples.monte_carlo import monte_carlo, samples_record
@@ -83,8 +85,19 @@ def test_an_end_stop_puts_its_side_out_of_reach():
     np.testing.assert_array_equal(found.out_of_reach, found.reference > 0.0)
 
 
-def test_a_dead_time_of_the_plants_own_stays_and_is_said():
-    plant = FLEXION.revised((DeadTime,), {"dead-time.delay": 0.03}, {}, "x")
+def test_a_dead_time_of_the_plants_own_counts_towards_the_longest():
+    """A tube of 12 ms that was traced leaves 38 of 50 ms: the longest loop has 50 ms, as any plant's."""
+    plant = FLEXION.revised((DeadTime,), {"dead-time.delay": 0.012}, {}, "x")
+    found = monte_carlo(Box(plant, (SLOPES,)), TUNED, Conditions(0.05, 1.0, 0.0, 0.0), 512, duration=0.2)
+    assert found.remarks == ()
+    assert found.drawn["dead_time"].min() < 0.001
+    assert 0.037 < found.drawn["dead_time"].max() <= 0.038
+    assert requirement(plant).space.dead_time == pytest.approx(0.038)
+    assert requirement_record(requirement(plant))["longest_dead_time_s"] == pytest.approx(0.05)
+
+
+def test_a_dead_time_of_the_plants_own_beyond_the_longest_stays_and_is_said():
+    plant = FLEXION.revised((DeadTime,), {"dead-time.delay": 0.08}, {}, "x")
     found = monte_carlo(Box(plant, (SLOPES,)), TUNED, Conditions(0.05, 1.0, 0.0, 0.0), 32, duration=0.2)
     assert found.remarks == ("dead_time: the plant has its own dead-time",)
     assert set(found.drawn) == {"slopes", "load"}

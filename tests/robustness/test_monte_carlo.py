@@ -9,7 +9,8 @@ from scipy import stats
 from design.controllers.pi import PI
 from design.evaluation import steps as loop
 from design.evaluation.metrics import Metrics
-from design.robustness.box import Box, Given, Interval, box_of
+from design.robustness.box import Box, box_of
+from design.robustness.intervals import Given, Interval
 from design.robustness.samples.conditions import NONE, Conditions
 from design.robustness.samples.draws import CHUNK, draw
 from design.robustness.samples.monte_carlo import (

@@ -73,8 +73,8 @@ def command(
     dead_time: Annotated[
         float | None,
         typer.Option(
-            help="Longest dead time in samples and worst case [s], of a plant without one of its own; by "
-            "default the rig's.",
+            help="Longest dead time in samples and worst case [s], the plant's own included; by default the "
+            "rig's.",
             min=0.0,
         ),
     ] = None,

@@ -115,9 +115,7 @@ def command(
     ] = 15,
     dead_time: Annotated[
         float | None,
-        typer.Option(
-            help="Longest dead time [s], of a plant without one of its own; by default the rig's.", min=0.0
-        ),
+        typer.Option(help="Longest dead time [s], the plant's own included; by default the rig's.", min=0.0),
     ] = None,
     load: Annotated[
         float | None,

@@ -1,18 +1,16 @@
 """What a controller meets beside an uncertain plant: a tube, a load, a sensor that is not perfect."""
 
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from plants.effects.effect import dead_time_of
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.wrist.load_step import LoadStep
 from plants.errors import InputError
 from plants.rig import Rig, built_in_rig
-from plants.simulation.disturbance import burdened
 from plants.wrist import Wrist
 
-Number = Any
 _PAPER = built_in_rig().uncertainty
 
 
@@ -22,7 +20,7 @@ class Conditions:
 
     All defaults are those of the built-in rig's file, which says that they are assumed.
 
-    dead_time [s]: drawn uniformly from 0 to it.
+    dead_time [s]: of the whole loop; drawn uniformly from the plant's own, 0 of most, to it.
     load [deg]: shift of the static angle, drawn uniformly from -load to load, there from the start.
     noise [deg]: standard deviation of white noise of the sensor, normal, a new value every 10 ms, held
         in between.
@@ -61,25 +59,34 @@ NONE = Conditions(0.0, 0.0, 0.0, 0.0)
 """Conditions that add nothing: only plant, memory and sign of the step vary."""
 
 
-def left_out(wrist: Wrist, conditions: Conditions) -> tuple[str, ...]:
-    """Conditions that are not drawn because the plant has an effect of that name, in words.
+def beside(wrist: Wrist, conditions: Conditions) -> Conditions:
+    """What of the conditions a wrist meets beside its own effects: the dead time that is left of the longest,
+    0 where that is less than a sample; no load where it has a load step.
 
-    >>> left_out(Wrist.flexion() + DeadTime(0.03), Conditions())
-    ('dead_time: the plant has its own dead-time',)
+    A dead time that was traced says what the recordings had, not that the next tube is no longer.
+
+    >>> round(beside(Wrist.flexion() + DeadTime(0.03), Conditions()).dead_time, 6)
+    0.02
     """
-    own = {e.NAME for e in wrist.effects}
-    asked = {"dead_time": (conditions.dead_time, DeadTime.NAME), "load": (conditions.load, LoadStep.NAME)}
-    return tuple(
-        f"{name}: the plant has its own {effect}"
-        for name, (size, effect) in asked.items()
-        if size > 0.0 and effect in own
+    left = conditions.dead_time - float(np.max(dead_time_of(wrist.effects)))
+    loaded = any(e.NAME == LoadStep.NAME for e in wrist.effects)
+    return replace(
+        conditions,
+        dead_time=left if left >= wrist.rig.sample_time else 0.0,
+        load=0.0 if loaded else conditions.load,
     )
 
 
-def added(wrist: Wrist, conditions: Conditions, dead_time: Number, load: Number) -> Wrist:
-    """The wrist behind a tube of a dead time [s] and under a load [deg], one entry per lane, as far as the
-    conditions ask for them and the wrist has none of its own."""
-    own = {e.NAME for e in wrist.effects}
-    late = conditions.dead_time > 0.0 and DeadTime.NAME not in own
-    loaded = conditions.load > 0.0 and LoadStep.NAME not in own
-    return burdened(wrist, dead_time if late else None, load if loaded else None)
+def left_out(wrist: Wrist, conditions: Conditions) -> tuple[str, ...]:
+    """Conditions that are not drawn because the plant has as much of its own, in words.
+
+    >>> left_out(Wrist.flexion() + DeadTime(0.08), Conditions())
+    ('dead_time: the plant has its own dead-time',)
+    """
+    met = beside(wrist, conditions)
+    asked = {"dead_time": DeadTime.NAME, "load": LoadStep.NAME}
+    return tuple(
+        f"{name}: the plant has its own {effect}"
+        for name, effect in asked.items()
+        if getattr(conditions, name) > 0.0 and getattr(met, name) == 0.0
+    )

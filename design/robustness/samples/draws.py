@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from design.controllers.controller import Controller
 from design.robustness.box import Box
-from design.robustness.samples.conditions import Conditions, added, left_out
+from design.robustness.samples.conditions import Conditions, beside, left_out
 from plants.dynamics import settled
 from plants.effects.effect import Around, Effect
 from plants.equilibrium import at_rest, holding_command, searched
 from plants.kernel import pytrees as tree
+from plants.simulation.disturbance import burdened
 from plants.simulation.sensor import HOLD
 from plants.wrist import STARTS, Start, State, Wrist
 
@@ -71,18 +72,17 @@ def generator(seed: int, chunk: int, stream: int) -> np.random.Generator:
 def draw(task: SamplingTask, chunk: int, count: int = CHUNK) -> Draw:
     """The first `count` cases of a chunk: independent, uniform over the box, over the four starting
     memories and both signs of the step, and over the conditions."""
-    box, conditions = task.box, task.conditions
+    box, conditions = task.box, beside(task.box.wrist, task.conditions)
     u = generator(task.seed, chunk, CASES).random((FIRST + len(box.intervals), CHUNK))[:, :count]
     start = (len(STARTS) * u[0]).astype(np.intp)
     reference = np.where(u[1] < 0.5, -task.reference, task.reference)
     dead_time, load = conditions.dead_time * u[2], conditions.load * (2.0 * u[3] - 1.0)
     plant = box.at(u[FIRST:])
-    wrist = added(plant, conditions, dead_time, load)
+    late, loaded = conditions.dead_time > 0.0, conditions.load > 0.0
+    wrist = burdened(plant, dead_time if late else None, load if loaded else None)
     values = box.coordinates(u[FIRST:])
-    ours = {e.NAME for e in wrist.effects} - {e.NAME for e in plant.effects}
-    values |= {"dead_time": dead_time} if "dead-time" in ours else {}
-    values |= {"load": load} if "load-step" in ours else {}
-    load = load if "load-step" in ours else np.zeros(count)
+    values |= {"dead_time": dead_time} if late else {}
+    values |= {"load": load} if loaded else {}
     state = _chosen(start, [_rest(plant, wrist, s, np.zeros(count), load) for s in STARTS])
     held = [_pressure(plant, line, reference, load)[0] for line in LINES]
     arrival = np.where(reference > state.angle, *held)

@@ -16,33 +16,37 @@ from design.synthesis.tuning import Tuning
 POINTS, FINER = 12, 7
 """Points of the map of the region in each gain, and of the finer one around its best cell."""
 
-BEYOND = {"Ms": 1.0, "Mt": 1.0, "delay_margin_s": 0.0}
-"""Share of a limit of the linear loop by which gains may miss it and still be the nearest: twice the limit of
-Ms and Mt, a quarter away from -1 for a half, with all of the delay margin."""
+BEYOND = (1.0, 1e3)
+"""Shares of their limits by which Ms and Mt may miss them, with all of the delay margin, and gains still be
+the nearest: up to twice the limit, a quarter away from -1 for a half; where some run never settles with any
+such gains, every loop that is stable on all branches."""
 
 
 def nearest(found: Tuning) -> Tuning:
     """The tuning with the gains of a map of its region of which fewer runs of its set never settle, if there
-    are any, those that miss a limit of the linear loop by up to `BEYOND` among them."""
+    are any, those that miss a limit of the linear loop by up to `BEYOND` among them, as little as will do."""
     problem, law = replace(found.problem, screened=False), law_of(found.at)
     before = best = evaluate_law(problem, law, found.at.Kp, found.at.Ki)
-    if not before.unsettled[0]:
-        return found
     region = replace(found.region, points=min(found.region.points, POINTS))
-    rows, columns = region.grid
-    for _ in range(2):
-        Kp, Ki = (g.ravel() for g in np.meshgrid(rows, columns, indexing="ij"))
-        best = best_of(join([best, _within(evaluate_law(problem, law, Kp, Ki))]))
-        rows, columns = (
-            np.clip(gain[0] * ratio ** np.linspace(-1.0, 1.0, FINER), *ends)
-            for gain, ratio, ends in zip(
-                (best.Kp, best.Ki), region.resolution, (region.Kp, region.Ki), strict=True
+    for beyond in BEYOND:
+        if not best.unsettled[0]:
+            break
+        rows, columns = region.grid
+        for _ in range(2):
+            Kp, Ki = (g.ravel() for g in np.meshgrid(rows, columns, indexing="ij"))
+            best = best_of(join([best, _within(evaluate_law(problem, law, Kp, Ki), beyond)]))
+            rows, columns = (
+                np.clip(gain[0] * ratio ** np.linspace(-1.0, 1.0, FINER), *ends)
+                for gain, ratio, ends in zip(
+                    (best.Kp, best.Ki), region.resolution, (region.Kp, region.Ki), strict=True
+                )
             )
-        )
     return replace(found, at=best, map=best) if best.unsettled[0] < before.unsettled[0] else found
 
 
-def _within(at: Evaluation) -> Evaluation:
-    """The evaluation with those that miss a limit of the linear loop by more counted as not simulated."""
-    missed = [at.excess[n] > share for n, share in BEYOND.items() if n in at.excess]
+def _within(at: Evaluation, beyond: float) -> Evaluation:
+    """The evaluation with those that miss the delay margin, or Ms or Mt by more than a share `beyond` of the
+    limit, counted as not simulated."""
+    shares = {"Ms": beyond, "Mt": beyond, "delay_margin_s": 0.0}
+    missed = [at.excess[n] > share for n, share in shares.items() if n in at.excess]
     return replace(at, cost=np.where(np.any(missed, axis=0), np.inf, at.cost)) if missed else at

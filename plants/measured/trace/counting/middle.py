@@ -71,8 +71,9 @@ def centred(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
 def with_reachable_step(plant: ParameterSet) -> ParameterSet:
     """The plant of a guessed rig with a step of the task that it holds either way from zero whatever it did
     before: at most a third of the angles from the descending branch at the least pressure to the ascending
-    one at the largest, and short of what stops the joint.  A step that is guessed from the log is a third of
-    what was reached on any branch.
+    one at the largest, short of what stops the joint, and of where the full command takes it from the initial
+    curve in the time of the task.  A step that is guessed from the log is a third of what was reached on any
+    branch.
 
     `plant` itself where that step is no shorter, and where there is none, as on a rig that bends to one side
     and is counted from there.
@@ -80,8 +81,11 @@ def with_reachable_step(plant: ParameterSet) -> ParameterSet:
     wrist, rig = Wrist.of(plant), plant.rig
     low, high = (float(np.clip(p, *wrist.reach)) for p in rig.pressure_range)
     least, most = (float(at_pressure(wrist, *end).angle) for end in (("line2", low), ("line1", high)))
+    from_virgin = _driven(wrist)
 
     def held(angle: float) -> bool:
+        if from_virgin < angle:
+            return False
         up, down = at_rest(wrist, "line1", angle).pressure, at_rest(wrist, "line2", -angle).pressure
         stopped = obstacle(wrist, "line1", angle) or obstacle(wrist, "line2", -angle)
         return bool(low <= down and up <= high) and not stopped
@@ -89,6 +93,18 @@ def with_reachable_step(plant: ParameterSet) -> ParameterSet:
     tried = min((most - least) / 3.0, rig.task.step) * SHORTER
     step = next((float(s) for s in tried if s > 0.0 and held(ROOM * s)), rig.task.step)
     return plant if step >= rig.task.step else replace(plant, rig=with_step(rig, float(f"{step:.2g}")))
+
+
+def _driven(wrist: Wrist) -> float:
+    """How far [deg] the least and the largest command take a wrist that never moved, each in the time of a
+    step of the task: the smaller of the two.  Plays that are wide for the range of the pressure leave the
+    initial curve well inside the branches."""
+    samples = max(round(wrist.rig.task.duration / wrist.rig.sample_time), 1)
+    down, up = (
+        float(wrist.simulate(np.full(samples, command), every=samples).angle[-1])
+        for command in wrist.rig.command_range
+    )
+    return min(-down, up)
 
 
 def _rounded(middle: float, step: float) -> float:
