@@ -70,6 +70,11 @@ def half_width(
 
 
 def refuse_outside(name: str, low: float, high: float, least: float, most: float, p: Parameter) -> None:
+    """Refuse an interval that is empty or inverted, reaches beyond least and most, what its kind of parameter
+    allows, or does not hold the value of the plant; all in the parameter's unit.
+
+    Raises InputError, in one line.
+    """
     if not (np.isfinite(low) and np.isfinite(high)) or low >= high:
         what = "inverted" if low > high else "empty"
         raise InputError(f"box: {name} = {low:g}:{high:g} {p.unit} is {what}; give low:high with low < high")

@@ -10,7 +10,7 @@ from design.studies.designs import BARE
 from design.synthesis.answer import OutOfReach
 from plants.effects.wrist.remainder import STEEPNESS
 from plants.wrist import Wrist
-from reports.shared.card import broken_words, gains_words
+from reports.shared.card import LIMIT_NAMES, broken_words, gains_words
 from reports.shared.tables import listed, number
 
 OTHER_MOTION = "other_pressure_kPa"
@@ -70,13 +70,21 @@ def motion_lines(m: MotionDesign) -> list[str]:
         found.append(f"  counted: {counted} of the log")
     if m.left_out:
         found.append(f"  left out of the design: {listed(list(m.left_out))}")
+    rig = m.plant.rig
+    found.append(
+        f"  loop: sample time {number(1000 * rig.sample_time)} ms, steps of {number(rig.task.step)} "
+        f"{rig.units.angle} either way"
+    )
     found.append(
         f"  {samples['broken']} of {samples['total']} fresh samples break a limit (below "
         f"{number(100 * samples['upper_bound'], 2)} % at 95 % confidence)"
     )
+    broken = worst["excess"] > 0.0
+    which = LIMIT_NAMES[worst["excess_of"]].lower() if broken else "overshoot"
+    size = "beyond its limit" if broken else f"{number(worst['overshoot_percent'])} %"
     found.append(
-        f"  {worst['broken']} of {worst['runs']} runs of the search break a limit; worst overshoot "
-        f"{number(worst['overshoot_percent'])} % in {worst['scenario']}"
+        f"  {worst['broken']} of {worst['runs']} runs of the search break a limit; worst {which} {size} in "
+        f"{worst['scenario']}"
     )
     iae = max(e["worst_iae_deg_s"] for e in (samples, worst))
     found.append(

@@ -79,11 +79,12 @@ def test_a_load_moves_a_resting_wrist_and_the_loop_takes_it_back():
     assert np.isfinite(settled).all()
 
 
-def test_a_plant_that_is_known_to_be_late_keeps_its_own_dead_time():
+def test_a_plant_that_is_known_to_be_late_keeps_its_own_dead_time_within_the_longest():
     plant = built_in("flexion").revised(
         [DeadTime], {"dead-time.delay": 0.03}, {"dead-time.delay": 0.001}, "a test"
     )
-    asked = requirement(plant)
+    assert requirement(plant).space.dead_time == pytest.approx(0.02)
+    asked = requirement(plant, conditions=replace(STATED.conditions, dead_time=0.0))
     assert asked.space.dead_time == 0.0
     low, high = asked.box.bounds("dead-time.delay")
     assert low < 0.03 < high
