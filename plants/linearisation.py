@@ -234,7 +234,7 @@ def responses(wrist: "Wrist", omega: Any) -> list[FrequencyResponse]:
     speeds = _products([x.rates for x in parts])
     straight, unit = branch_slopes(wrist, pressures), wrist.rig.unit("deg/kPa")
     found = []
-    for branch, slopes in slopes_with_effects(wrist, pressures).items():
+    for branch, slopes in slopes_with_effects(wrist, pressures, left=False).items():
         for slope, rate, speed in product(slopes, RATES, speeds):
             share = -np.expm1(-speed * (p.k_fast if rate == "fast" else p.k_slow) * wrist.rig.sample_time)
             pressure = before * (share / (z - 1.0 + share))
@@ -249,10 +249,12 @@ def _parts(wrist: "Wrist", z: Any, pressures: tuple[float, float]) -> list[Linea
     return [e.linear(wrist, z, wrist.rig.sample_time, pressures) for e in wrist.effects]
 
 
-def slopes_with_effects(wrist: "Wrist", pressures: tuple[float, float]) -> dict[str, tuple[float, ...]]:
-    """Least and largest slope [deg/kPa] of each branch between two pressures [kPa] that are never left, with
-    what effects do to it; one where they are the same.  Ends of one branch, named after a comma (outer
-    branch, flattest), are one branch here.
+def slopes_with_effects(
+    wrist: "Wrist", pressures: tuple[float, float], left: bool = True
+) -> dict[str, tuple[float, ...]]:
+    """Least and largest slope [deg/kPa] of each branch between two pressures [kPa], with what effects do to
+    it; one where they are the same.  Ends of one branch, named after a comma (outer branch, flattest), are
+    one branch here.  left: whether motions may come there from pressures outside.
 
     Where a curve of the law is steep an effect may make it flat again: only what meets at one pressure is
     multiplied, so that the range is looked at in pieces.
@@ -260,7 +262,7 @@ def slopes_with_effects(wrist: "Wrist", pressures: tuple[float, float]) -> dict[
     found: dict[str, list[float]] = {}
     edges, still = np.linspace(*pressures, PIECES + 1), np.ones(1)
     driving = np.broadcast_to(driving_pressure(wrist, edges), edges.shape)
-    within = float(driving.min()), float(driving.max())
+    within = None if left else (float(driving.min()), float(driving.max()))
     for piece, driven in zip(pairwise(edges.tolist()), pairwise(driving.tolist()), strict=True):
         parts = _parts(wrist, still, piece)
         for branch, straight in branch_slopes(wrist, (min(driven), max(driven)), within).items():

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.trace.ranking.screening import Ranked
-from plants.measured.trace.search.candidate import Candidate
+from plants.measured.trace.search.candidate import Candidate, tied
 from plants.measured.trace.search.rounds import EffectSearch
 from plants.measured.trace.stages.model import Model
 
@@ -32,10 +32,6 @@ CALM = 1.25
 
 MOVES = 5.0
 """A channel that an effect needs moves if it moves by more than this, in its own unit."""
-
-ALIKE = 0.1
-"""Share of what the chosen model leaves above the noise by which another may leave more and still be the
-cause: neither explains that, so that it is no evidence for the one that happens to follow it a little."""
 
 SEEN = 0.02
 """An effect whose response, at any strength tried, adds less than this to the mean square of the
@@ -84,21 +80,10 @@ def alternatives(search: EffectSearch) -> dict[str, tuple[Candidate, ...]]:
         for round_ in search.rounds:
             for c in round_.candidates:
                 others = set(c.model.effects)
-                if len(others) == len(names) and names - others == {name} and _tied(chosen.model, c.model):
+                if len(others) == len(names) and names - others == {name} and tied(chosen.model, c.model):
                     beside.append(c)
         found[name] = tuple(beside)
     return found
-
-
-def _tied(best: Model, other: Model) -> bool:
-    """Whether two models differ by no more than two standard errors over blocks, nor by much; or by no more
-    than `ALIKE` of what the better one leaves."""
-    rise = other.chi2 - best.chi2
-    blocks = best.stage.left_out_blocks
-    difference = np.bincount(blocks, other.residual**2 - best.residual**2)
-    scatter = float(np.std(difference, ddof=1)) * np.sqrt(len(difference))
-    by_chance = float(difference.sum()) < 2.0 * scatter and rise < 0.1
-    return by_chance or rise < ALIKE * (best.chi2 - 1.0)
 
 
 def unexcited(model: Model, ranking: Sequence[Ranked]) -> Mapping[str, str]:

@@ -29,6 +29,10 @@ BEYOND = 0.1
 """Share of the range of the others that a recording may reach beyond them and still be simulated by a fit to
 them: further out it would be extrapolated, where a model has been told nothing."""
 
+ALIKE = 0.1
+"""Share of what the chosen model leaves above the noise by which another may leave more and still be the
+cause: neither explains that, so that it is no evidence for the one that happens to follow it a little."""
+
 CARRIES = 0.9
 """Share of the error on recordings left out whole that another model may have to be clearly better there."""
 
@@ -122,6 +126,17 @@ def carries_over(before: Candidate, after: Candidate) -> bool:
     where none can be simulated by a fit to the others."""
     now, then = after.over_recordings, before.over_recordings
     return now is not None and then is not None and now < CARRIES * then
+
+
+def tied(best: Model, other: Model) -> bool:
+    """Whether two models differ by no more than two standard errors over blocks, nor by much; or by no more
+    than `ALIKE` of what the better one leaves."""
+    rise = other.chi2 - best.chi2
+    blocks = best.stage.left_out_blocks
+    difference = np.bincount(blocks, other.residual**2 - best.residual**2)
+    scatter = float(np.std(difference, ddof=1)) * np.sqrt(len(difference))
+    by_chance = float(difference.sum()) < 2.0 * scatter and rise < 0.1
+    return by_chance or rise < ALIKE * (best.chi2 - 1.0)
 
 
 def falls(before: Candidate, after: Candidate) -> bool:

@@ -2,11 +2,12 @@
 was measured between two parts of a rig."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from plants.effects import EFFECTS
 from plants.measured.trace.ranking.screening import Ranked, Screen
-from plants.measured.trace.search.candidate import Candidate
-from plants.measured.trace.search.refits import FORMS, Scope, distinct, freed, further
+from plants.measured.trace.search.candidate import Candidate, tied
+from plants.measured.trace.search.refits import FORMS, Scope, distinct, freed, further, reformed
 from plants.measured.trace.search.rounds import SearchRound
 from plants.measured.trace.search.simplify import pruned
 from plants.measured.trace.search.together import fitted_with
@@ -32,10 +33,29 @@ def common_effects(scope: Scope, ranking: Sequence[Ranked]) -> SearchRound:
         model = min((fitted_with(model, r) for r in best), key=lambda m: m.chi2)
     together = pruned(freed(Candidate(model)), declared)
     less = [Candidate(together.model.without(n).fitted()) for n in together.model.effects]
-    others, _, borrowed = further(scope, less, declared)
+    others, _, borrowed = further(scope, less, declared.lacks_something)
     found = distinct(sorted([together, *others], key=lambda c: c.model.chi2))
     taken = together if together.model.forms and worth_it(declared, together, declared) else None
     return SearchRound(declared, tuple(ranking), tuple(found), taken, borrowed)
+
+
+def rather_common_ones(scope: Scope, now: Candidate) -> SearchRound | None:
+    """A round in which each effect that few rigs have is replaced by one that nearly any has; None for a model
+    without the first, or where the law was given.  Taken is the best of these, unless this data tells the
+    model from it (`tied`).
+
+    An effect that was chosen while another was missing may have passed for it: in one recording a drift of the
+    sensor follows what creeps.
+    """
+    rare = [n for n in now.model.effects if not EFFECTS[n][0].COMMON]
+    left = [n for n in scope.names if EFFECTS[n][0].COMMON and n not in now.model.effects]
+    if not rare or not left or now.model.stage.form == 0.0:
+        return None
+    less = [Candidate(now.model.without(n).fitted()) for n in rare]
+    found, ranking, borrowed = further(replace(scope, names=left), less, wanted=True)
+    best = freed(reformed(found[0], scope.asked)) if found else None
+    taken = best if best is not None and tied(now.model, best.model) else None
+    return SearchRound(now, ranking, tuple(found), taken, borrowed)
 
 
 def only_together(scope: Scope, candidates: list[Candidate]) -> tuple[Candidate | None, list[Candidate]]:
@@ -47,7 +67,7 @@ def only_together(scope: Scope, candidates: list[Candidate]) -> tuple[Candidate 
     declared = scope.declared
     before = declared.model.chi2
     some = [c for c in candidates if enough(before, c.model.chi2, before)][:BEAM]
-    pairs = further(scope, some, declared)[0] if some else []
+    pairs = further(scope, some, declared.lacks_something)[0] if some else []
     if pairs and explain_all(pairs[0], declared) and worth_it(declared, pairs[0], declared):
         return freed(pairs[0]), [*pairs, *candidates]
     return None, [*pairs, *candidates]

@@ -35,19 +35,19 @@ class Scope:
 
 
 def further(
-    scope: Scope, beam: Sequence[Candidate], now: Candidate
+    scope: Scope, beam: Sequence[Candidate], wanted: bool
 ) -> tuple[list[Candidate], tuple[Ranked, ...], dict[str, str]]:
-    """Candidates with one effect more than some models, the best first; the ranking beyond the first of
-    these; effects that may be nothing but the command, with the reason."""
+    """Candidates with one effect more than some models, the best first, none where they are not `wanted`;
+    the ranking beyond the first of these; effects that may be nothing but the command, with the reason."""
     found: list[Candidate] = []
     ranking: list[Ranked] = []
     for place, start in enumerate(beam):
         effects, forms = (SHORTLIST, FORMS) if place == 0 else (FEWER, ONE)
         scope.tell(f"ranking effects beyond {', '.join(start.model.effects) or 'none'}")
         left = [n for n in scope.names if n not in start.model.effects]
-        ranked = screen(start.model, left, scope.seed, now.lacks_something)
+        ranked = screen(start.model, left, scope.seed, wanted)
         ranking = ranking or ranked
-        if now.lacks_something:
+        if wanted:
             found += refit(start.model, shortlist(ranked, effects), forms, scope.asked)
             found += _common_too(start.model, ranked, found, scope.asked) if place == 0 else []
     borrowed = {n: why for c in found for n, why in borrowed_in(c, scope.asked).items()}
