@@ -29,14 +29,39 @@ def test_an_orientation_becomes_the_angle_that_it_turned(tmp_path):
     angle = 30.0 * np.sin(np.arange(200) / 20)
     mounted = Rotation.from_euler("xyz", [20, 40, 60], degrees=True)
     seen = (mounted * Rotation.from_rotvec(np.outer(np.radians(angle), [0.0, 0.6, 0.8]))).as_quat()
-    frame = pd.DataFrame({"time_s": np.arange(200) * 0.01, "command_V": 1.0 + angle / 30.0})
+    found = orientation(tmp_path / "log.csv", seen, 1.0 + angle / 30.0)
+    assert found.angle is not None
+    assert not found.extra
+    np.testing.assert_allclose(np.abs(found.angle), np.abs(angle), atol=1e-6)
+
+
+def orientation(path, seen, command):
+    """The recording of quaternions x, y, z, w in the rows of an array."""
+    frame = pd.DataFrame({"time_s": np.arange(len(seen)) * 0.01, "command_V": command})
     for i, name in enumerate(("qx", "qy", "qz", "qw")):
         frame[name] = seen[:, i]
-    frame.to_csv(tmp_path / "log.csv", index=False)
-    columns = {"angle_deg": {"quaternion": ["qw", "qx", "qy", "qz"]}}
-    found = load_recording(tmp_path / "log.csv", columns)
-    assert found.angle is not None
-    np.testing.assert_allclose(np.abs(found.angle), np.abs(angle), atol=1e-6)
+    frame.to_csv(path, index=False)
+    return load_recording(path, {"angle_deg": {"quaternion": ["qw", "qx", "qy", "qz"]}})
+
+
+def test_rows_that_lack_a_part_of_an_orientation_do_not_count(tmp_path):
+    """Empty cells, in one column or in all, and four zeros, which a sensor sends that has no orientation."""
+    angle = 30.0 * np.sin(np.arange(200) / 20)
+    seen = Rotation.from_rotvec(np.outer(np.radians(angle), [0.0, 0.6, 0.8])).as_quat()
+    seen[20:28], seen[50, 2], seen[90] = np.nan, np.nan, 0.0
+    found = orientation(tmp_path / "log.csv", seen, 1.0 + angle / 30.0)
+    lacking = np.flatnonzero(~found.fresh("angle_deg"))
+    assert lacking.tolist() == [*range(20, 28), 50, 90]
+    there = found.fresh("angle_deg")
+    np.testing.assert_allclose(found.angle[there], angle[there], atol=1e-6)
+    assert np.isfinite(found.angle).all()
+
+
+def test_an_orientation_that_is_hardly_ever_there_is_refused(tmp_path):
+    seen = np.zeros((200, 4))
+    seen[:10, 3] = 1.0
+    with pytest.raises(InputError, match=r"'qz' is no orientation in row 12; correct it"):
+        orientation(tmp_path / "log.csv", seen, np.arange(200) / 100)
 
 
 @pytest.mark.parametrize(

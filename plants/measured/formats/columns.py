@@ -124,16 +124,23 @@ def _positive(where: str, entry: Mapping[str, Any], key: str) -> float:
 
 def turned(w: Array, x: Array, y: Array, z: Array) -> Array:
     """Angle [deg] by which an orientation (quaternions of shape (n,)) has turned since its first row about
-    the axis about which it turns most.
+    the axis about which it turns most; not a number where a row lacks a number of it, or has four zeros,
+    which are no orientation.
 
-    >>> half = np.radians([0.0, 10.0, 20.0]) / 2
+    >>> half = np.radians([0.0, 10.0, np.nan, 20.0]) / 2
     >>> turned(np.cos(half), np.sin(half), 0 * half, 0 * half)[1:].round(6).tolist()
-    [10.0, 20.0]
+    [10.0, nan, 20.0]
     """
     from scipy.spatial.transform import Rotation
 
-    seen = Rotation.from_quat(np.column_stack([x, y, z, w]))
+    parts = np.column_stack([x, y, z, w])
+    there = np.isfinite(parts).all(axis=1) & parts.any(axis=1)
+    angle: Array = np.full(len(parts), np.nan)
+    if not there.any():
+        return angle
+    seen = Rotation.from_quat(parts[there])
     vectors = (seen[0].inv() * seen).as_rotvec(degrees=True)
     axis = np.linalg.svd(vectors, full_matrices=False)[2][0]
     along: Array = vectors @ axis
-    return along if along[np.argmax(np.abs(along))] >= 0.0 else -along
+    angle[there] = along if along[np.argmax(np.abs(along))] >= 0.0 else -along
+    return angle
