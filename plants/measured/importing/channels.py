@@ -56,7 +56,9 @@ def read_log(path: Path, sample_time: float | None = None) -> Log:
     channels = list(_timed(path, read, sample_time, notes)) if groups else list(read)
     usable = [c for c in map(_clean, channels) if len(c.time) > 1]
     if not usable:
-        raise InputError(f"{path}: holds no series of numbers; export the log with its signals")
+        timeless = (n for n in notes if "no time for" in n)
+        empty = f"{path}: holds no series of numbers; export the log with its signals"
+        raise InputError(next(timeless, empty))
     return Log(path, tuple(_named_apart(usable)), tuple(notes))
 
 

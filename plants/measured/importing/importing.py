@@ -124,7 +124,8 @@ def write_campaign(made: Imported, axis: str, folder: Path) -> list[Path]:
 
 
 def table(run: Run) -> str:
-    """A run as CSV: the time, and every channel by its own name in its own unit."""
+    """A run as CSV: the time, and every channel by its own name in its own unit; cells that the log lacks
+    stay empty."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n", quoting=csv.QUOTE_MINIMAL)
     others = {n: v for n, v in run.values.items() if n != TIME}
@@ -132,7 +133,7 @@ def table(run: Run) -> str:
     heads = [TIME, *others]
     out.write(",".join(f'"{h}"' if re.search(r'[,;\t"]', h) or not h else h for h in heads) + "\n")
     digits = np.column_stack([np.round(run.time, 9), *others.values()])
-    writer.writerows([repr(float(x)) for x in row] for row in digits)
+    writer.writerows(["" if np.isnan(x) else repr(float(x)) for x in row] for row in digits)
     return out.getvalue()
 
 
