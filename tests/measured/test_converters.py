@@ -7,7 +7,8 @@ from scipy.spatial.transform import Rotation
 
 from plants.errors import InputError
 from plants.measured.campaign import load_recording
-from plants.measured.formats.columns import parse_columns
+from plants.measured.formats.columns import ROLES, parse_columns
+from plants.measured.formats.units import factor
 
 
 @pytest.mark.parametrize(
@@ -15,6 +16,7 @@ from plants.measured.formats.columns import parse_columns
     [
         ({"name": "p", "unit": "bar"}, 1.5, 150.0),
         ({"name": "p", "unit": "mbar", "absolute": True}, 2013.25, 100.0),
+        ({"name": "p", "unit": "hPa", "absolute": True}, 2013.25, 100.0),
         ({"name": "p", "unit": "psi"}, 14.503773773, 100.0),
         ({"name": "p", "counts": 4095, "full": 200.0}, 2047.5, 100.0),
     ],
@@ -22,6 +24,16 @@ from plants.measured.formats.columns import parse_columns
 def test_a_pressure_comes_in_kPa(entry, raw, expected):
     source = parse_columns({"pressure_kPa": entry}, "campaign.toml")["pressure_kPa"]
     assert source.scale * raw + source.offset == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("column", "unit", "scale"),
+    [("command_V", "mV", 1e-3), ("time_s", "ms", 1e-3), ("reference_deg", "rad", 180.0 / np.pi),
+     ("other_pressure_kPa", "bar", 100.0), ("pressure_kPa", "hPa", 0.1), ("angle_deg", "°", 1.0)],
+)  # fmt: skip
+def test_the_units_of_a_campaign_are_those_of_an_import(column, unit, scale):
+    source = parse_columns({column: {"name": "x", "unit": unit}}, "campaign.toml")[column]
+    assert source.scale == pytest.approx(scale) == factor(unit, ROLES.get(column, "pressure"), "log")
 
 
 def test_an_orientation_becomes_the_angle_that_it_turned(tmp_path):
@@ -67,9 +79,10 @@ def test_an_orientation_that_is_hardly_ever_there_is_refused(tmp_path):
 @pytest.mark.parametrize(
     ("entry", "said"),
     [
-        ({"name": "p", "unit": "furlong"}, "unit 'furlong' is unknown"),
+        ({"name": "p", "unit": "furlong"}, "unit 'furlong' is none of pressure; give one such as kPa, Pa"),
         ({"name": "p", "unit": "bar", "scale": 2.0}, "do not go with unit"),
         ({"name": "p", "counts": 0, "full": 1.0}, "counts 0 must be a positive number"),
+        ({"name": "p", "unit": 3}, "unit 3 is no text; give one such as kPa"),
         ({"quaternion": ["w", "x"]}, "four columns"),
     ],
 )
