@@ -10,17 +10,9 @@ from plants.errors import InputError
 from plants.measured.formats.cells import Text
 from plants.measured.formats.columns import STANDARD
 from plants.measured.formats.tables import Table, read_table
+from plants.measured.importing.names import HINTS
 
 SUFFIXES = (".csv", ".mat", ".parquet")
-
-HINTS = {
-    "time_s": r"^t$|time|stamp|zeit",
-    "reference_deg": r"ref|set.?point|target|desired|soll|^[rw]$|^sp$",
-    "command_V": r"command|cmd|volt|dac|duty|pwm|^u$|input|_v$|stell",
-    "pressure_kPa": r"press|kpa|bar|psi|^p\d?$|druck",
-    "angle_deg": r"angle|theta|bend|deg|rad|posit|flex|^y$|output|winkel",
-}
-"""What names of columns look like, by the standard name; the first that matches is taken."""
 
 VALIDATE = 0.34
 """Share of the logs that is kept for reporting the error."""

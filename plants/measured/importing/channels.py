@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from plants.errors import InputError
-from plants.measured.draft import HINTS
 from plants.measured.formats.apart import apart
 from plants.measured.formats.bags import read_bag, read_mcap
 from plants.measured.formats.cells import Text, one_line, shorten
@@ -18,6 +17,7 @@ from plants.measured.formats.mdf4 import read_mdf
 from plants.measured.formats.tables import read_table
 from plants.measured.formats.tdms import read_tdms
 from plants.measured.formats.units import factor, quantity
+from plants.measured.importing.names import HINTS, unit_in
 
 TEXTS = (".csv", ".tsv", ".txt", ".asc", ".dat")
 HDF5 = (".h5", ".hdf5", ".hdf")
@@ -114,17 +114,6 @@ def _timed(
         said = f"{path}: no time for {shorten(without, 5)}; give --sample-time in seconds, or log the time"
         if not notes:
             notes.append(said)
-
-
-def unit_in(name: str) -> str:
-    """The unit at the end of a name, "" where there is none.
-
-    >>> unit_in("angle_deg"), unit_in("p [bar]"), unit_in("u"), unit_in("wrist_p")
-    ('deg', 'bar', '', '')
-    """
-    found = re.search(r"[_ .]\(?\[?([A-Za-z°%]{1,5})\]?\)?$", name)
-    unit = found[1] if found else ""
-    return unit if len(unit) + (unit in "VAs") > 1 and quantity(unit) not in (None, "other") else ""
 
 
 def _unit(named: LoggedSeries | LoggedChannel) -> str:

@@ -47,7 +47,7 @@ def runs(log: Log, found: Mapping[str, Role], step: float) -> list[Run]:
     Raises InputError for channels that were not logged at the same time, and where no run is long enough.
     """
     named = {c.name: c for c in log.channels}
-    mapped = [named[r.channel] for r in found.values()]
+    mapped = [named[n] for r in found.values() for n in r.channels]
     time = _axis(mapped, named[_base(found)], step)
     if len(time) < FEWEST:
         raise InputError(f"{log.path}: command and what is measured were not logged together for long enough")
