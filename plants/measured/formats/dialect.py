@@ -138,11 +138,20 @@ def _heading(head: list[list[str]], width: int) -> tuple[list[str], list[str]]:
     found: list[str] = []
     for i in range(width):
         name = (names[i] if i < len(names) else "").lstrip("#% ") or f"column {i + 1}"
-        inside = IN_NAME.match(name)
-        if inside:
-            name, units[i] = inside[1], units[i] or (inside[2] if inside[2] is not None else inside[3])
+        name, inside = named_unit(name)
+        units[i] = units[i] or inside
         found.append(name if name not in found else f"{name} ({i + 1})")
     return found, units[:width]
+
+
+def named_unit(name: str) -> tuple[str, str]:
+    """A name and the unit in brackets at its end, "" where there is none.
+
+    >>> named_unit("Zeit [s]"), named_unit("u")
+    (('Zeit', 's'), ('u', ''))
+    """
+    found = IN_NAME.match(name)
+    return (found[1], found[2] if found[2] is not None else found[3]) if found else (name, "")
 
 
 def _are_units(cells: list[str]) -> bool:

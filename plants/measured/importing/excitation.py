@@ -5,11 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plants.measured.draft import VALIDATE
 from plants.measured.formats.channel import Array
 
 ALIKE = 0.6
 """Distance of two excitations below which they are one and the same."""
+
+VALIDATE = 0.34
+"""Share of the logs that is kept for reporting the error."""
 
 PER_PERIOD, CORNERS = 24, 0.85
 """Points per period at which the bends of a command are looked at, and share of all bending that the sharpest

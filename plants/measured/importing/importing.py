@@ -9,15 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import tomlkit
-from tomlkit.items import Item
 
 from plants.errors import InputError
 from plants.files import file_name, replaced_folder, write_atomically
 from plants.measured.campaign import FILE
 from plants.measured.formats.channel import LoggedChannel
 from plants.measured.importing.channels import Log, listed, read_log
+from plants.measured.importing.columns_table import columns_table
 from plants.measured.importing.excitation import Chosen, Excited, choose, excited
-from plants.measured.importing.roles import ROLES, Role, roles
+from plants.measured.importing.roles import Role, roles
 from plants.measured.importing.runs import Run, runs, steps_of
 
 TIME = "time_s"
@@ -162,22 +162,8 @@ def declaration(made: Imported, axis: str) -> str:
     document["fit"] = [made.runs[i].name for i in made.chosen.fit]
     if made.chosen.validate:
         document["validate"] = [made.runs[i].name for i in made.chosen.validate]
-    columns = tomlkit.table()
-    for role, found in made.roles.items():
-        columns[ROLES[role]] = inline(found.entry(), found.why)
-    document["columns"] = columns
+    document["columns"] = columns_table(made.roles)
     return tomlkit.dumps(document)
-
-
-def inline(entry: str | Mapping[str, object], why: str) -> Item:
-    """An entry of a table in one line, with a comment."""
-    value: object = entry
-    if not isinstance(entry, str):
-        value = tomlkit.inline_table()
-        value.update(entry)
-    item = tomlkit.item(value)
-    item.comment(why)
-    return item
 
 
 def _told(made: Imported) -> list[str]:
