@@ -200,10 +200,7 @@ def _read_declaration(folder: Path) -> bytes:
     except FileNotFoundError:
         if not folder.exists():
             raise InputError(f"{folder}: no such folder; give the folder of a campaign") from None
-        said = draft(folder)
-        advice = (
-            "correct the draft and save it there" if said else "write one that names axis, fit and validate"
-        )
+        advice, said = draft(folder)
         raise InputError(f"{folder}: holds no {FILE}; {advice}", said) from None
     except NotADirectoryError:
         raise InputError(f"{folder}: is a file; give the folder that holds it and {FILE}") from None

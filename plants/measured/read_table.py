@@ -80,7 +80,7 @@ def from_table(
         found.get("pressure_kPa"),
         found.get("reference_deg"),
         found.get("other_pressure_kPa"),
-        _extra(table, {s.name for s in sources.values()}, len(time)),
+        _extra(table, {n for s in sources.values() for n in (s.name, *s.quaternion)}, len(time)),
         renewed=renewed,
         mended=counts,
     )
@@ -116,10 +116,7 @@ def _standard(table: Table, standard: str, source: Source) -> Array:
     """A column in its standard unit, not a number where a measured channel lacks a cell; an error names the
     first cell that is no finite number."""
     if source.quaternion:
-        parts = [_standard(table, standard, Source(n)) for n in source.quaternion if n in table.columns]
-        if len(parts) < len(source.quaternion):
-            raise InputError(f"{table.path}: lacks a column of the quaternion {shorten(source.quaternion)}")
-        return turned(*parts)
+        return _orientation(table, standard, source.quaternion)
     column = table.columns[source.name]
     bad = first_bad(column)
     lacking = with_missing(column) if bad is not None and standard in MEASURED else None
@@ -131,6 +128,21 @@ def _standard(table: Table, standard: str, source: Source) -> Array:
         raise InputError(f"{where}: {problem}; correct it or cut the recording there")
     assert not isinstance(column, Text), "text has a cell that is no number"
     return column if source == Source(source.name) else source.scale * column + source.offset
+
+
+def _orientation(table: Table, standard: str, names: tuple[str, ...]) -> Array:
+    """The angle [deg] that the columns of a quaternion have turned, not a number in rows that lack one."""
+    where = f"{table.path}: the quaternion {shorten(names)}"
+    if any(n not in table.columns for n in names):
+        raise InputError(f"{table.path}: lacks a column of the quaternion {shorten(names)}")
+    parts = [_standard(table, standard, Source(n)) for n in names]
+    if len({len(p) for p in parts}) > 1:
+        raise InputError(f"{where} has columns of different lengths; choose four that were logged together")
+    angle = turned(*parts)
+    if not np.isfinite(angle).all() and with_missing(angle) is None:
+        row = table.row(int(np.flatnonzero(~np.isfinite(angle))[0]))
+        raise InputError(f"{where} is no orientation in row {row}; correct it or cut the recording there")
+    return angle
 
 
 def _check_lengths(table: Table, sources: Mapping[str, Source], found: Mapping[str, Array]) -> None:

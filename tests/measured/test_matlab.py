@@ -282,3 +282,11 @@ def test_a_reader_that_breaks_down_is_told_and_replaced(tmp_path: Path):
     path = tmp_path / "log.mat"
     scipy.io.savemat(path, {"time": TIME})
     assert "time" in read_table(path).columns
+
+
+def test_a_file_is_found_from_the_folder_in_which_one_is_now(tmp_path, monkeypatch):
+    """The worker that reads was started in another."""
+    scipy.io.savemat(tmp_path / "log.mat", {"time": np.arange(3.0), "u": np.ones(3)})
+    read_table(tmp_path / "log.mat")
+    monkeypatch.chdir(tmp_path)
+    assert set(read_table("log.mat").columns) == {"time", "u"}

@@ -33,7 +33,7 @@ def apart(module: str, function: str, path: Path) -> Any:
     assert worker.stdin is not None
     assert worker.stdout is not None
     try:
-        _send(worker.stdin, (module, function, path))
+        _send(worker.stdin, (module, function, path, os.getcwd()))
         if not select.select([worker.stdout], [], [], PATIENCE)[0]:
             raise EOFError
         ended, answer = pickle.load(worker.stdout)
@@ -64,10 +64,11 @@ def serve() -> None:
     os.dup2(2, 1)  # what a library prints must not stand among the answers
     while True:
         try:
-            module, function, path = pickle.load(sys.stdin.buffer)
+            module, function, path, folder = pickle.load(sys.stdin.buffer)
         except EOFError:
             return
         try:
+            os.chdir(folder)  # the one that asks may have moved since the worker was started
             answer = "read", getattr(import_module(module), function)(path)
         except InputError as error:
             answer = "refused", str(error)

@@ -8,16 +8,14 @@ import numpy as np
 
 from plants.errors import InputError
 from plants.measured.formats.cells import Array, shorten
+from plants.measured.formats.units import KINDS, SUCH, factor
 
 STANDARD = ("time_s", "command_V", "angle_deg", "pressure_kPa", "reference_deg", "other_pressure_kPa")
 """The names of the columns that a recording knows; the unit is in the name."""
 
 
-KPA = {"kPa": 1.0, "Pa": 1e-3, "MPa": 1e3, "bar": 100.0, "mbar": 0.1, "psi": 6.894757293168}
-"""Units of pressure, in kPa."""
-
-DEGREES = {"deg": 1.0, "rad": 57.29577951308232}
-"""Units of angle, in deg."""
+ROLES = {"time_s": "time", "command_V": "command", "angle_deg": "angle", "reference_deg": "reference"}
+"""What is measured in a column, which tells its units; any other is a pressure."""
 
 ATMOSPHERE = 101.325
 """Standard atmosphere [kPa]: what an absolute pressure is counted from."""
@@ -52,10 +50,13 @@ def parse_columns(entries: Any, where: str) -> dict[str, Source]:
         raise InputError(
             f"{where}: unknown column {unknown[0]!r} in [columns]; known are {shorten(STANDARD)}"
         )
-    return {name: _source(f"{where}: [columns] {name}", entry) for name, entry in entries.items()}
+    return {
+        name: _source(f"{where}: [columns] {name}", entry, ROLES.get(name, "pressure"))
+        for name, entry in entries.items()
+    }
 
 
-def _source(where: str, entry: Any) -> Source:
+def _source(where: str, entry: Any, role: str) -> Source:
     if isinstance(entry, str):
         return Source(entry)
     if isinstance(entry, Mapping) and "quaternion" in entry:
@@ -66,7 +67,7 @@ def _source(where: str, entry: Any) -> Source:
     if unknown:
         raise InputError(f"{where}: unknown key {unknown[0]!r}; known are {shorten(KEYS)}")
     if set(entry) & {"unit", "absolute", "counts", "full"}:
-        return _converted(where, entry)
+        return _converted(where, entry, role)
     for key in ("scale", "offset"):
         value = entry.get(key, 1.0)
         if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
@@ -81,24 +82,21 @@ KEYS = ("name", "scale", "offset", "unit", "absolute", "counts", "full")
 """Keys of an entry of ``[columns]``."""
 
 
-def _converted(where: str, entry: Mapping[str, Any]) -> Source:
-    """An entry with a unit (pressure or angle, `absolute` for pressures above vacuum) or in counts of a
-    converter whose `counts` stand for `full` of the standard unit."""
+def _converted(where: str, entry: Mapping[str, Any], role: str) -> Source:
+    """An entry with a unit (`absolute` for pressures above vacuum) or in counts of a converter whose `counts`
+    stand for `full` of the standard unit."""
     if "scale" in entry or "offset" in entry:
         raise InputError(f"{where}: scale and offset do not go with unit or counts; give one or the other")
     if "counts" in entry or "full" in entry:
         counts, full = (_positive(where, entry, n) for n in ("counts", "full"))
         return Source(entry["name"], full / counts)
-    pressure = "pressure" in where
-    units = KPA if pressure else DEGREES
-    if entry.get("unit", next(iter(units))) not in units:
-        raise InputError(f"{where}: unit {entry['unit']!r} is unknown; known are {', '.join(units)}")
     absolute = entry.get("absolute", False)
-    if not isinstance(absolute, bool) or (absolute and not pressure):
+    if not isinstance(absolute, bool) or (absolute and role != "pressure"):
         raise InputError(f"{where}: absolute = true is for pressures; leave it out")
-    return Source(
-        entry["name"], units[entry.get("unit", next(iter(units)))], -ATMOSPHERE if absolute else 0.0
-    )
+    unit = entry.get("unit", KINDS[role])
+    if not isinstance(unit, str):
+        raise InputError(f"{where}: unit {unit!r} is no text; give one such as {SUCH[role]}")
+    return Source(entry["name"], factor(unit, role, where), -ATMOSPHERE if absolute else 0.0)
 
 
 def _turned(where: str, entry: Mapping[str, Any]) -> Source:
@@ -124,16 +122,23 @@ def _positive(where: str, entry: Mapping[str, Any], key: str) -> float:
 
 def turned(w: Array, x: Array, y: Array, z: Array) -> Array:
     """Angle [deg] by which an orientation (quaternions of shape (n,)) has turned since its first row about
-    the axis about which it turns most.
+    the axis about which it turns most; not a number where a row lacks a number of it, or has four zeros,
+    which are no orientation.
 
-    >>> half = np.radians([0.0, 10.0, 20.0]) / 2
+    >>> half = np.radians([0.0, 10.0, np.nan, 20.0]) / 2
     >>> turned(np.cos(half), np.sin(half), 0 * half, 0 * half)[1:].round(6).tolist()
-    [10.0, 20.0]
+    [10.0, nan, 20.0]
     """
     from scipy.spatial.transform import Rotation
 
-    seen = Rotation.from_quat(np.column_stack([x, y, z, w]))
+    parts = np.column_stack([x, y, z, w])
+    there = np.isfinite(parts).all(axis=1) & parts.any(axis=1)
+    angle: Array = np.full(len(parts), np.nan)
+    if not there.any():
+        return angle
+    seen = Rotation.from_quat(parts[there])
     vectors = (seen[0].inv() * seen).as_rotvec(degrees=True)
     axis = np.linalg.svd(vectors, full_matrices=False)[2][0]
     along: Array = vectors @ axis
-    return along if along[np.argmax(np.abs(along))] >= 0.0 else -along
+    angle[there] = along if along[np.argmax(np.abs(along))] >= 0.0 else -along
+    return angle

@@ -9,6 +9,7 @@ names the row in which something is wrong.
 import csv
 import io
 import re
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -70,8 +71,7 @@ def _table(text: str, separator: str | None) -> tuple[list[list[str]], list[list
         lines = [line.split() for line in text.splitlines()]
     else:
         lines = list(csv.reader(io.StringIO(text, newline=None), delimiter=separator, skipinitialspace=True))
-    lines = [[c.strip() for c in line] for line in lines]
-    lines = [line[:-1] if line and not line[-1] and len(line) > 1 else line for line in lines]
+    lines = _ended([[c.strip() for c in line] for line in lines])
     comma = separator != ","
     best, start = (0, 0), 0
     for i in range(len(lines) + 1):
@@ -90,11 +90,25 @@ def _table(text: str, separator: str | None) -> tuple[list[list[str]], list[list
     return lines[:first], lines[first:last], decimal
 
 
+def _ended(lines: list[list[str]]) -> list[list[str]]:
+    """Lines without the cell that a separator at their end adds; one that is empty in some rows only is a
+    cell of the last column.
+
+    >>> _ended([["t", "u", ""], ["0", "1", ""]]), _ended([["t", "u"], ["0", ""], ["1", "2", ""]])
+    ([['t', 'u'], ['0', '1']], [['t', 'u'], ['0', ''], ['1', '2']])
+    """
+    widths = Counter(len(line) for line in lines if len(line) > 1)
+    width = widths.most_common(1)[0][0] if widths else 0
+    if width > 2 and not any(line[-1] for line in lines if len(line) == width):
+        width -= 1
+    return [line[:-1] if len(line) == width + 1 and not line[-1] else line for line in lines]
+
+
 def _is_row(cells: list[str], comma: bool) -> bool:
-    """Whether most cells of a line are numbers, or times."""
+    """Whether most cells of a line that are not empty are numbers, or times."""
     known = [c for c in cells if c]
     return len(cells) > 1 and 2 * sum(_number(c, comma) is not None or _is_time(c) for c in known) > len(
-        cells
+        known
     )
 
 
@@ -124,11 +138,20 @@ def _heading(head: list[list[str]], width: int) -> tuple[list[str], list[str]]:
     found: list[str] = []
     for i in range(width):
         name = (names[i] if i < len(names) else "").lstrip("#% ") or f"column {i + 1}"
-        inside = IN_NAME.match(name)
-        if inside:
-            name, units[i] = inside[1], units[i] or (inside[2] if inside[2] is not None else inside[3])
+        name, inside = named_unit(name)
+        units[i] = units[i] or inside
         found.append(name if name not in found else f"{name} ({i + 1})")
     return found, units[:width]
+
+
+def named_unit(name: str) -> tuple[str, str]:
+    """A name and the unit in brackets at its end, "" where there is none.
+
+    >>> named_unit("Zeit [s]"), named_unit("u")
+    (('Zeit', 's'), ('u', ''))
+    """
+    found = IN_NAME.match(name)
+    return (found[1], found[2] if found[2] is not None else found[3]) if found else (name, "")
 
 
 def _are_units(cells: list[str]) -> bool:
@@ -144,9 +167,10 @@ def _unit(cell: str) -> str:
 
 
 def _values(cells: list[str], comma: bool) -> tuple[Array | None, str]:
-    """A column's numbers, NaN where a cell is none, and its unit where they are times; None for text."""
+    """A column's numbers, NaN where a cell is none, and its unit where they are times; None for text, and
+    where every cell is empty."""
     numbers = [_number(c, comma) for c in cells]
-    if 10 * sum(n is not None for n in numbers) > 9 * len(cells):
+    if 10 * sum(n is not None for n in numbers) > 9 * sum(map(bool, cells)):
         return np.array([np.nan if n is None else n for n in numbers]), ""
     if all(map(_is_time, cells)):
         return _seconds([c.replace(",", ".") for c in cells]), "s"

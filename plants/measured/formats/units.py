@@ -16,6 +16,12 @@ gons to pint."""
 KINDS = {"command": "V", "pressure": "kPa", "angle": "deg", "reference": "deg", "time": "s"}
 """Units that a campaign is kept in."""
 
+SUCH = {
+    "command": "V or mV", "pressure": "kPa, Pa, MPa, hPa, bar, mbar or psi", "angle": "deg or rad",
+    "reference": "deg or rad", "time": "s, ms or us",
+}  # fmt: skip
+"""Units of each role that an error proposes; every other that pint knows is understood."""
+
 
 @cache
 def _registry() -> Any:
@@ -50,12 +56,11 @@ def factor(unit: str, role: str, where: str) -> float:
     >>> factor("bar", "pressure", "log"), round(factor("rad", "angle", "log"), 5)
     (100.0, 57.29578)
     """
-    wanted = KINDS[role]
     kind = quantity(unit)
     if kind is None or kind != ("angle" if role == "reference" else role):
-        raise InputError(f"{where}: the unit {unit!r} is none of {role}; give one such as {wanted}")
+        raise InputError(f"{where}: the unit {unit!r} is none of {role}; give one such as {SUCH[role]}")
     parsed = _parsed(unit)
-    return float(f"{_registry().Quantity(1.0, parsed).to(wanted).magnitude:.12g}")
+    return float(f"{_registry().Quantity(1.0, parsed).to(KINDS[role]).magnitude:.12g}")
 
 
 def _base(parsed: Any) -> Any:

@@ -8,16 +8,17 @@ from typing import NamedTuple
 import numpy as np
 
 from plants.errors import InputError
-from plants.measured.draft import HINTS
 from plants.measured.formats.apart import apart
 from plants.measured.formats.bags import read_bag, read_mcap
-from plants.measured.formats.cells import Text, one_line, shorten
+from plants.measured.formats.cells import one_line, shorten
 from plants.measured.formats.channel import Array, LoggedChannel, LoggedSeries
-from plants.measured.formats.dialect import read_text
+from plants.measured.formats.dialect import named_unit, read_text
 from plants.measured.formats.mdf4 import read_mdf
-from plants.measured.formats.tables import read_table
+from plants.measured.formats.tables import Table, read_table
 from plants.measured.formats.tdms import read_tdms
 from plants.measured.formats.units import factor, quantity
+from plants.measured.importing.names import HINTS, unit_in
+from plants.measured.instrument.missing import numbers_in
 
 TEXTS = (".csv", ".tsv", ".txt", ".asc", ".dat")
 HDF5 = (".h5", ".hdf5", ".hdf")
@@ -54,9 +55,19 @@ def read_log(path: Path, sample_time: float | None = None) -> Log:
         ) from None
     notes: list[str] = []
     channels = list(_timed(path, read, sample_time, notes)) if groups else list(read)
+    return log_of(path, channels, notes)
+
+
+def log_of(path: Path, channels: Iterable[LoggedChannel], notes: list[str]) -> Log:
+    """A log of those channels that hold a series, without samples that are no numbers.
+
+    Raises InputError where there are none, with what was noted of the time.
+    """
     usable = [c for c in map(_clean, channels) if len(c.time) > 1]
     if not usable:
-        raise InputError(f"{path}: holds no series of numbers; export the log with its signals")
+        timeless = (n for n in notes if "no time for" in n)
+        empty = f"{path}: holds no series of numbers; export the log with its signals"
+        raise InputError(next(timeless, empty))
     return Log(path, tuple(_named_apart(usable)), tuple(notes))
 
 
@@ -84,12 +95,24 @@ def _reader(path: Path) -> tuple[Callable[[Path], list], bool]:  # type: ignore[
 
 
 def _of_table(path: Path) -> list[list[LoggedSeries]]:
-    """Columns of a MATLAB or Parquet file, those of one length together."""
+    return groups_of(read_table(path))[0]
+
+
+def groups_of(table: Table) -> tuple[list[list[LoggedSeries]], dict[str, str]]:
+    """The series of a table, those of one length together, and its columns by the name of their series, from
+    which a unit in brackets is taken off."""
     found: dict[int, list[LoggedSeries]] = {}
-    for name, column in read_table(path).columns.items():
-        if not isinstance(column, Text) and len(column) > 1:
-            found.setdefault(len(column), []).append(LoggedSeries(name, "", column))
-    return list(found.values())
+    columns: dict[str, str] = {}
+    for column, cells in table.columns.items():
+        values = numbers_in(cells)
+        if values is None or len(values) < 2:
+            continue
+        name, unit = named_unit(safe_name(column))
+        if name in columns or (name != column and name in table.columns):
+            name = column
+        columns[name] = column
+        found.setdefault(len(values), []).append(LoggedSeries(name, unit, values))
+    return list(found.values()), columns
 
 
 def _timed(
@@ -98,7 +121,7 @@ def _timed(
     """LoggedSeries on their time: a column of their group, or the distance that the file tells for each."""
     without = []
     for group in groups:
-        own = next((s for s in group if _is_time(s)), None)
+        own = time_in(group)
         for s in group:
             if s is own:
                 continue
@@ -114,19 +137,13 @@ def _timed(
             notes.append(said)
 
 
-def unit_in(name: str) -> str:
-    """The unit at the end of a name, "" where there is none.
-
-    >>> unit_in("angle_deg"), unit_in("p [bar]"), unit_in("u"), unit_in("wrist_p")
-    ('deg', 'bar', '', '')
-    """
-    found = re.search(r"[_ .]\(?\[?([A-Za-z°%]{1,5})\]?\)?$", name)
-    unit = found[1] if found else ""
-    return unit if len(unit) + (unit in "VAs") > 1 and quantity(unit) not in (None, "other") else ""
-
-
 def _unit(named: LoggedSeries | LoggedChannel) -> str:
     return safe_name(named.unit) or unit_in(named.name)
+
+
+def time_in(group: Iterable[LoggedSeries]) -> LoggedSeries | None:
+    """The series of a group that counts time, None where none does."""
+    return next((s for s in group if _is_time(s)), None)
 
 
 def _is_time(series: LoggedSeries) -> bool:
@@ -137,16 +154,20 @@ def _is_time(series: LoggedSeries) -> bool:
 
 
 def _seconds(time: LoggedSeries, notes: list[str]) -> Array:
-    """A column of time in seconds from its first value; its unit guessed from its step where it has none."""
-    values: Array = time.values - time.values[0]
+    """A column of time in seconds from its first value."""
+    return np.asarray((time.values - time.values[0]) * seconds_in(time, notes))
+
+
+def seconds_in(time: LoggedSeries, notes: list[str]) -> float:
+    """How many seconds 1 in a column of time is; guessed from its step where it has no unit, and noted."""
     if quantity(_unit(time)) == "time":
-        return np.asarray(values * factor(_unit(time), "time", time.name))
-    step = float(np.median(np.diff(values)))
+        return factor(_unit(time), "time", time.name)
+    step = float(np.median(np.diff(time.values)))
     unit = "s" if step < MILLISECONDS else "ms" if step < NANOSECONDS else "ns"
     note = f"time {time.name!r} has no unit and steps of {step:g}: taken for {unit}"
     if unit != "s" and note not in notes:
         notes.append(note)
-    return np.asarray(values * factor(unit, "time", time.name))
+    return factor(unit, "time", time.name)
 
 
 def _clean(channel: LoggedChannel) -> LoggedChannel:

@@ -5,11 +5,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plants.measured.draft import VALIDATE
 from plants.measured.formats.channel import Array
 
 ALIKE = 0.6
 """Distance of two excitations below which they are one and the same."""
+
+VALIDATE = 0.34
+"""Share of the logs that is kept for reporting the error."""
+
+PER_PERIOD, CORNERS = 24, 0.85
+"""Points per period at which the bends of a command are looked at, and share of all bending that the sharpest
+quarter of them holds where it moves in ramps: of a sine that is 0.38."""
 
 
 class Excited(NamedTuple):
@@ -38,6 +44,8 @@ def excited(time: Array, command: Array) -> Excited:
     >>> t = np.arange(3000) / 100
     >>> excited(t, 2.0 + np.sin(t)).word, excited(t, 1.0 + np.floor(t / 5.0) % 2).word
     ('sine', 'steps')
+    >>> excited(t, np.exp(-t / 20) * np.arcsin(np.sin(t))).word
+    'ramps'
     """
     low, high = float(command.min()), float(command.max())
     moved = np.diff(command)
@@ -51,11 +59,20 @@ def excited(time: Array, command: Array) -> Excited:
     levels = len(np.unique(np.round(command, 6)))
     if share < 0.1:
         word = "staircase" if levels > 8 else "steps"
+    elif line > 1 and _bends_at_corners(time, command, float(frequencies[line])):
+        word = "ramps"
     elif concentrated > 0.9 and line > 1:
         word = "sine"
     else:
         word = "sweep or noise"
     return Excited(low, high, centre, share, jump, word)
+
+
+def _bends_at_corners(time: Array, command: Array, frequency: float) -> bool:
+    """Whether a command of a frequency [Hz] bends nearly at corners alone, as a triangle or a trapezoid."""
+    even = np.arange(time[0], time[-1], 1.0 / (PER_PERIOD * frequency))
+    bends = np.sort(np.abs(np.diff(np.interp(even, time, command), 2)))[::-1]
+    return bool(bends[: len(bends) // 4].sum() > CORNERS * bends.sum())
 
 
 def choose(asked: Sequence[Excited]) -> Chosen:

@@ -15,8 +15,9 @@ from plants.files import file_name, replaced_folder, write_atomically
 from plants.measured.campaign import FILE
 from plants.measured.formats.channel import LoggedChannel
 from plants.measured.importing.channels import Log, listed, read_log
+from plants.measured.importing.columns_table import columns_table
 from plants.measured.importing.excitation import Chosen, Excited, choose, excited
-from plants.measured.importing.roles import ROLES, Role, roles
+from plants.measured.importing.roles import Role, roles
 from plants.measured.importing.runs import Run, runs, steps_of
 
 TIME = "time_s"
@@ -53,7 +54,9 @@ def import_logs(
     step = float(f"{max(steps_of(log, found) for log in logs):.4g}")
     made: list[Run] = []
     for log in logs:
-        own = runs(log, {n: r for n, r in found.items() if r.channel in {c.name for c in log.channels}}, step)
+        own = runs(
+            log, {n: r for n, r in found.items() if set(r.channels) <= {c.name for c in log.channels}}, step
+        )
         stem = file_name(log.path.resolve().stem)
         made += [
             replace(r, name=f"{stem}-{i}.csv" if len(own) > 1 else f"{stem}.csv")
@@ -72,23 +75,24 @@ def _named_alike(log: Log, found: Mapping[str, Role], fullest: Log) -> Log:
     without a pressure where the angle was logged.  Raises InputError where another is not to be told.
     """
     there = {c.name: c for c in log.channels}
-    missing = [name for name, r in found.items() if r.channel not in there]
+    missing = [name for name, r in found.items() if not set(r.channels) <= there.keys()]
     needed = [n for n in missing if n != "reference" and not (n == "pressure" and "angle" in found)]
     if not missing:
         return log
-    known = {name: (r.channel, "") for name, r in found.items() if r.channel in there}
+    known = {name: (r.channel, "") for name, r in found.items() if name not in missing}
     try:
         own = roles(log.channels, known)
     except InputError:
         own = {}
     moved: dict[str, LoggedChannel] = {}
     notes = []
-    for name in (n for n in missing if n in own):
+    alike = {n for n in missing if n in own and _one_of_a_kind(own[n], found[n])}
+    for name in (n for n in missing if n in alike):
         r, as_found = own[name], found[name]
         scaled = r.factor / as_found.factor * there[r.channel].values
         moved[r.channel] = there[r.channel]._replace(name=as_found.channel, unit=as_found.unit, values=scaled)
         notes.append(f"{r.channel} is taken for {as_found.channel}: {r.why}")
-    lacks = [n for n in needed if n not in own]
+    lacks = [n for n in needed if n not in alike]
     if lacks:
         raise InputError(
             f"{log.path}: has no channel {found[lacks[0]].channel!r}, which {fullest.path} has, and none "
@@ -96,6 +100,11 @@ def _named_alike(log: Log, found: Mapping[str, Role], fullest: Log) -> Log:
         )
     channels = tuple(moved.get(c.name, c) for c in log.channels)
     return log._replace(channels=channels, notes=(*log.notes, *notes))
+
+
+def _one_of_a_kind(a: Role, b: Role) -> bool:
+    """Whether the one can be counted in the unit of the other by a factor."""
+    return a.absolute == b.absolute and not a.quaternion and not b.quaternion
 
 
 def _named_apart(made: list[Run]) -> list[Run]:
@@ -124,7 +133,8 @@ def write_campaign(made: Imported, axis: str, folder: Path) -> list[Path]:
 
 
 def table(run: Run) -> str:
-    """A run as CSV: the time, and every channel by its own name in its own unit."""
+    """A run as CSV: the time, and every channel by its own name in its own unit; cells that the log lacks
+    stay empty."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n", quoting=csv.QUOTE_MINIMAL)
     others = {n: v for n, v in run.values.items() if n != TIME}
@@ -132,7 +142,7 @@ def table(run: Run) -> str:
     heads = [TIME, *others]
     out.write(",".join(f'"{h}"' if re.search(r'[,;\t"]', h) or not h else h for h in heads) + "\n")
     digits = np.column_stack([np.round(run.time, 9), *others.values()])
-    writer.writerows([repr(float(x)) for x in row] for row in digits)
+    writer.writerows(["" if np.isnan(x) else repr(float(x)) for x in row] for row in digits)
     return out.getvalue()
 
 
@@ -152,17 +162,7 @@ def declaration(made: Imported, axis: str) -> str:
     document["fit"] = [made.runs[i].name for i in made.chosen.fit]
     if made.chosen.validate:
         document["validate"] = [made.runs[i].name for i in made.chosen.validate]
-    columns = tomlkit.table()
-    for role, found in made.roles.items():
-        entry: object = found.channel
-        if found.factor != 1.0:
-            scaled = tomlkit.inline_table()
-            scaled.update({"name": found.channel, "scale": found.factor})
-            entry = scaled
-        item = tomlkit.item(entry)
-        item.comment(found.why)
-        columns[ROLES[role]] = item
-    document["columns"] = columns
+    document["columns"] = columns_table(made.roles)
     return tomlkit.dumps(document)
 
 

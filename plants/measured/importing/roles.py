@@ -12,10 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from plants.errors import InputError
-from plants.measured.draft import HINTS
 from plants.measured.formats.cells import shorten
 from plants.measured.formats.channel import Array, LoggedChannel
 from plants.measured.formats.units import KINDS, factor, quantity
+from plants.measured.importing.names import HINTS, LENGTHS
+from plants.measured.importing.orientation import orientations
 from plants.measured.noise import noise_floor
 
 ROLES = {
@@ -46,13 +47,42 @@ VOLTS = 48.0
 PAIRS = (("command", "pressure"), ("command", "angle"), ("pressure", "angle"), ("reference", "angle"))
 
 
+BAROMETER, ALTITUDES = "hPa", (80.0, 106.0)
+"""The unit in which pressures above vacuum are told, and what those of the air [kPa] are on the ground."""
+
+CONVERTERS = (255, 1023, 4095, 16383, 65535)
+"""Largest counts of usual converters."""
+
+
 class Role(NamedTuple):
-    """What fills a role: the channel's name, its unit as taken, factor to the standard unit, and why."""
+    """What fills a role: the channel's name, its unit as taken, factor to the standard unit, and why;
+    absolute: whether it is a pressure above vacuum; quaternion: the four channels of an orientation, whose
+    first is the channel."""
 
     channel: str
     unit: str
     factor: float
     why: str
+    absolute: bool = False
+    quaternion: tuple[str, ...] = ()
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The names of all its channels."""
+        return self.quaternion or (self.channel,)
+
+    def entry(self, columns: Mapping[str, str] | None = None) -> str | dict[str, object]:
+        """What ``[columns]`` says of it; columns: those of the file by channel, where they differ.
+
+        >>> Role("p", "hPa", 0.1, "", absolute=True).entry({"p": "p (hPa)"})
+        {'name': 'p (hPa)', 'unit': 'hPa', 'absolute': True}
+        """
+        names = [(columns or {}).get(c, c) for c in self.channels]
+        if self.quaternion:
+            return {"quaternion": names}
+        if self.absolute:
+            return {"name": names[0], "unit": self.unit, "absolute": True}
+        return names[0] if self.factor == 1.0 else {"name": names[0], "scale": self.factor}
 
 
 def roles(channels: Sequence[LoggedChannel], given: Mapping[str, tuple[str, str]]) -> dict[str, Role]:
@@ -65,17 +95,25 @@ def roles(channels: Sequence[LoggedChannel], given: Mapping[str, tuple[str, str]
     for role, (name, _) in given.items():
         if name not in named:
             raise InputError(f"--map {role}={name}: no such channel; the log has {shorten(list(named))}")
-    chosen = {role: named[name] for role, (name, _) in given.items()}
-    free = [c for c in channels if c not in chosen.values() and np.ptp(c.values) > 0.0]
+    turning = orientations(channels)
+    parts = {n for _, names in turning.values() for n in names}
+    known = {**named, **{name: angle for name, (angle, _) in turning.items()}}
+    chosen = {role: (named if unit else known)[name] for role, (name, unit) in given.items()}
+    taken_already = {name for name, _ in given.values()}
+    free = [
+        c
+        for n, c in known.items()
+        if n not in taken_already and (n in turning or n not in parts) and np.ptp(c.values) > 0.0
+    ]
     left = [r for r in ROLES if r not in chosen]
-    points = {r: {c.name: _points(r, c) for c in free} for r in left}
+    points = {r: {c.name: _points(r, c) for c in free if r == "angle" or c.name not in turning} for r in left}
     options = {r: _options(points[r], r) for r in left}
     best, most = chosen, -np.inf
     for names in product(*options.values()):
         taken = [n for n in names if n is not None]
         if len(set(taken)) < len(taken):
             continue
-        trial = chosen | {r: named[n] for r, n in zip(left, names, strict=True) if n is not None}
+        trial = chosen | {r: known[n] for r, n in zip(left, names, strict=True) if n is not None}
         if not _between(trial, points.get("pressure", {})):
             continue
         total = sum(points[r][n] for r, n in zip(left, names, strict=True) if n is not None)
@@ -87,7 +125,13 @@ def roles(channels: Sequence[LoggedChannel], given: Mapping[str, tuple[str, str]
             "the command and the angle, or the pressure, cannot be told among the channels "
             f"{shorten(list(named))}; say --map command=NAME --map angle=NAME"
         )
-    return {r: _role(r, best[r], given.get(r), points.get(r, {}), best) for r in ROLES if r in best}
+    found = {r: _role(r, best[r], given.get(r), best) for r in ROLES if r in best}
+    for role, of in found.items():
+        if of.channel in turning and best[role] is turning[of.channel][0]:
+            names = turning[of.channel][1]
+            why = of.why.replace("unit deg", f"the angle that the orientation {', '.join(names)} has turned")
+            found[role] = of._replace(quaternion=names, why=why)
+    return found
 
 
 def _between(trial: Mapping[str, LoggedChannel], points: Mapping[str, float]) -> bool:
@@ -117,7 +161,7 @@ def _points(role: str, channel: LoggedChannel) -> float:
     if role in hinted:
         points += NAMED if hinted[0] == role else ALSO_NAMED
     kind = quantity(channel.unit) if channel.unit else None
-    if kind is not None:
+    if kind is not None and (role, channel.unit) not in {("angle", unit) for unit in LENGTHS}:
         points += OF_UNIT if kind == ("angle" if role == "reference" else role) else OF_OTHER
     if role in ("command", "reference") and _is_written(channel.values):
         points += QUIET
@@ -171,9 +215,8 @@ def _smooth(values: Array) -> Array:
 
 
 def _role(
-    role: str, channel: LoggedChannel, given: tuple[str, str] | None, points: Mapping[str, float],
-    all_of: Mapping[str, LoggedChannel],
-) -> Role:  # fmt: skip
+    role: str, channel: LoggedChannel, given: tuple[str, str] | None, all_of: Mapping[str, LoggedChannel]
+) -> Role:
     """A channel in its role: unit, factor and reasons."""
     unit, why = channel.unit, []
     if given is not None:
@@ -196,15 +239,46 @@ def _role(
         factor(unit, role, f"--map {role}={channel.name}")  # which raises, and says why
     if kind == wanted:
         why.append(f"unit {unit}")
-        return Role(channel.name, unit, factor(unit, role, channel.name), ", ".join(why))
+        to_standard = factor(unit, role, channel.name)
+        absolute = role == "pressure" and _above_vacuum(channel, to_standard)
+        if (
+            absolute
+            and not (given and given[1])
+            and (unit == BAROMETER or re.search(r"abs", channel.name.lower()))
+        ):
+            why.append("above vacuum, as it starts at that of the air")
+            return Role(channel.name, unit, to_standard, ", ".join(why), True)
+        if absolute:
+            why.append(f'starts near that of the air: add unit = "{unit}", absolute = true if above vacuum')
+        return Role(channel.name, unit, to_standard, ", ".join(why))
+    if wanted == "angle" and unit in LENGTHS:
+        return Role(channel.name, unit, 1.0, ", ".join([*why, f"no angle but {unit}, in which it stays"]))
     guessed, most = _unit_by_range(role, channel.values), float(np.max(np.abs(channel.values)))
     if role == "command":
         why.append("its unit is not told: taken for V" if not unit else f"its unit {unit} is taken for V")
         if not unit and most > VOLTS:
-            why.append(f'though {most:.6g} is much: --map "command={channel.name} [mV]" gives another')
+            why.append(f"though {most:.6g} is much: {_instead_of_volts(channel)}")
     else:
         why.append(f"its unit is not told: {guessed} by its range")
     return Role(channel.name, guessed, factor(guessed, role, channel.name), ", ".join(why))
+
+
+def _above_vacuum(channel: LoggedChannel, to_kpa: float) -> bool:
+    """Whether a pressure starts at that of the air, and hardly ever goes below."""
+    first, lowest = np.median(channel.values[:3]), np.quantile(channel.values, 0.02)
+    return all(ALTITUDES[0] < to_kpa * v < ALTITUDES[1] for v in (first, lowest))
+
+
+def _instead_of_volts(channel: LoggedChannel) -> str:
+    """What to say of a command without a unit that is hardly in V: of whole numbers, what counts are."""
+    values = channel.values
+    full = next((c for c in CONVERTERS if values.max() <= c), None)
+    if full is None or values.min() < 0.0 or np.any(values != np.round(values)):
+        return f'--map "command={channel.name} [mV]" gives another'
+    return (
+        f'where they are counts of a converter, {{name = "{channel.name}", counts = {full}, full = 10.0}} '
+        f"says that {full} are 10 V"
+    )
 
 
 def _unit_by_range(role: str, values: Array) -> str:

@@ -5,12 +5,14 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plants.errors import InputError
 from plants.measured.formats.channel import Array, LoggedChannel
 from plants.measured.importing.channels import Log
 from plants.measured.importing.roles import Role
-from plants.measured.read_table import GAP
+from plants.measured.instrument.missing import FILLED
+from plants.measured.read_table import GAP, SHORT_GAP
 
 REST = 2.0
 """Time [s] for which the command stands at where it began, that a run may end there."""
@@ -21,6 +23,8 @@ LONGER = 1.5
 SHORTEST, FEWEST = 3.0, 100
 """Length [s] and rows that a run has to have."""
 
+Rows = NDArray[np.bool_]
+
 HELD = ("command", "reference")
 """Roles that a computer holds between its samples; what is measured goes on in between."""
 
@@ -28,7 +32,7 @@ HELD = ("command", "reference")
 @dataclass(frozen=True)
 class Run:
     """A part of a log without a gap: name; time [s] from its beginning, (n,); the channels by name, (n,), in
-    the units of the file; why it ends where it does."""
+    the units of the file, not a number where the file has an empty cell; why it ends where it does."""
 
     name: str
     time: Array
@@ -43,24 +47,28 @@ def runs(log: Log, found: Mapping[str, Role], step: float) -> list[Run]:
     Raises InputError for channels that were not logged at the same time, and where no run is long enough.
     """
     named = {c.name: c for c in log.channels}
-    mapped = [named[r.channel] for r in found.values()]
+    mapped = [named[n] for r in found.values() for n in r.channels]
     time = _axis(mapped, named[_base(found)], step)
     if len(time) < FEWEST:
         raise InputError(f"{log.path}: command and what is measured were not logged together for long enough")
     held = {found[r].channel for r in HELD if r in found}
-    values = {
+    lines = {
         c.name: _held(c, time) if c.name in held else np.interp(time, c.time, c.values)
         for c in log.channels
         if c in mapped or (c.time[0] <= time[0] and c.time[-1] >= time[-1])
     }
-    cuts = _gaps(mapped, time) + _rests(values[found["command"].channel], time)
+    empty = {c.name: _empty(c, time) for c in mapped if c.name not in held}
+    cuts = _gaps(mapped, time, empty) + _rests(lines[found["command"].channel], time)
     made = []
     edges = [(0, ""), *sorted(cuts), (len(time), "the log ends")]
     for (first, _), (last, why) in pairwise(edges):
-        asked = values[found["command"].channel][first:last]
+        asked = lines[found["command"].channel][first:last]
         if last - first < FEWEST or time[last - 1] - time[first] < SHORTEST or not np.ptp(asked):
             continue
-        part = {n: v[first:last] for n, v in values.items()}
+        part = {n: v[first:last] for n, v in lines.items()}
+        for n, lacking in empty.items():
+            if np.sum(~lacking[first:last]) >= FILLED:
+                part[n] = np.where(lacking[first:last], np.nan, part[n])
         made.append(Run("", time[first:last] - time[first], part, why))
     if not made:
         raise InputError(
@@ -81,8 +89,11 @@ def steps_of(log: Log, found: Mapping[str, Role]) -> float:
 
 def _axis(mapped: Sequence[LoggedChannel], base: LoggedChannel, step: float) -> Array:
     """Times [s] at which all channels are there: the samples of one, or evenly spaced where these are not
-    those of the campaign."""
+    those of the campaign.  Where its cells are empty in some rows of a table, the rows are those of the
+    channel of that table that has the most."""
     first, last = max(c.time[0] for c in mapped), min(c.time[-1] for c in mapped)
+    same = (c for c in mapped if abs(c.step - base.step) <= 0.02 * base.step and np.all(_in(base.time, c)))
+    base = max(same, key=lambda c: len(c.time))
     own = base.time[(base.time >= first) & (base.time <= last)]
     distances = np.diff(own)
     jumps = distances[distances < GAP * base.step]
@@ -99,12 +110,27 @@ def _held(channel: LoggedChannel, time: Array) -> Array:
     return found
 
 
-def _gaps(mapped: Sequence[LoggedChannel], time: Array) -> list[tuple[int, str]]:
-    """Rows before which a channel was not logged for a while."""
+def _in(time: Array, channel: LoggedChannel) -> Rows:
+    """At which times [s] a channel was logged, to the digit."""
+    found: Rows = np.isin(time, channel.time)
+    return found
+
+
+def _empty(channel: LoggedChannel, time: Array) -> Rows:
+    """Rows in which a channel of the same table has an empty cell; none for one that was logged apart."""
+    within = channel.time[(channel.time >= time[0]) & (channel.time <= time[-1])]
+    there = _in(time, channel)
+    return ~there if there.sum() == len(within) else np.zeros(len(time), bool)
+
+
+def _gaps(mapped: Sequence[LoggedChannel], time: Array, empty: Mapping[str, Rows]) -> list[tuple[int, str]]:
+    """Rows before which a channel was not logged for a while; empty cells of a table are left empty for
+    longer, as the reader of campaigns bridges them."""
     found = []
     for c in [*mapped, LoggedChannel("the time", "", time, time)]:
         distances = np.diff(c.time)
-        for i in np.flatnonzero(distances > max(GAP * c.step, 1e-9)):
+        most = SHORT_GAP if c.name in empty and empty[c.name].any() else GAP
+        for i in np.flatnonzero(distances > max(most * c.step, 1e-9)):
             row = int(np.searchsorted(time, c.time[i + 1] - 1e-9))
             if 0 < row < len(time):
                 found.append((row, f"{c.name} was not logged for {distances[i]:.3g} s"))

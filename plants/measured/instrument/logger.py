@@ -19,7 +19,7 @@ from plants.measured.instrument.alignment import delay_between, in_step
 from plants.measured.instrument.missing import lines_between, spikes
 from plants.measured.instrument.offsets import offsets_between
 from plants.measured.instrument.remark import Habit, Remark
-from plants.measured.instrument.renewals import renewals
+from plants.measured.instrument.renewals import interval, renewals
 from plants.measured.instrument.saturation import REST_ROWS, ranged
 from plants.measured.noise import noise_floor, resolution
 from plants.measured.recording import Recording
@@ -138,7 +138,7 @@ def _renewed(campaign: Campaign, remarks: list[Remark]) -> Campaign:
                 fresh = _every(r, stated)
             if fresh is None:
                 return r
-            held[r.name] = float(np.median(np.diff(r.time[fresh])))
+            held[r.name] = interval(r.time[fresh])
             return _only(r, channel, fresh)
 
         campaign = campaign.each(straight)

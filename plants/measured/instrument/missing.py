@@ -42,15 +42,19 @@ def with_missing(column: Column) -> Array | None:
     >>> with_missing(Text(("1", ""))) is None
     True
     """
-    if isinstance(column, Text):
-        cells = ["nan" if not c.strip() else c for c in column.cells]
-        column = column_of(cells, column.decimal == ",")
-        if isinstance(column, Text):
-            return None
-    there = np.isfinite(column)
-    if np.isinf(column).any() or len(column) < ROWS or there.sum() < FILLED:
+    values = numbers_in(column)
+    if values is None or np.isinf(values).any() or len(values) < ROWS:
         return None
-    return column
+    return values if np.isfinite(values).sum() >= FILLED else None
+
+
+def numbers_in(column: Column) -> Array | None:
+    """The numbers of a column whose empty cells are not a number, None where it has other text."""
+    if not isinstance(column, Text):
+        return column
+    cells = ["nan" if not c.strip() else c for c in column.cells]
+    numbers = column_of(cells, column.decimal == ",")
+    return None if isinstance(numbers, Text) else numbers
 
 
 def lines_between(time: Array, values: Array, there: Rows) -> Array:

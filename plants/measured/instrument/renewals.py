@@ -34,9 +34,23 @@ def renewals(values: Array) -> NDArray[np.bool_] | None:
         return None
     # A sensor at rest is renewed too, with the value it had.
     fresh = changed.copy()
-    for first, gap in zip(at, np.diff(np.append(at, len(values))), strict=True):
-        fresh[first : first + gap : period] = True
+    fresh[at[-1] :: period] = True
+    for first, gap in zip(at[:-1], np.diff(at), strict=True):
+        times = max(round(gap / period), 1)  # a clock of its own is now and then a row early or late
+        fresh[first + np.arange(times) * gap // times] = True
     return fresh
+
+
+def interval(times: Array) -> float:
+    """Mean interval [s] between renewals at some times [s], but for pauses of the log.  The median is a whole
+    number of rows, which a clock of the sensor's own is not.
+
+    >>> round(interval(np.array([0.0, 0.16, 0.33, 0.5, 0.66, 7.0, 7.16, 7.33])), 4)
+    0.165
+    """
+    gaps = np.diff(times)
+    usual = np.median(gaps)
+    return float(np.mean(gaps[np.abs(gaps - usual) <= 0.5 * usual]))
 
 
 def clock(rows: NDArray[np.intp]) -> int:

@@ -1,0 +1,38 @@
+"""What names of columns look like, and the units in them."""
+
+import re
+
+from plants.measured.formats.units import quantity
+
+DURATION = r"(?:milli|micro|nano|m|u|µ|n)s(?:ec(?:ond)?s?)?|sec(?:ond)?s?"
+"""Units of time that may be a whole name, as ``millis`` of a microcontroller."""
+
+HINTS = {
+    "time_s": rf"^t$|time|stamp|zeit|^(?:{DURATION})$",
+    "reference_deg": r"ref|set.?point|target|desired|soll|^[rw]$|^sp$",
+    "command_V": r"command|cmd|volt|dac|duty|pwm|^u$|input|_v$|stell",
+    "pressure_kPa": r"press|kpa|hpa|bar|psi|^p\d?$|druck",
+    "angle_deg": r"angle|theta|bend|deg|rad|posit|\bpos|_pos|flex|^y$|output|winkel",
+}
+"""What names of columns look like, by the standard name; the first that matches is taken."""
+
+LENGTHS = ("mm", "cm")
+"""Units of a motion that is no rotation, which stays as it is."""
+
+
+def unit_in(name: str) -> str:
+    """The unit at the end of a name, or that is the name of a time; "" where there is none.
+
+    >>> unit_in("angle_deg"), unit_in("p [bar]"), unit_in("u"), unit_in("wrist_p"), unit_in("pos_mm")
+    ('deg', 'bar', '', '', 'mm')
+    >>> unit_in("millis"), unit_in("timestamp_us"), unit_in("t_micros"), unit_in("duty_cycle")
+    ('millis', 'us', 'micros', '')
+    """
+    if re.fullmatch(DURATION, name.lower()):
+        return name.lower()
+    found = re.search(rf"[_ .]\(?\[?([A-Za-z°%]{{1,5}}|{DURATION})\]?\)?$", name)
+    unit = found[1] if found else ""
+    if unit in LENGTHS:
+        return unit
+    known = quantity(unit) not in (None, "other") and unit not in ("cycle", "turn")
+    return unit if known and len(unit) + (unit in "VAs") > 1 else ""

@@ -1,0 +1,75 @@
+"""What microcontrollers and their sensors log: millis, counts of a converter, hPa, quaternions, mm."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.spatial.transform import Rotation
+
+from plants.measured.campaign import load_campaign, load_recording
+from plants.measured.formats.columns import ATMOSPHERE
+from plants.measured.importing.importing import import_logs, write_campaign
+
+EXAMPLE = Path(__file__).parents[2] / "plants/measured/examples/flexion"
+STEPS = load_recording(EXAMPLE / "steps.csv").until(30.0)
+USUAL = {"u_V": STEPS.command, "angle_deg": STEPS.angle}
+ABOVE = 101.0 + np.maximum(STEPS.pressure - STEPS.pressure[0], 0.0)
+"""A pressure [kPa] above vacuum that never falls below that of the air."""
+
+
+def imported(folder, columns):
+    """What an import makes of columns, and the recording that its campaign holds."""
+    pd.DataFrame(columns).to_csv(folder / "log.csv", index=False)
+    made = import_logs([folder / "log.csv"], {})
+    write_campaign(made, "bend", folder / "out")
+    with pytest.warns(match="only one recording"):
+        return made.roles, load_campaign(folder / "out").validate[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "per_second"),
+    [("millis", 1e3), ("ms", 1e3), ("time_ms", 1e3), ("t_millis", 1e3), ("timestamp_us", 1e6),
+     ("micros", 1e6), ("seconds", 1.0)],
+)  # fmt: skip
+def test_a_time_is_known_by_its_unit(tmp_path, name, per_second):
+    _, found = imported(tmp_path, {name: np.round(per_second * (5.0 + STEPS.time), 6)} | USUAL)
+    np.testing.assert_allclose(found.time, STEPS.time, atol=1e-6)
+
+
+def test_a_command_in_whole_numbers_may_be_counts(tmp_path):
+    counts = np.round(1000.0 * STEPS.command)
+    roles, _ = imported(tmp_path, {"time": STEPS.time, "dac": counts, "angle_deg": STEPS.angle})
+    assert '{name = "dac", counts = 4095, full = 10.0} says that 4095 are 10 V' in roles["command"].why
+
+
+def test_a_pressure_in_hpa_that_starts_at_that_of_the_air_counts_from_vacuum(tmp_path):
+    columns = {"time": STEPS.time, "p_hPa": 10.0 * ABOVE} | USUAL
+    roles, found = imported(tmp_path, columns)
+    assert roles["pressure"].absolute
+    np.testing.assert_allclose(found.pressure, ABOVE - ATMOSPHERE, atol=1e-9)
+
+
+def test_of_another_pressure_that_starts_there_it_is_asked(tmp_path):
+    roles, found = imported(tmp_path, {"time": STEPS.time, "p_bar": ABOVE / 100.0} | USUAL)
+    assert not roles["pressure"].absolute
+    assert 'add unit = "bar", absolute = true if above vacuum' in roles["pressure"].why
+    np.testing.assert_allclose(found.pressure, ABOVE)
+
+
+def test_four_columns_of_a_quaternion_are_an_angle(tmp_path):
+    seen = Rotation.from_rotvec(np.outer(np.radians(STEPS.angle), [0.0, 0.6, 0.8])).as_quat()
+    seen[500:505] = np.nan
+    parts = dict(zip(("q_x", "q_y", "q_z", "q_w"), seen.T, strict=True))
+    roles, found = imported(tmp_path, {"time": STEPS.time, "u_V": STEPS.command} | parts)
+    assert roles["angle"].entry() == {"quaternion": ["q_w", "q_x", "q_y", "q_z"]}
+    there = found.fresh("angle_deg")
+    assert np.flatnonzero(~there).tolist() == [*range(500, 505)]
+    moved = STEPS.angle[0] - STEPS.angle  # counted upwards where it turns most
+    np.testing.assert_allclose(found.angle[there], moved[there], atol=1e-6)
+
+
+def test_a_motion_in_mm_stays_in_mm(tmp_path):
+    columns = {"time": STEPS.time, "u_V": STEPS.command, "pos_mm": STEPS.angle}
+    roles, _ = imported(tmp_path, columns)
+    assert roles["angle"][:3] == ("pos_mm", "mm", 1.0)
