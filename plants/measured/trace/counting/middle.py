@@ -24,6 +24,10 @@ ROOM = 1.1
 """Steps of the task that the range must have on either side of zero."""
 
 
+HELD = 1.25
+"""Steps of a guessed task that a command must hold either way: with the load that the requirement adds, and
+slopes a tenth off, the angle is to be held as well."""
+
 SHORTER = np.linspace(1.0, 0.4, 13)
 """Shares of a step that are tried where the whole of it is not held."""
 
@@ -91,7 +95,7 @@ def with_reachable_step(plant: ParameterSet) -> ParameterSet:
         return bool(low <= down and up <= high) and not stopped
 
     tried = min((most - least) / 3.0, rig.task.step) * SHORTER
-    step = next((float(s) for s in tried if s > 0.0 and held(ROOM * s)), rig.task.step)
+    step = next((float(s) for s in tried if s > 0.0 and held(HELD * s)), rig.task.step)
     return plant if step >= rig.task.step else replace(plant, rig=with_step(rig, float(f"{step:.2g}")))
 
 
