@@ -40,12 +40,12 @@ def common_effects(scope: Scope, ranking: Sequence[Ranked]) -> SearchRound:
 
 
 def rather_common_ones(scope: Scope, now: Candidate) -> SearchRound | None:
-    """A round in which each effect that few rigs have is replaced by one that nearly any has; None for a model
-    without the first, or where the law was given.  Taken is the best of these, unless this data tells the
-    model from it (`tied`).
+    """A round in which each effect that few rigs have is replaced by one that nearly any has; None for a
+    model without the first, or where the law was given.  Taken is the best of these, unless this data tells
+    the model from it (`tied`).
 
-    An effect that was chosen while another was missing may have passed for it: in one recording a drift of the
-    sensor follows what creeps.
+    An effect that was chosen while another was missing may have passed for it: in one recording a drift of
+    the sensor follows what creeps.
     """
     rare = [n for n in now.model.effects if not EFFECTS[n][0].COMMON]
     left = [n for n in scope.names if EFFECTS[n][0].COMMON and n not in now.model.effects]
