@@ -41,11 +41,12 @@ def design_page(study: DesignStudy, made: Made, drawn: "dict[str, Figure]") -> s
         return Shown(markup(svg(drawn[name], name, caption)), caption)
 
     rows = tables.card_rows(study)
+    steps = step_caption(rows, "recommended" if study.holds else "nearest")
     return render(
         "design.html", made=made, title=words.title(study),
         kind=f"design for {' and '.join(m.motion for m in study.motions)}", sections=SECTIONS,
         summary=words.summary(study), remarks=words.remarks(study),
-        decision=card(rows, shown("step", step_caption(rows))), controllers=words.controllers(study),
+        decision=card(rows, shown("step", steps)), controllers=words.controllers(study),
         price=tables.price_table(study), prices=shown("prices", words.price_caption(study)),
         alternatives=alternative_words.alternatives(study),
     )  # fmt: skip

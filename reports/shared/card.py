@@ -147,10 +147,10 @@ def gains_words(gains: Mapping[str, float]) -> str:
     return words + (f", Tf = {number(1000 * gains['Tf'])} ms" if gains["Tf"] else "")
 
 
-def step_caption(rows: Sequence[CardRow]) -> str:
-    """Beneath the steps."""
+def step_caption(rows: Sequence[CardRow], which: str = "recommended") -> str:
+    """Beneath the steps; which: gains these are, recommended or nearest."""
     b = rows[0].band
     return (
-        f"Step of {number(b['step'])} deg from rest under the recommended gains, drawn upwards. Band: "
+        f"Step of {number(b['step'])} deg from rest under the {which} gains, drawn upwards. Band: "
         f"smallest and largest angle of {b['cases']} fresh cases of the requirement."
     )

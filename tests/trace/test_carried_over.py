@@ -5,12 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plants.effects import Creep, LoadStep
+from plants.effects import Creep, Drift, LoadStep
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.stage import Stage
+from plants.measured.trace.ranking.excitation import excitation
 from plants.measured.trace.search.candidate import Candidate, carries_over
-from plants.measured.trace.search.refits import rather_common
+from plants.measured.trace.search.common import rather_common_ones
+from plants.measured.trace.search.refits import Scope, rather_common
 from plants.measured.trace.search.simplify import carried_over
 from plants.measured.trace.stages.model import Model
 from plants.parameters.files import built_in
@@ -91,3 +93,33 @@ def test_what_nearly_any_rig_has_comes_no_earlier_where_whole_recordings_do_not_
     )
     assert not carries_over(step, creep)
     assert rather_common(bare, [step, creep]) == [step, creep]
+
+
+def drifting(rig):
+    """A search's last model, of a drift of the sensor in one recording, and what the search may use."""
+    bare, now = (guessed(candidate(*e, rig=rig, commands=(SLOW,))) for e in ((), (Drift(0.01),)))
+    asked = excitation(now.model.stage.playbacks)
+    return Scope(bare, ("creep", "gyro-drift"), asked, 0, lambda _: None), now
+
+
+def test_a_drift_that_stands_for_what_creeps_is_replaced():
+    scope, now = drifting(Creep(0.2, 4.0))
+    exchange = rather_common_ones(scope, now)
+    assert exchange.before is now
+    assert exchange.taken.model.effects == ("creep",)
+    assert exchange.taken.model.chi2 < now.model.chi2
+
+
+def test_a_drift_that_the_data_tells_from_creep_stays():
+    scope, now = drifting(Drift(0.2))
+    exchange = rather_common_ones(scope, now)
+    assert exchange.taken is None
+    assert all(c.model.chi2 > now.model.chi2 for c in exchange.candidates)
+
+
+def test_what_nearly_any_rig_has_is_not_put_in_the_place_of_an_effect_under_a_law_that_was_given():
+    scope, now = drifting(Creep(0.2, 4.0))
+    given = Candidate(replace(now.model, stage=replace(now.model.stage, form=0.0)))
+    assert rather_common_ones(scope, given) is None
+    creeping = guessed(candidate(Creep(0.1, 5.0), rig=Creep(0.2, 4.0), commands=(SLOW,)))
+    assert rather_common_ones(scope, creeping) is None

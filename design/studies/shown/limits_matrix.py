@@ -28,8 +28,12 @@ CONDITIONS = (
 """What limits are looked at under; each holds what the one before holds, and more, but for the last, which
 is the one case that a search found."""
 
-EVERY, SHOWN, SECONDS = 20, 400, 5.0
-"""Samples between rows of the steps that are drawn, cases of their band, and how long [s] they are drawn."""
+EVERY, SHOWN, SECONDS = 0.02, 400, 5.0
+"""Time [s] between rows of the steps that are drawn, cases of their band, and how long [s] they are drawn at
+least."""
+
+LONGER = 1.2
+"""Settling times of the nominal plant that they are drawn for, up to the duration of the task."""
 
 
 def matrix(
@@ -82,23 +86,25 @@ def step_band(required: Requirement, controller: PI, seed: int) -> dict[str, Any
     steps = replace(required, kinds=("step",))
     x = generator(3000 + seed, 0, CASES).random((steps.space.size, SHOWN))
     x = x[:, steps.space.reachable(x)]
-    lanes = replace(steps.space, duration=SECONDS).lanes(x)
+    rig, step = required.wrist.rig, required.wrist.rig.task.step
+    asked = Task("virgin", 0.0, (step,), (required.duration,))
+    plain, late = (
+        play(stack([Case(asked, required.wrist, dead_time=t)]), controller, record=True)
+        for t in (0.0, required.space.dead_time)
+    )
+    assert plain.trajectory is not None
+    assert late.trajectory is not None
+    settled = max(float(p.metrics.settling_time_s.max()) for p in (plain, late))
+    seconds = min(max(SECONDS, LONGER * settled), required.duration)
+    lanes = replace(steps.space, duration=seconds).lanes(x)
     angle = play(lanes, controller, record=True).trajectory
     assert angle is not None
     sign = np.sign(lanes.reference.references[-1])
-    rows = slice(0, round(SECONDS / required.wrist.rig.sample_time), EVERY)
+    rows = slice(0, round(seconds / rig.sample_time), max(round(EVERY / rig.sample_time), 1))
     seen = (angle.angle * sign)[rows]
-    step = required.wrist.rig.task.step
-    asked = Task("virgin", 0.0, (step,), (SECONDS,))
-    plain, late = (
-        play(stack([Case(asked, required.wrist, dead_time=t)]), controller, record=True).trajectory
-        for t in (0.0, required.space.dead_time)
-    )
-    assert plain is not None
-    assert late is not None
     return {
         "time_s": angle.time[rows].tolist(), "low": seen.min(axis=1).tolist(),
-        "high": seen.max(axis=1).tolist(), "nominal": plain.angle[rows, 0].tolist(),
-        "late": late.angle[rows, 0].tolist(), "cases": int(x.shape[1]), "step": step,
+        "high": seen.max(axis=1).tolist(), "nominal": plain.trajectory.angle[rows, 0].tolist(),
+        "late": late.trajectory.angle[rows, 0].tolist(), "cases": int(x.shape[1]), "step": step,
         "dead_time_s": required.space.dead_time,
     }  # fmt: skip

@@ -42,7 +42,8 @@ class LawChoice:
 
     begins: where the recordings to fit on start under each law, None at rest.  others: parameter sets of the
     laws that were not chosen but make a loop, by name; with_effects: errors as held_out, in a free run from
-    the command and with the effects that each law needs, where they decided.
+    the command and with the effects that each law needs, where they decided.  driven: whether the pressure
+    was logged, which drives the loop in held_out.
     """
 
     name: str
@@ -51,6 +52,7 @@ class LawChoice:
     begins: Mapping[str, tuple[Begin, ...] | None]
     others: Mapping[str, ParameterSet] = field(default_factory=dict)
     with_effects: Mapping[str, float] = field(default_factory=dict)
+    driven: bool = True
 
     def taking(self, name: str) -> "LawChoice":
         """The choice of another of the laws."""
@@ -81,7 +83,9 @@ def choose_law(campaign: Campaign, fit: Fit, seed: int = 0) -> LawChoice:
     origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
     sets = {n: fit.fitted if n == declared else _fitted(found[n][0], origin) for n in {*makes, best}}
     begins = {n: _begins(campaign, fit, m) for n, (m, _) in found.items()}
-    return LawChoice(best, sets.pop(best), {n: e for n, (_, e) in found.items()}, begins, sets)
+    errors = {n: e for n, (_, e) in found.items()}
+    driven = any(m.stage.drives is not None for m, _ in found.values())
+    return LawChoice(best, sets.pop(best), errors, begins, sets, driven=driven)
 
 
 def _remembered(model: Model) -> Model:

@@ -148,6 +148,8 @@ def law_sentence(law: LawChoice) -> str:
         "simulated from the command with the effects that each law needs"
         if law.with_effects
         else "with the measured pressure"
+        if law.driven
+        else "simulated from the command"
     )
     said = f"Hysteresis law: {law.name}, chosen on held-out blocks, where the angle error {on} is {told}."
     if errors[0][0] == law.name:
