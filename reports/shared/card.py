@@ -6,6 +6,7 @@ are from.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any
 
 from design.status import Status
@@ -122,13 +123,26 @@ def _matrix(of: CardRow, known: Sequence[str]) -> tuple[tuple[Cell, ...], ...]:
         bound = ("≥ " if r["limit"] == "delay_margin_s" else "≤ ") + number(r["bound"])
         cells = [
             Cell(
-                NOT_JUDGED if r["values"][c] is None else measured(float(r["values"][c])),
+                _value(r["limit"], r["values"][c], r["held"][c]),
                 broken=r["held"][c] is False, met=r["held"][c] is True,
             )
             for c in known
         ]  # fmt: skip
         rows.append(row(name, bound, *cells, Status.OPEN.value))  # no certificate is of a limit
     return tuple(rows)
+
+
+def _value(limit: str, value: float | None, held: bool | None) -> str:
+    """A value in the matrix; a file has null for one that is infinite, and was judged all the same.
+
+    >>> _value("Ms", 1.5, True), _value("Ms", None, None), _value("settling_time_s", None, False)
+    ('1.50', '–', 'never')
+    """
+    if held is None:
+        return NOT_JUDGED
+    if value is None or not isfinite(value):
+        return "never" if limit == "settling_time_s" else "∞"
+    return measured(float(value))
 
 
 def broken_words(broken: int, total: int) -> str:

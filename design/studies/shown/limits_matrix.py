@@ -58,8 +58,8 @@ def matrix(
             of = {
                 "nominal": float(calm[name][0]), "every branch and memory": float(calm[name].max()),
                 "longest dead time": float(delayed[name].max()),
-                "perturbed plants": evidence["samples"]["worst"][name],
-                "worst case found": evidence["worst_case"]["values"][name],
+                "perturbed plants": _bounded(evidence["samples"]["worst"][name]),
+                "worst case found": _bounded(evidence["worst_case"]["values"][name]),
             }  # fmt: skip
         values = {c: of.get(c) for c in CONDITIONS}
         held = {
@@ -68,6 +68,12 @@ def matrix(
         }
         rows.append({"limit": name, "bound": limit, "values": values, "held": held})
     return rows
+
+
+def _bounded(value: float | None) -> float:
+    """What a run was held against; a file has null for what is infinite, as the settling time of a run that
+    never settles."""
+    return float("inf") if value is None else value
 
 
 def _margin(found: Margins, name: str) -> float:
