@@ -84,6 +84,13 @@ def test_where_no_gains_within_twice_the_limits_settle_any_stable_loop_may():
     assert margin.delay_margin_s[0] >= found.problem.limits.delay_margin_s
 
 
+def test_nearest_gains_are_the_numbers_that_are_printed():
+    for slow in (tuned(0.5, 0.3, Ms=1.0), tuned(1.23456, 2.34567, overshoot_percent=1e-6)):
+        found = nearest(slow)
+        assert all(float(f"{g:.3g}") == g for g in (found.Kp, found.Ki))
+        assert found.at.unsettled[0] <= slow.at.unsettled[0]
+
+
 def test_gains_with_which_every_run_settles_stay():
     found = tuned(1.2, 2.2, overshoot_percent=1e-6)
     assert not found.feasible

@@ -63,18 +63,20 @@ def solved(problem: Problem, region: Region, known: Evaluation | None, structure
 
 
 def printed(problem: Problem, region: Region, found: Evaluation) -> Evaluation:
-    """The numbers of `DIGITS` digits next to gains that meet every limit and cost least: each gain rounded
-    up, down, or one step further down.  The gains as they are where none holds, or they do not."""
-    if not found.feasible[0]:
-        return found
+    """The numbers of `DIGITS` digits next to gains that meet every limit and cost least.  The gains as they
+    are where none holds, or they do not."""
+    best = shortened(problem, region, found) if found.feasible[0] else found
+    return best if best.feasible[0] else found
+
+
+def shortened(problem: Problem, region: Region, found: Evaluation) -> Evaluation:
+    """The best gains of `DIGITS` digits next to others: each rounded up, down, or one step further down;
+    these themselves where the region holds none."""
     near = [
         _steps_down(float(g), bounds) for g, bounds in ((found.Kp[0], region.Kp), (found.Ki[0], region.Ki))
     ]
     Kp, Ki = (g.ravel() for g in np.meshgrid(*near, indexing="ij"))
-    if not Kp.size:
-        return found
-    best = best_of(evaluate_law(problem, law_of(found), Kp, Ki))
-    return best if best.feasible[0] else found
+    return best_of(evaluate_law(problem, law_of(found), Kp, Ki)) if Kp.size else found
 
 
 def _steps_down(gain: float, bounds: tuple[float, float]) -> Array:

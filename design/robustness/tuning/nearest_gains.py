@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from design.robustness.tuning.gain_search import evaluate_law, law_of
+from design.robustness.tuning.gain_search import DIGITS, evaluate_law, law_of, shortened
 from design.synthesis.evaluate import Evaluation, best_of, join
 from design.synthesis.tuning import Tuning
 
@@ -24,9 +24,12 @@ such gains, every loop that is stable on all branches."""
 
 def nearest(found: Tuning) -> Tuning:
     """The tuning with the gains of a map of its region of which fewer runs of its set never settle, if there
-    are any, those that miss a limit of the linear loop by up to `BEYOND` among them, as little as will do."""
+    are any, those that miss a limit of the linear loop by up to `BEYOND` among them, as little as will do.
+    They are numbers of three digits, as they are printed."""
     problem, law = replace(found.problem, screened=False), law_of(found.at)
-    before = best = evaluate_law(problem, law, found.at.Kp, found.at.Ki)
+    best = evaluate_law(problem, law, found.at.Kp, found.at.Ki)
+    if not best.unsettled[0] and all(float(f"{g:.{DIGITS}g}") == g for g in (found.Kp, found.Ki)):
+        return found
     region = replace(found.region, points=min(found.region.points, POINTS))
     for beyond in BEYOND:
         if not best.unsettled[0]:
@@ -41,7 +44,8 @@ def nearest(found: Tuning) -> Tuning:
                     (best.Kp, best.Ki), region.resolution, (region.Kp, region.Ki), strict=True
                 )
             )
-    return replace(found, at=best, map=best) if best.unsettled[0] < before.unsettled[0] else found
+    short = shortened(problem, region, best)
+    return replace(found, at=short, map=short) if short.unsettled[0] <= best.unsettled[0] else found
 
 
 def _within(at: Evaluation, beyond: float) -> Evaluation:
