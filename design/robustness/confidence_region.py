@@ -2,9 +2,10 @@
 
 An interval of two standard errors holds one estimate at 95 % confidence.  That many estimates all lie at the
 ends of theirs is less likely the more there are: with 26, a corner of the intervals is ten standard errors
-off.  The region is the ball of squared distances, in standard errors along the principal axes, that a
+off.  The joint region is the ball of squared distances, in standard errors along the principal axes, that a
 chi-square variable of as many degrees of freedom exceeds no more often (Draper and Smith, Applied Regression
-Analysis, 1998, section 5.4).
+Analysis, 1998, section 5.4).  It is taken no smaller than what holds `AT_ENDS` of them at their ends at once:
+up to that many, every corner of the intervals counts.
 """
 
 from collections.abc import Sequence
@@ -19,6 +20,9 @@ from design.robustness.intervals import Interval, StandardErrors
 from plants.parameters.correlation import Pairs, matrix_of
 
 Array = NDArray[np.float64]
+AT_ENDS = 10
+"""Estimates that may lie at the ends of their intervals at once however many there are: as many as a declared
+wrist has."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,27 +44,24 @@ class ConfidenceRegion:
 
     @cached_property
     def radius(self) -> float:
-        """Of the region, in standard errors; as likely to hold all estimates as the widest interval is to
-        hold one.
+        """Of the region, in standard errors; at least as likely to hold all estimates as the widest interval
+        is to hold one.
 
         >>> from design.robustness.intervals import Interval, StandardErrors
-        >>> some = [Interval(n, 0.0, 1.0, 2.0, "1", StandardErrors(2.0, "log")) for n in "abcdefgh"]
-        >>> [round(ConfidenceRegion.of(some[:m], {}).radius, 2) for m in (1, 2, 8)]
-        [2.0, 2.49, 3.97]
+        >>> some = [Interval(f"p{k}", 0.0, 1.0, 2.0, "1", StandardErrors(2.0, "log")) for k in range(40)]
+        >>> [round(ConfidenceRegion.of(some[:m], {}).radius, 2) for m in (1, 4, 20, 40)]
+        [2.0, 4.0, 6.32, 7.5]
         """
         if not self.at.size:
             return 0.0
-        level = chi2.cdf(float(self.counts.max()) ** 2, 1)
-        return float(np.sqrt(chi2.ppf(level, self.at.size)))
-
-    def holds(self, count: int) -> bool:
-        """Whether so many estimates may be at the ends of their intervals, the others in the middle."""
-        return bool(self.counts.max(initial=0.0) * np.sqrt(count) <= self.radius + 1e-9)
+        widest, m = float(self.counts.max()), self.at.size
+        joint = float(np.sqrt(chi2.ppf(chi2.cdf(widest**2, 1), m)))
+        return max(joint, widest * float(np.sqrt(min(m, AT_ENDS))))
 
     def within(self, shares: Array) -> Array:
         """Places of a box, (intervals, ...), those of estimates drawn straight towards the middle into the
         region."""
-        if self.at.size < 2:
+        if self.at.size <= AT_ENDS:
             return shares
         counts = self.counts.reshape(-1, *[1] * (shares.ndim - 1))
         away = counts * (2.0 * shares[self.at] - 1.0)

@@ -93,19 +93,15 @@ class Requirement:
         return tuple(found.values())
 
     def corners(self) -> list[Wrist]:
-        """The nominal wrist, and those at the ends of the intervals that move a response at all, of estimates
-        as many at once as their joint confidence region holds."""
+        """The nominal wrist, and those at the ends of the intervals that move a response at all."""
         middle = np.full(len(self.box.intervals), 0.5)
         before = _stacked(self.box.at(middle))
         moved = []
         for i in range(middle.size):
             ends = [_stacked(self.box.at(_with(middle, i, share))) for share in (0.0, 1.0)]
             moved.append(max(_moved(before, e) for e in ends))
-        region, chosen = self.box.region, list[int]()
-        for i in map(int, np.argsort(moved)[::-1]):
-            estimates = len({*chosen, i}.intersection(region.at.tolist()))
-            if moved[i] > 1e-9 and len(chosen) < MOST_CORNERS and region.holds(estimates):
-                chosen.append(i)
+        order = np.argsort(moved)[::-1]
+        chosen = [int(i) for i in order if moved[i] > 1e-9][:MOST_CORNERS]
         found = []
         for shares in product((0.0, 1.0), repeat=len(chosen)):
             place = middle.copy()

@@ -7,8 +7,9 @@ import pytest
 from scipy.stats import chi2
 
 from design.robustness.box import box_of
-from design.robustness.intervals import StandardErrors
-from design.robustness.requirement import requirement
+from design.robustness.confidence_region import AT_ENDS, ConfidenceRegion
+from design.robustness.intervals import Interval, StandardErrors
+from plants.effects import Creep
 from plants.errors import InputError
 from plants.parameters.correlation import ParameterCorrelation, matrix_of, parse_correlation
 from plants.parameters.files import built_in, dump, load
@@ -31,7 +32,6 @@ def places(box, count=4000):
 def test_without_correlation_it_is_what_it_was():
     apart, none = box_of(fitted({})), box_of(fitted({"w1": {"a1": 0.0}}))
     x = places(apart, 50)
-    x[apart.region.at] = 0.5 + 0.5 * (x[apart.region.at] - 0.5)  # well within their region
     for name, values in apart.values(x).items():
         np.testing.assert_array_equal(values, none.values(x)[name])
         i = next((i for i in apart.intervals if i.name == name), None)
@@ -58,8 +58,7 @@ def test_they_vary_as_their_errors_do():
 def test_what_the_data_knows_of_a_sum_is_kept():
     """Two slopes of which only the sum is known well: no corner is off by the sum of both errors."""
     plant = replace(fitted({"a2": {"a1": -0.99}}))
-    nearer = np.sqrt(chi2.ppf(chi2.cdf(4.0, 1), 4) / 16.0)  # of four at once, see the joint region below
-    for box, most in ((box_of(plant), 0.4 * nearer), (box_of(replace(plant, correlation={})), 4.0 * nearer)):
+    for box, most in ((box_of(plant), 0.4), (box_of(replace(plant, correlation={})), 4.0)):
         corners = np.round(places(box))
         values = box.values(corners)
         off = (values["a1"] - plant.values["a1"]) / ERRORS["a1"]
@@ -67,39 +66,33 @@ def test_what_the_data_knows_of_a_sum_is_kept():
         assert np.abs(off).max() == pytest.approx(most, rel=1e-6)
 
 
-def test_estimates_lie_in_their_joint_confidence_region():
-    """The distance that a chi-square variable exceeds as rarely as a normal one exceeds two standard errors,
-    by the correlation that was given; nothing else is drawn nearer, nor an estimate by itself."""
-    correlation = {"w1": {"a1": 0.9}, "a2": {"a1": -0.3}}
-    box = box_of(fitted(correlation))
-    x = places(box)
+def test_many_estimates_lie_in_their_joint_confidence_region():
+    """Of 26, none is further off than ten at their ends at once, and each by itself reaches both of its ends.
+    The joint region at the confidence of an interval, by the chi-square distribution, lies within."""
+    correlation = {f"p{k}": {"p0": 0.1} for k in range(1, 26)}
+    some = [Interval(f"p{k}", -2.0, 0.0, 2.0, "1", StandardErrors(2.0, "log")) for k in range(26)]
+    region = ConfidenceRegion.of(some, correlation)
+    x = np.random.default_rng(0).random((26, 4000))
     x[:, :2000] = np.round(x[:, :2000])
-    off = np.array([(box.values(x)[n] - box.plant.values[n]) / ERRORS[n] for n in NAMES])
-    inverse = np.linalg.inv(matrix_of(correlation, NAMES))
-    within = np.abs(off).max(axis=0) < 1.999  # by no interval's end cut off
-    squared = np.einsum("il,ij,jl->l", off, inverse, off)[within]
-    most = chi2.ppf(chi2.cdf(4.0, 1), 4)
-    assert squared.max() <= most * (1.0 + 1e-9)
-    assert squared.max() > 0.99 * most
-    others = [k for k in range(len(box.names)) if k not in box.region.at]
-    at_ends = np.full(len(box.names), 0.5)
-    at_ends[others] = 1.0
-    for k in others:
-        assert box.coordinates(at_ends)[box.names[k]] == box.intervals[k].high
-    alone = np.full(len(box.names), 0.5)
-    alone[box.names.index("Tw")] = 1.0
-    assert box.values(alone)["Tw"] == pytest.approx(box.plant.values["Tw"] + 2.0 * ERRORS["Tw"])
+    squared = np.sum((4.0 * region.within(x) - 2.0) ** 2, axis=0)
+    assert squared.max() == pytest.approx(40.0)
+    assert chi2.cdf(squared.max(), 26) >= chi2.cdf(4.0, 1)
+    inside = squared < 40.0 - 1e-9
+    np.testing.assert_array_equal(region.within(x)[:, inside], x[:, inside])
+    assert np.abs(region.within(np.eye(26)[:, :1] * 0.5 + 0.5)[0] - 1.0).max() < 1e-12
+    # Along the principal axes: the correlation of what is drawn is the one that was given.
+    drawn = region.along_axes(region.within(np.random.default_rng(1).random((26, 20_000))))
+    assert np.corrcoef(drawn)[0, 1:].mean() == pytest.approx(0.1, abs=0.01)
 
 
-def test_margins_are_taken_where_as_many_estimates_are_at_their_ends_as_the_region_holds():
-    """Two of four: three would be 3.46 standard errors off, and the region ends at 3.12."""
-    asked = requirement(fitted({}))
-    box = asked.box
-    assert box.region.radius == pytest.approx(np.sqrt(chi2.ppf(chi2.cdf(4.0, 1), 4)))
-    at_ends = [
-        sum(abs(w.values[n] - box.plant.values[n]) > 1.99 * ERRORS[n] for n in NAMES) for w in asked.corners()
-    ]
-    assert max(at_ends) == 2
+def test_what_is_no_estimate_is_drawn_to_the_ends_of_its_interval_all_the_same():
+    plant = built_in("flexion").revised((Creep,), {"creep.gain": 0.1, "creep.time_constant": 3.0}, {}, "x")
+    errors = {n: 0.01 * abs(v) for n, v in plant.values.items() if n != "Tw"}
+    box = box_of(plant.fitted({n: plant.values[n] for n in errors}, errors, "some data"))
+    assert box.region.at.size > AT_ENDS
+    corner = box.coordinates(np.ones(len(box.names)))
+    for i in box.intervals:
+        assert (corner[i.name] < i.high) == isinstance(i.origin, StandardErrors)
 
 
 def test_the_slopes_of_a_certificate_hold_all_that_the_box_holds():
