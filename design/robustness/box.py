@@ -53,11 +53,11 @@ branches of the loop would cross."""
 class Box:
     """Intervals of a plant's parameters; the others keep the values of `plant`.
 
-    Estimates lie in their joint confidence region, at the confidence of each interval: the more there are,
-    the less likely is it that all lie at the ends of theirs.  Those whose errors are correlated vary
-    together: within their intervals, as far as so many standard errors along each principal axis of their
-    correlation take them.  remainder: what the plant leaves, as a disturbance of every wrist of the box;
-    which part of it a wrist meets is the last of the intervals.
+    Estimates lie within their intervals and, of many, within a joint confidence region besides: the more
+    there are, the less likely is it that all lie at the ends of theirs.  Those whose errors are correlated
+    vary together, as far as so many standard errors along each principal axis of their correlation take
+    them.  remainder: what the plant leaves, as a disturbance of every wrist of the box; which part of it a
+    wrist meets is the last of the intervals.
     """
 
     plant: ParameterSet

@@ -12,9 +12,8 @@ from design.evaluation.cases import Case, stack
 from design.evaluation.runner import Lanes
 from design.evaluation.scenarios import Spread, tuning_scenarios, within_reach
 from design.margins import BranchResponse, branch_responses
-from plants.effects.effect import dead_time_of
 from plants.rig import Rig, built_in_rig
-from plants.simulation.disturbance import burdened
+from plants.simulation.disturbance import burdened, dead_time_left
 from plants.simulation.sensor import HOLD, PERFECT, Sensor
 from plants.wrist import Wrist
 
@@ -189,9 +188,8 @@ def late_problem(
     >>> {float(s.wrist.values["dead-time.delay"]) for s in problem.scenarios}, len(problem.branches)
     ({0.05}, 12)
     """
-    late = wrist.rig.uncertainty.dead_time[1] if dead_time is None else dead_time
-    late -= float(np.max(dead_time_of(wrist.effects)))
-    if late < wrist.rig.sample_time:
+    late = dead_time_left(wrist, wrist.rig.uncertainty.dead_time[1] if dead_time is None else dead_time)
+    if late == 0.0:
         return default_problem(wrist, limits, cost, jobs=jobs)
     scenarios = [replace(s, wrist=burdened(s.wrist, late, None)) for s in tuning_scenarios(wrist)]
     plain = Problem.of(wrist, scenarios, limits, cost, duration, jobs)

@@ -7,7 +7,7 @@ import numpy as np
 
 from plants import dynamics as plant
 from plants.dynamics import State
-from plants.effects.effect import Around
+from plants.effects.effect import Around, dead_time_of
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.wrist.load_step import LoadStep
 from plants.errors import InputError
@@ -44,6 +44,22 @@ def burdened(
         given = {"load-step.shift": load, "load-step.moment": moment}
         wrist = wrist.with_values(**given) if carried else wrist + LoadStep(load, moment)
     return wrist
+
+
+def dead_time_left(wrist: "Wrist", longest: float) -> float:
+    """What a wrist's own dead time leaves of the longest of a loop [s]; all of it where it has none, 0 where
+    less than a sample is left.
+
+    A dead time that was traced says what the recordings had, not that the next tube is no longer.
+
+    >>> from plants.wrist import Wrist
+    >>> known = Wrist.flexion() + DeadTime(0.03)
+    >>> round(dead_time_left(known, 0.05), 6), dead_time_left(Wrist.flexion(), 5e-4)
+    (0.02, 0.0005)
+    """
+    own = float(np.max(dead_time_of(wrist.effects)))
+    left = longest - own
+    return left if own == 0.0 or left >= wrist.rig.sample_time else 0.0
 
 
 def at_rest(

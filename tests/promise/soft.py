@@ -19,12 +19,12 @@ import numpy as np
 from design.robustness.tuning.recommended import tune_candidates
 from design.studies.design_study import Taken, required_of
 from design.synthesis.designed_plant import designed
-from plants.effects.effect import dead_time_of
 from plants.errors import InputError
 from plants.measured.campaign import load_campaign
 from plants.measured.trace.result import Trace
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.quantities import ParameterSet
+from plants.simulation.disturbance import dead_time_left
 from plants.wrist import Wrist
 from tests.promise.held import LATE, Held
 from tests.rig.campaign import drop
@@ -117,7 +117,7 @@ def held(rig: SoftRig, gains: Mapping[str, float], plant: ParameterSet) -> Held:
         settling[outside[:, -1]] = np.inf
         return float(np.max(error / steps)), float(settling.max()), False
 
-    added = max(LATE - float(dead_time_of(Wrist.of(plant).effects)), 0.0)
+    added = dead_time_left(Wrist.of(plant), LATE)
     return Held(worst(0.0), worst(added), stated.limits["overshoot_percent"] / 100.0)
 
 

@@ -11,7 +11,7 @@ from plants.measured.recording import Recording
 from plants.measured.stage import Stage
 from plants.measured.trace.ranking.excitation import excitation
 from plants.measured.trace.search.candidate import Candidate, carries_over
-from plants.measured.trace.search.common import rather_common_ones
+from plants.measured.trace.search.common import common_instead
 from plants.measured.trace.search.refits import Scope, rather_common
 from plants.measured.trace.search.simplify import carried_over
 from plants.measured.trace.stages.model import Model
@@ -104,7 +104,7 @@ def drifting(rig):
 
 def test_a_drift_that_stands_for_what_creeps_is_replaced():
     scope, now = drifting(Creep(0.2, 4.0))
-    exchange = rather_common_ones(scope, now)
+    exchange = common_instead(scope, now)
     assert exchange.before is now
     assert exchange.taken.model.effects == ("creep",)
     assert exchange.taken.model.chi2 < now.model.chi2
@@ -112,7 +112,7 @@ def test_a_drift_that_stands_for_what_creeps_is_replaced():
 
 def test_a_drift_that_the_data_tells_from_creep_stays():
     scope, now = drifting(Drift(0.2))
-    exchange = rather_common_ones(scope, now)
+    exchange = common_instead(scope, now)
     assert exchange.taken is None
     assert all(c.model.chi2 > now.model.chi2 for c in exchange.candidates)
 
@@ -120,6 +120,6 @@ def test_a_drift_that_the_data_tells_from_creep_stays():
 def test_what_nearly_any_rig_has_is_not_put_in_the_place_of_an_effect_under_a_law_that_was_given():
     scope, now = drifting(Creep(0.2, 4.0))
     given = Candidate(replace(now.model, stage=replace(now.model.stage, form=0.0)))
-    assert rather_common_ones(scope, given) is None
+    assert common_instead(scope, given) is None
     creeping = guessed(candidate(Creep(0.1, 5.0), rig=Creep(0.2, 4.0), commands=(SLOW,)))
-    assert rather_common_ones(scope, creeping) is None
+    assert common_instead(scope, creeping) is None

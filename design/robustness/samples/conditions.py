@@ -4,11 +4,11 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from plants.effects.effect import dead_time_of
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.wrist.load_step import LoadStep
 from plants.errors import InputError
 from plants.rig import Rig, built_in_rig
+from plants.simulation.disturbance import dead_time_left
 from plants.wrist import Wrist
 
 _PAPER = built_in_rig().uncertainty
@@ -61,20 +61,14 @@ NONE = Conditions(0.0, 0.0, 0.0, 0.0)
 
 def beside(wrist: Wrist, conditions: Conditions) -> Conditions:
     """What of the conditions a wrist meets beside its own effects: the dead time that is left of the longest,
-    0 where that is less than a sample; no load where it has a load step.
-
-    A dead time that was traced says what the recordings had, not that the next tube is no longer.
+    and no load where it has a load step.
 
     >>> round(beside(Wrist.flexion() + DeadTime(0.03), Conditions()).dead_time, 6)
     0.02
     """
-    left = conditions.dead_time - float(np.max(dead_time_of(wrist.effects)))
+    late = dead_time_left(wrist, conditions.dead_time)
     loaded = any(e.NAME == LoadStep.NAME for e in wrist.effects)
-    return replace(
-        conditions,
-        dead_time=left if left >= wrist.rig.sample_time else 0.0,
-        load=0.0 if loaded else conditions.load,
-    )
+    return replace(conditions, dead_time=late, load=0.0 if loaded else conditions.load)
 
 
 def left_out(wrist: Wrist, conditions: Conditions) -> tuple[str, ...]:

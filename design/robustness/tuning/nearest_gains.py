@@ -45,7 +45,8 @@ def nearest(found: Tuning) -> Tuning:
                 )
             )
     short = shortened(problem, region, best)
-    return replace(found, at=short, map=short) if short.unsettled[0] <= best.unsettled[0] else found
+    at = short if short.unsettled[0] <= best.unsettled[0] else best
+    return replace(found, at=at, map=at)
 
 
 def _within(at: Evaluation, beyond: float) -> Evaluation:

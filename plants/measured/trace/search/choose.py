@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 from plants.measured.trace.ranking.excitation import excitation
 from plants.measured.trace.search.candidate import WORTH, Candidate, carries_over, falls
-from plants.measured.trace.search.common import common_effects, only_together, rather_common_ones
+from plants.measured.trace.search.common import common_effects, common_instead, only_together
 from plants.measured.trace.search.refits import Scope, freed, further, rather_common, reformed
 from plants.measured.trace.search.rounds import EffectSearch, SearchRound
 from plants.measured.trace.search.simplify import carried_over, pruned
@@ -54,7 +54,7 @@ def search(
         now = pruned(taken, first)
         others = [c for c in candidates[1:] if len(c.model.forms) < most]
         beam = [now, *(c for c in others if c.model.chi2 < BEAM_REACH * now.model.chi2)][:BEAM]
-    if (exchange := rather_common_ones(scope, now)) is not None:
+    if (exchange := common_instead(scope, now)) is not None:
         rounds.append(exchange)
         now = now if exchange.taken is None else pruned(exchange.taken, first)
     return EffectSearch(tuple(rounds), now, first)

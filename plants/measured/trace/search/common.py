@@ -39,7 +39,7 @@ def common_effects(scope: Scope, ranking: Sequence[Ranked]) -> SearchRound:
     return SearchRound(declared, tuple(ranking), tuple(found), taken, borrowed)
 
 
-def rather_common_ones(scope: Scope, now: Candidate) -> SearchRound | None:
+def common_instead(scope: Scope, now: Candidate) -> SearchRound | None:
     """A round in which each effect that few rigs have is replaced by one that nearly any has; None for a
     model without the first, or where the law was given.  Taken is the best of these, unless this data tells
     the model from it (`tied`).
