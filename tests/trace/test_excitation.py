@@ -61,6 +61,21 @@ def test_a_stop_that_nothing_is_pressed_against_is_the_end_of_a_curve(form):
     assert form(-25.0, 90.0).borrowed(asked(below[1])) is None
 
 
+@pytest.mark.parametrize("hertz", [0.0, 0.8, 3.3])
+def test_after_a_step_the_pressure_is_beyond_a_stop_before_the_joint_is_there(hertz):
+    hum = 0.4 * np.sin(2.0 * np.pi * hertz * T)
+    stopped, free = (replace(r, angle=r.angle + hum) for r in (pressed(36.0), pressed(1e3)))
+    assert HardStop(-90.0, 36.0).borrowed(asked(stopped)) is None
+    assert HardStop(-90.0, float(free.angle.max())).borrowed(asked(free)) is not None
+
+
+def test_an_angle_that_a_joint_swings_past_is_no_stop():
+    swinging = pressed(1e3)
+    swing = np.tile(8.0 * np.exp(-np.arange(100) / 15.0) * np.sin(np.arange(100) / 5.0), 60)
+    angle = swinging.angle + swing * np.sign(np.repeat(np.diff(STEPS.command[::100], prepend=0.0), 100))
+    assert pressed_beyond([replace(swinging, angle=angle)], 40.0, 1.0) < 0.02
+
+
 def test_without_an_angle_nothing_is_at_a_stop():
     assert pressed_beyond([STEPS], 0.0, 1.0) == 0.0
 

@@ -17,7 +17,7 @@ from plants.effects.effect import (
     parameter,
 )
 
-PRESSED = 0.03
+PRESSED = 0.02
 """Share of its range by which the pressure has to go on at a stop to tell it from the end of a curve."""
 
 
