@@ -16,11 +16,11 @@ NEAR = 3.0
 """Times the noise within which an angle is at a stop."""
 
 AWAY = (10.0, 0.02)
-"""Times the noise, and share of the angle's range, by which a joint has to leave a stop to come to it anew."""
+"""Times the noise, and share of the angle's range, by which a joint leaves a stop to come to it anew."""
 
 STAYS = 1 / 3
-"""Share of the rows between its coming and its leaving at which a joint that stays is at the stop: a hum takes
-what is measured off it half of the time, and one that swings past an angle is there for a moment."""
+"""Share of the rows between its coming and its leaving at which a joint that stays is at the stop: a hum
+takes what is measured off it half of the time, and one that swings past an angle is there for a moment."""
 
 
 def pressed_beyond(recordings: Sequence[Recording], angle: float, way: float) -> float:
