@@ -17,8 +17,9 @@ compare: design
 test: $(ENV)
 	$(BIN)/python -m pytest -n 2 --durations=10
 
+# With BUDGET=SECONDS, tests that have not begun by then are skipped.
 suite: $(ENV)
-	$(BIN)/python -m pytest -n 2 -m 'suite or slow' --durations=20
+	$(BIN)/python -m pytest -n 2 -m 'suite or slow' --durations=20 $(if $(BUDGET),--budget $(BUDGET) -rs)
 
 # All campaigns of the trace's suite, of which `make suite` takes every third.
 campaigns: $(ENV)

@@ -3,6 +3,7 @@ thread, tests that share what is costly run in one process, and nothing looks fo
 
 import gc
 import os
+import time
 from typing import Any
 
 # Before NumPy is loaded, here and in what tests start: its threads wait for each other on small matrices.
@@ -36,6 +37,21 @@ APART = (
 
 LONG = (*APART, "tests/trace/test_gains_of_soft_rigs.py", "tests/trace/test_suite.py")
 """These, and files whose fixture takes minutes."""
+
+
+BEGUN = time.monotonic()
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--budget", type=float, metavar="SECONDS", help="skip tests that would begin later")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """On a slow machine the last of the slow tests are left out, so that the others are told in time."""
+    budget = item.config.getoption("--budget")
+    if budget is not None and time.monotonic() - BEGUN > budget:
+        pytest.skip(f"not begun within {budget:.0f} s")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
