@@ -18,7 +18,8 @@ from design.controllers.plausible import SensorLimits
 from design.controllers.registry import REGISTERED
 from design.export.mpc.linear import of_linear_mpc
 from design.export.mpc.real_time import of_real_time_mpc
-from design.export.part import Part, of_controller, of_hand_over, of_observer
+from design.export.part import Part
+from design.export.parts_of import of_controller, of_hand_over, of_observer
 from design.mpc.problem import MPCProblem, nominal, robust, weighted
 from plants.actuator.delay import LONGEST
 from plants.errors import InputError

@@ -2,8 +2,7 @@
 
 from math import isnan
 
-from design.comparison.compare import METRICS, PAPER, TUNED, Comparison, Row, Standing
-from design.evaluation.metrics import UNITS
+from design.comparison.compare import PAPER, TUNED, Comparison, Row, Standing
 from design.synthesis.judged import ACTIVE
 from design.synthesis.requirements import LIMIT_UNITS, Limits
 from design.synthesis.tuning import Tuning
@@ -13,11 +12,6 @@ from reports.shared.tables import Cell, Column, Group, Table, fixed, number, row
 BEYOND = f"> {WINDOW:g}"
 """How a time beyond the end of a task is shown."""
 
-HEADINGS = {
-    "rise_time_s": "Rise", "settling_time_s": "Settling", "overshoot_percent": "Overshoot",
-    "steady_state_error_deg": "Steady error", "iae_deg_s": "IAE", "ise_deg2_s": "ISE",
-    "itae_deg_s2": "ITAE", "total_variation_V": "Total variation",
-}  # fmt: skip
 DECIMALS = {
     "rise_time_s": 2, "settling_time_s": 2, "overshoot_percent": 1, "steady_state_error_deg": 3,
     "iae_deg_s": 2, "ise_deg2_s": 1, "itae_deg_s2": 2, "total_variation_V": 2,
@@ -116,31 +110,6 @@ def _ranged(metric: str, low: float, value: float, high: float, broken: bool = F
     beyond = BEYOND if metric in ("rise_time_s", "settling_time_s") else "∞"
     texts = [fixed(v, DECIMALS[metric], beyond) for v in (low, value, high)]
     return Cell(texts[1], f"{texts[0]} to {texts[2]}" if high > low else "", broken)
-
-
-def task_table(comparison: Comparison) -> Table:
-    """Every controller on every task, with the range of the paper's gains under its values."""
-    groups: dict[tuple[str, str], list[Row]] = {}
-    for r in comparison.rows:
-        groups.setdefault((r.motion, r.task), []).append(r)
-    found = []
-    for (motion, task), rows in groups.items():
-        cells = tuple(
-            row(
-                name_of(r.controller),
-                *(_ranged(m, r.low[m], r.metrics[m], r.high[m]) for m in METRICS),
-                _ratio(r.settling_ratio),
-                _ratio(r.iae_ratio),
-            )
-            for r in rows
-        )
-        strong = tuple(i for i, r in enumerate(rows) if r.controller == TUNED)
-        found.append(Group(f"{title_of(motion)}: {spaced(task)}", cells, strong))
-    columns = (
-        Column("Controller", number=False), *(Column(HEADINGS[m], UNITS[m]) for m in METRICS),
-        Column("Settling / bound", "1"), Column("IAE / bound", "1"),
-    )  # fmt: skip
-    return Table(columns, tuple(found))
 
 
 def paper_note() -> str:

@@ -105,6 +105,7 @@ def parameter_table(trace: Trace) -> Table:
     revised, declared = trace.revised, trace.fit.fitted.parameters
     rows: list[tuple[Cell, ...]] = []
     effects: list[tuple[Cell, ...]] = []
+    law: list[tuple[Cell, ...]] = []  # of another hysteresis law than the declared one
     for name, p in revised.parameters.items():
         origin = p.provenance
         value = with_error(p.value, origin.std_error) if isinstance(origin, Fitted) else number(p.value, 4)
@@ -113,14 +114,18 @@ def parameter_table(trace: Trace) -> Table:
             name, *before, value, p.unit, Cell(_where_from(origin), marked=isinstance(origin, Assumed)),
             revised.kinds[name].meaning,
         )  # fmt: skip
-        (rows if name in declared else effects).append(cells)
+        (rows if name in declared else effects if "." in name else law).append(cells)
     values = [Column("Declared wrist"), Column("Revised plant")] if revised.effects else [Column("Value")]
     words = [Column(heading, number=False) for heading in ("Unit", "Where from", "Meaning")]
     columns = (Column("Name", number=False), *values, *words)
-    if not effects:
+    if not effects and not law:
         return Table(columns, (Group("", tuple(rows)),))
-    first = Group("Effects", tuple(effects), tuple(range(len(effects))))
-    return Table(columns, (first, Group("Declared parameters, fitted together", tuple(rows))))
+    groups = (
+        Group("Effects", tuple(effects), tuple(range(len(effects)))),
+        Group("Parameters of the hysteresis law that was chosen", tuple(law)),
+        Group("Declared parameters, fitted together", tuple(rows)),
+    )
+    return Table(columns, tuple(g for g in groups if g.rows))
 
 
 def _where_from(origin: Provenance) -> str:

@@ -14,7 +14,7 @@ from design.evaluation.cases import Case, stack
 from design.evaluation.runner import play
 from design.evaluation.steps import run
 from design.evaluation.tasks import Task
-from design.export.part import of_controller
+from design.export.parts_of import of_controller
 from design.margins import branch_responses, margins
 from design.robustness.certificates.continuous.virgin import time_on_virgin_curve
 from design.robustness.predictions.harmonic_balance import loop_gain

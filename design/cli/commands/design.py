@@ -167,7 +167,7 @@ def _export(out: Path, motion: "MotionDesign") -> None:
     from design.controllers.plausible import SensorLimits
     from design.export.catalogue import STANDS_STILL, identifier, noted
     from design.export.formats.folder import write
-    from design.export.part import of_controller
+    from design.export.parts_of import of_controller
     from plants.wrist import Wrist
 
     wrist, controller = Wrist.of(motion.plant), motion.controller

@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Effect, ExcitationHints, Nothing, Number, parameter
+from plants.effects.effect import Effect, Nothing, Number, parameter
+from plants.effects.hints import ExcitationHints
 
 EMPTY = 1e-8
 """Share of the reference pressure at which nothing flows any more, so that a power of it has a slope."""

@@ -6,7 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, Number, TrialHints, parameter
+from plants.effects.effect import Around, Effect, Number, parameter
+from plants.effects.hints import TrialHints
 from plants.meanings import remembers
 
 

@@ -5,7 +5,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, ExcitationHints, Nothing, Number, TrialHints, parameter
+from plants.effects.effect import Around, Effect, Nothing, Number, parameter
+from plants.effects.hints import ExcitationHints, TrialHints
 
 
 class SampledHum(NamedTuple):

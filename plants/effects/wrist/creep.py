@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, ExcitationHints, Linear, Number, parameter
+from plants.effects.effect import Around, Effect, Linear, Number, parameter
+from plants.effects.hints import ExcitationHints
 from plants.meanings import remembers
 
 

@@ -7,15 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import (
-    Around,
-    Effect,
-    ExcitationHints,
-    Nothing,
-    Number,
-    TrialHints,
-    parameter,
-)
+from plants.effects.effect import Around, Effect, Nothing, Number, parameter
+from plants.effects.hints import ExcitationHints, TrialHints
 
 PRESSED = 0.02
 """Share of its range by which the pressure has to go on at a stop to tell it from the end of a curve."""

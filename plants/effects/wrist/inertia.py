@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Effect, ExcitationHints, Linear, Number, parameter
+from plants.effects.effect import Effect, Linear, Number, parameter
+from plants.effects.hints import ExcitationHints
 from plants.meanings import remembers
 
 MASSLESS = 0.001

@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Around, Effect, ExcitationHints, Linear, Nothing, Number, parameter
+from plants.effects.effect import Around, Effect, Linear, Nothing, Number, parameter
+from plants.effects.hints import ExcitationHints
 from plants.hysteresis.law import SIDES
 from plants.hysteresis.play import kept
 from plants.meanings import remembers

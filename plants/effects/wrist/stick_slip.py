@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plants import lag
-from plants.effects.effect import Effect, Number, TrialHints, parameter
+from plants.effects.effect import Effect, Number, parameter
+from plants.effects.hints import TrialHints
 from plants.hysteresis.play import kept
 from plants.meanings import remembers
 

@@ -35,6 +35,9 @@ from plants.measured.trace.two_rigs import rigs_differ
 from plants.parameters.correlation import ParameterCorrelation, all_pairs
 from plants.wrist import Wrist
 
+AT_BOUND = 1e-6
+"""Share of the range between its bounds within which a parameter is at one of them."""
+
 
 def revise(
     campaign: Campaign, fit: Fit, base: Fit, stages: tuple[StageTrace, ...], remarks: tuple[str, ...],
@@ -110,6 +113,7 @@ def _parameters(
         kept = (n for n in model.wrist.hysteresis.NEUTRAL if n in model.fixed)
         values |= {n: model.values[n] for n in kept if n not in base.undetermined}
         found = errors_of(model)
+        values |= {n: e for n, e in zip(model.names, _at_bounds(model), strict=True) if e is not None}
         own = dict(zip(model.names, found.std_errors, strict=True))
         errors |= own
         told = ParameterCorrelation(model.names, found.correlation)
@@ -138,10 +142,19 @@ def errors_of(model: Model) -> EstimateErrors:
     """Standard errors of the parameters of a model, in the order of its names, None for one that lies at a
     bound or is not determined; and their correlation."""
     found = uncertainty(model.problem, model.vector, model.bounds, corner_of(model.residual))
-    x, low, high = model.bounds
-    at_edge = np.minimum(x - low, high - x) < 1e-6 * (high - low)
-    kept = [None if e else s for s, e in zip(found.std_errors, at_edge, strict=True)]
+    kept = [s if e is None else None for s, e in zip(found.std_errors, _at_bounds(model), strict=True)]
     return replace(found, std_errors=kept)
+
+
+def _at_bounds(model: Model) -> list[float | None]:
+    """The bound at which each parameter of a model lies, None for one that lies at none: a minimum at a bound
+    is found a rounding error beside it."""
+    x, low, high = model.bounds
+    near = np.where(x - low < high - x, low, high)
+    return [
+        float(b) if abs(b - v) < AT_BOUND * (h - a) else None
+        for v, a, h, b in zip(x, low, high, near, strict=True)
+    ]
 
 
 def _played(fit: Fit, begins: Sequence[Begin] | None, wrist: Wrist, changed: bool) -> list[FreeRun]:
