@@ -16,13 +16,14 @@ from numpy.typing import NDArray
 from benchmarks.rollouts import Disagreement
 from benchmarks.timing import duel
 from design.controllers.controller import Measured
-from design.mpc import hybrid, linear, observer, real_time
-from design.mpc.converged import converged_mpc
+from design.mpc import observer
 from design.mpc.fallback import Info
+from design.mpc.formulations import hybrid, linear, real_time
+from design.mpc.formulations.converged import converged_mpc
+from design.mpc.formulations.real_time import RealTimeMPC
 from design.mpc.loop import run
 from design.mpc.prediction import roll, start_of
 from design.mpc.problem import MPCProblem, MPCWeights
-from design.mpc.real_time import RealTimeMPC
 from design.mpc.timing import Ledger, ledger
 from plants import dynamics as plant
 from plants.hysteresis import Memory

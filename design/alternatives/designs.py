@@ -85,9 +85,9 @@ def design_mpcs(wrist: Wrist) -> dict[str, Any]:
     Their weights are those of `design.mpc.problem`: they are not tuned on a plant's scenarios.  Raises
     InputError where their solver is not installed.
     """
-    from design.mpc.linear import linear_mpc
+    from design.mpc.formulations.linear import linear_mpc
+    from design.mpc.formulations.real_time import real_time_mpc
     from design.mpc.problem import nominal, robust
-    from design.mpc.real_time import real_time_mpc
 
     bare = replace(wrist, effects=())
     return {

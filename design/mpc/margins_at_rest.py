@@ -47,7 +47,7 @@ POINTS = 2000
 
 @runtime_checkable
 class Replaceable(Periodic, Protocol):
-    """An MPC that can be had of another problem, such as `design.mpc.linear.LinearMPC`."""
+    """An MPC that can be had of another problem, such as `design.mpc.formulations.linear.LinearMPC`."""
 
     def on(self, problem: MPCProblem) -> "Replaceable":
         """The same controller of another problem."""

@@ -79,8 +79,8 @@ def weighted_mpc(wrist: Wrist, swing: float, move: float, delay: float = 0.0) ->
     angle and command; its model is the wrist without its effects, behind a dead time of `delay` periods.
     Raises InputError where its solver is not installed.
     """
+    from design.mpc.formulations.real_time import real_time_mpc
     from design.mpc.problem import robust, weighted
-    from design.mpc.real_time import real_time_mpc
 
     return real_time_mpc(weighted(robust(replace(wrist, effects=())), swing, move, delay))
 

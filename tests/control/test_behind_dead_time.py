@@ -10,7 +10,7 @@ from design.comparison.tolerated import DURATION
 from design.controllers.pi import PI
 from design.evaluation.runner import play, step_from
 from design.evaluation.steps import run
-from design.mpc.linear import linear_mpc
+from design.mpc.formulations.linear import linear_mpc
 from design.mpc.problem import MPCProblem
 from design.open_loops import loop_tf
 from plants import Wrist

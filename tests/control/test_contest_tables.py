@@ -14,7 +14,7 @@ from design.contest.scores import BESIDE, BOTH, Score
 from design.contest.statistics import FEWEST, ConfidenceInterval
 from design.controllers.pi import PI
 from design.evaluation.tasks import FAMILIES, side_by_side
-from design.mpc.linear import linear_mpc
+from design.mpc.formulations.linear import linear_mpc
 from design.mpc.problem import MPCProblem
 from design.robustness.box import box_of
 from design.robustness.samples.conditions import Conditions

@@ -11,7 +11,7 @@ from design.export.mpc.linear import of_linear_mpc
 from design.export.part import Seen
 from design.export.rendering import render
 from design.export.vectors import TargetReplay
-from design.mpc.linear import planner
+from design.mpc.formulations.linear import planner
 from design.mpc.prediction import coefficients
 from design.mpc.problem import MPCProblem, MPCWeights, robust
 from tests.control.c_target import CC, GAINS, WRIST, exported, needs_compiler, objects, program, quick, run

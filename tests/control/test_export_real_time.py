@@ -12,9 +12,9 @@ from design.export.mpc.real_time import of_real_time_mpc
 from design.export.rendering import render
 from design.export.table import of_plays
 from design.mpc import observer, qp
+from design.mpc.formulations.real_time import real_time_mpc
 from design.mpc.prediction import coefficients, linearise, start_of
 from design.mpc.problem import MPCProblem, MPCWeights, robust
-from design.mpc.real_time import real_time_mpc
 from plants.kernel import pytrees as tree
 from tests.control.c_target import CC, OWN, WRIST, exported, needs_compiler, program, run
 

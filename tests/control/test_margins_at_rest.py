@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from design.controllers.pi import PI
-from design.mpc.linear import linear_mpc
+from design.mpc.formulations.linear import linear_mpc
 from design.mpc.margins_at_rest import PERIODS, PULSE, _margins, margins_at_rest, pulse_response, straight
 from design.mpc.problem import nominal
 from plants import Wrist

@@ -8,14 +8,15 @@ import pytest
 
 from benchmarks.mpc import closed_loop_cost
 from design.controllers.controller import Measured
-from design.mpc import linear, observer
-from design.mpc.converged import DESCENTS, converged_mpc
+from design.mpc import observer
 from design.mpc.fallback import SHIFTED, SOLVED
+from design.mpc.formulations import linear
+from design.mpc.formulations.converged import DESCENTS, converged_mpc
+from design.mpc.formulations.real_time import real_time_mpc
 from design.mpc.loop import run
 from design.mpc.nlp import converger, within
 from design.mpc.prediction import coefficients, roll, start_of
 from design.mpc.problem import MPCProblem
-from design.mpc.real_time import real_time_mpc
 from plants import Wrist
 from plants.one_page import wrist as one_page
 

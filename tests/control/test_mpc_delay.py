@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from design.mpc import loop
-from design.mpc.linear import linear_mpc
+from design.mpc.formulations.linear import linear_mpc
+from design.mpc.formulations.real_time import real_time_mpc
 from design.mpc.margins_at_rest import margins_at_rest
 from design.mpc.problem import nominal, robust
-from design.mpc.real_time import real_time_mpc
 from plants import InputError, Wrist
 from plants.effects.regulator.dead_time import DeadTime
 from plants.simulation.sensor import Measured

@@ -9,13 +9,13 @@ import pytest
 
 from design.controllers.controller import Measured
 from design.mpc import fallback, qp
-from design.mpc.converged import converged_mpc
 from design.mpc.fallback import BY_PI, HELD, SHIFTED, SOLVED, Fallback, Info
-from design.mpc.linear import linear_mpc
+from design.mpc.formulations.converged import converged_mpc
+from design.mpc.formulations.linear import linear_mpc
+from design.mpc.formulations.real_time import JUMP, RealTimeMPC, real_time_mpc
 from design.mpc.loop import run
 from design.mpc.prediction import start_of
 from design.mpc.problem import MPCProblem, nominal
-from design.mpc.real_time import JUMP, RealTimeMPC, real_time_mpc
 from design.mpc.timing import ledger
 from plants import Wrist
 from plants.kernel import pytrees as tree

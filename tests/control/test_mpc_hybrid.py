@@ -11,9 +11,9 @@ from scipy.optimize import linprog
 
 from design.controllers.controller import Measured
 from design.mpc import observer
-from design.mpc.converged import converged_mpc
-from design.mpc.hybrid import Effort, _Milp, cost, solve
-from design.mpc.hybrid_model import move, piecewise, play, sampled_lag
+from design.mpc.formulations.converged import converged_mpc
+from design.mpc.formulations.hybrid import Effort, _Milp, cost, solve
+from design.mpc.formulations.hybrid_model import move, piecewise, play, sampled_lag
 from design.mpc.nlp import within
 from design.mpc.prediction import coefficients, roll, start_of
 from design.mpc.problem import MPCProblem

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from design.mpc.hybrid_model import Piecewise, _greedy, gained, move, piecewise, sampled_lag
+from design.mpc.formulations.hybrid_model import Piecewise, _greedy, gained, move, piecewise, sampled_lag
 from design.mpc.problem import MPCProblem
 from plants import Wrist
 from plants.dynamics import step

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from design.mpc.fallback import Fallback
-from design.mpc.linear import linear_mpc
+from design.mpc.formulations.linear import linear_mpc
 from design.mpc.loop import run
 from design.mpc.problem import MPCProblem, MPCWeights, Observer
 from plants import Wrist

@@ -7,7 +7,8 @@ import pytest
 from scipy.optimize import minimize
 
 from design.controllers.controller import Measured
-from design.mpc import linear, observer
+from design.mpc import observer
+from design.mpc.formulations import linear
 from design.mpc.prediction import coefficients
 from design.mpc.problem import MPCProblem, Observer
 from plants import Wrist

@@ -7,9 +7,9 @@ from design.controllers.controller import Measured
 from design.controllers.pi import PI
 from design.evaluation.steps import run as run_pi
 from design.mpc.fallback import Info, MPCState
+from design.mpc.formulations.real_time import real_time_mpc
 from design.mpc.loop import run
 from design.mpc.problem import MPCProblem
-from design.mpc.real_time import real_time_mpc
 from plants import Wrist
 from plants.effects.regulator.dead_time import DeadTime, TubeDeadTime
 from plants.effects.sensor.gyro_drift import Drift

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from design.controllers.controller import Measured
-from design.mpc.converged import converged_mpc
-from design.mpc.linear import linear_mpc
+from design.mpc.formulations.converged import converged_mpc
+from design.mpc.formulations.linear import linear_mpc
+from design.mpc.formulations.real_time import real_time_mpc
 from design.mpc.loop import run
 from design.mpc.problem import MPCProblem, nominal, robust
-from design.mpc.real_time import real_time_mpc
 from plants import Wrist
 from plants.effects.wrist.load_step import LoadStep
 

@@ -7,9 +7,9 @@ import pytest
 from design.comparison.on_tasks import played_on_tasks
 from design.evaluation.tasks import returns
 from design.limit import ratios
+from design.mpc.formulations.real_time import real_time_mpc
 from design.mpc.loop import run
 from design.mpc.problem import nominal, robust
-from design.mpc.real_time import real_time_mpc
 from plants import Wrist
 from plants.effects.regulator.dead_time import DeadTime
 from plants.rig import built_in_rig

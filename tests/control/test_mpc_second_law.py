@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from design.mpc import hybrid, loop
-from design.mpc.linear import linear_mpc
+from design.mpc import loop
+from design.mpc.formulations import hybrid
+from design.mpc.formulations.linear import linear_mpc
+from design.mpc.formulations.real_time import real_time_mpc
 from design.mpc.observer import begin
 from design.mpc.prediction import coefficients, differentiated, linearise, roll
 from design.mpc.problem import MPCProblem
-from design.mpc.real_time import real_time_mpc
 from plants import Wrist
 from plants.errors import InputError
 from plants.kernel import pytrees as tree

@@ -10,9 +10,9 @@ from design.controllers.lqi import LQI
 from design.controllers.pi import PI
 from design.controllers.screened import Screened
 from design.evaluation.steps import run
-from design.mpc.linear import linear_mpc
+from design.mpc.formulations.linear import linear_mpc
+from design.mpc.formulations.real_time import real_time_mpc
 from design.mpc.problem import MPCProblem, robust
-from design.mpc.real_time import real_time_mpc
 from plants import Wrist
 from plants import dynamics as law
 from plants.wrist import SAMPLE_TIME

@@ -26,7 +26,7 @@ from design.controllers.pi import PI
 from design.evaluation.metrics import Metrics
 from design.evaluation.steps import run
 from design.mpc import loop
-from design.mpc.linear import linear_mpc
+from design.mpc.formulations.linear import linear_mpc
 from design.mpc.margins_at_rest import margins_at_rest
 from design.mpc.problem import MPCProblem as Problem_of_MPC
 from design.open_loops import by_python_control

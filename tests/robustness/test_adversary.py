@@ -9,7 +9,7 @@ from design.controllers.lqi import LQI
 from design.controllers.pi import PI
 from design.evaluation.cases import stack
 from design.evaluation.runner import play
-from design.mpc.linear import linear_mpc
+from design.mpc.formulations.linear import linear_mpc
 from design.mpc.problem import MPCProblem
 from design.robustness.box import Box, box_of
 from design.robustness.intervals import Interval

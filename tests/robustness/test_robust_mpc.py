@@ -7,9 +7,9 @@ import pytest
 
 from design.evaluation.cases import stack
 from design.evaluation.runner import play
+from design.mpc.formulations.real_time import real_time_mpc
 from design.mpc.margins_at_rest import margins_at_rest
 from design.mpc.problem import robust
-from design.mpc.real_time import real_time_mpc
 from design.robustness.tuning.case_pool import pool_of
 from design.robustness.tuning.robust_mpc import MOVES, SWINGS, least_move, longest_delay, tune_mpc
 from design.robustness.tuning.robust_tuning import GUARD, RoundEffort

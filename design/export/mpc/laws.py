@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from design.export.fields import COMMAND, Quantity
 from design.export.mpc.ladder import Ladder, in_python
 from design.export.part import SEEN, Part
-from design.mpc import linear, observer
+from design.mpc import observer
 from design.mpc.fallback import Fallback, Planning
+from design.mpc.formulations import linear, static_angle
 from design.mpc.prediction import plain
 from design.mpc.problem import Believed, MPCProblem
 from plants import dynamics
@@ -85,7 +86,7 @@ def laws(name: str, problem: MPCProblem, of: linear.Planner, g: observer.Gains) 
         return tuple(free[0] * h + free[1] * a + forced * u for free, forced in rows)
 
     def wanted(state: State, h: Any, k: SampledWrist) -> Any:
-        return linear.pressure_for(state, h[0], k)
+        return static_angle.pressure_for(state, h[0], k)
 
     def press(at: Any, k: SampledWrist) -> Any:
         return after_period(at[0], at[1], k, problem.substeps)[-1]
@@ -207,11 +208,13 @@ def believed_after(
 
 
 def parameters(b: Believed, asked: PlanInput, c: SampledWrist, of: linear.Planner) -> Any:
-    """theta, and the bounds [deg] on u: what `design.mpc.linear.plan` hands to its solver."""
+    """theta, and the bounds [deg] on u: what `design.mpc.formulations.linear.plan` hands to its solver."""
     problem, h = of.problem, b.plant.memory.h
     commands = problem.low, problem.high, asked.command
-    least, most, was = linear.bounds(b.plant, b.lack, commands, asked.reference - b.shift > h, c)
-    least, most, was = linear.feasible(least, most, np.where(asked.planned > 0.5, asked.u, was), of.rate)
+    least, most, was = static_angle.bounds(b.plant, b.lack, commands, asked.reference - b.shift > h, c)
+    least, most, was = static_angle.feasible(
+        least, most, np.where(asked.planned > 0.5, asked.u, was), of.rate
+    )
     return (h, b.plant.angle, b.shift - asked.reference, was), least, most
 
 

@@ -18,7 +18,8 @@ from design.export.fields import Quantity, described
 from design.export.mpc.ladder import Ladder, descend
 from design.export.mpc.laws import Array, Number, constants, laws, part, play, within, without_bounds
 from design.export.part import Part
-from design.mpc import linear, observer
+from design.mpc import observer
+from design.mpc.formulations import linear
 from design.mpc.problem import Believed, MPCProblem
 from plants.kernel.graphs import baked, c_source, graph
 

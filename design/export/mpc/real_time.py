@@ -1,6 +1,6 @@
 """The nonlinear MPC by real-time iteration as C: one Gauss-Newton step of the exact problem a period.
 
-The law is `design.mpc.real_time.RealTimeMPC` with nothing prepared, in Python as on the target:
+The law is `design.mpc.formulations.real_time.RealTimeMPC` with nothing prepared, in Python as on the target:
 what is linearised about is always the state that is believed now.  (Python's own loop linearises about the
 state that it predicts, after the command is out, so that less is left to do when the next measurement
 comes.)
@@ -22,10 +22,11 @@ from design.export.fields import Quantity, described
 from design.export.mpc.ladder import Ladder, descend
 from design.export.mpc.laws import Number, constants, laws, part, play, within, without_bounds
 from design.export.part import Part
-from design.mpc import linear, observer
+from design.mpc import observer
+from design.mpc.formulations import linear
+from design.mpc.formulations.real_time import JUMP, STUCK, real_time_mpc
 from design.mpc.prediction import Carried, carried
 from design.mpc.problem import Believed, MPCProblem
-from design.mpc.real_time import JUMP, STUCK, real_time_mpc
 from plants.kernel import pytrees as tree
 from plants.kernel.graphs import baked, c_source, graph
 

@@ -19,8 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.controller import Measured
-from design.mpc import linear, observer, qp
+from design.mpc import observer, qp
 from design.mpc.fallback import Attempt, Fallback, Info, MPCState, begin, step
+from design.mpc.formulations import linear
 from design.mpc.prediction import Linearised, differentiated, linearise, roll, start_of
 from design.mpc.problem import Believed, MPCProblem
 from plants.kernel import pytrees as tree

@@ -23,11 +23,11 @@ from numpy.typing import NDArray
 from design.controllers.controller import Measured
 from design.mpc import fallback, nlp, observer
 from design.mpc.fallback import Attempt, Fallback, Info, MPCState
-from design.mpc.linear import follow
-from design.mpc.linear import plan as linear_plan
+from design.mpc.formulations.linear import follow
+from design.mpc.formulations.linear import plan as linear_plan
+from design.mpc.formulations.real_time import RealTimeMPC, real_time_mpc
 from design.mpc.prediction import linearise, start_of
 from design.mpc.problem import Believed, MPCProblem
-from design.mpc.real_time import RealTimeMPC, real_time_mpc
 
 Array = NDArray[np.float64]
 

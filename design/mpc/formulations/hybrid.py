@@ -1,6 +1,6 @@
 """Hybrid MPC: branches and pieces of the regulator's law as binaries, an MILP for HiGHS, (c).
 
-The problem of `design.mpc.problem` on the model of `design.mpc.hybrid_model`, with a cost that is
+The problem of `design.mpc.problem` on the model of `formulations.hybrid_model`, with a cost that is
 linear in pieces: `norm="one"` sums weights times sizes of errors, swings and moves; `norm="square"` sums
 their squares from below, by their tangents, so that the bound that HiGHS proves is one
 on the cost of the other MPCs, on this model.  A plan that is proved to be the best of its model is what
@@ -8,7 +8,7 @@ no local method gives: it says whether these sit in a poor minimum.  It is an of
 short horizons or coarse grids: 20 periods mostly take 6 to 20 s to a gap of 0.5 %, and may take far longer
 where the reference is hardly reached within them (deviation, -15 deg: gaps of 6 to 16 % after 25 s).
 
-The bound is one for plans of the model, not of the wrist: `design.mpc.hybrid_model` says what differs.
+The bound is one for plans of the model, not of the wrist: `formulations.hybrid_model` says what differs.
 
 Per period: the segment of the regulator's law (disaggregated, one binary a segment), the branch (three
 binaries), and virgin or not (one).  With `inside` the angle on the transit, h and the branches obey
@@ -26,7 +26,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from design.mpc.hybrid_model import Piecewise, piecewise, play, sampled_lag
+from design.mpc.formulations.hybrid_model import Piecewise, piecewise, play, sampled_lag
 from design.mpc.problem import Believed, MPCProblem
 from plants.errors import InputError
 from plants.hysteresis import FourSegment

@@ -1,0 +1,1 @@
+"""Ways to solve the problem of `design.mpc.problem` every period."""
