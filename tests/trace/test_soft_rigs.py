@@ -193,3 +193,18 @@ def test_for_a_design_the_names_and_the_error_are_the_same(tmp_path):
     assert {e.name for e in plain.effects} == {"dead-time", "fill-exhaust-asymmetry"}
     assert [e.name for e in amid.effects] == [e.name for e in plain.effects]
     assert amid.after["angle_deg"] == pytest.approx(plain.after["angle_deg"], rel=0.1)
+
+
+def test_an_effect_that_serves_its_recordings_only_in_one_form_is_kept_in_another(tmp_path):
+    """Rates that depend on the pressure, and two time constants of a creep, fit its two recordings best and
+    miss one by a fit to the other; a ratio of rates and a single time constant do not."""
+    rig = soft_actuator(100)
+    rig.write(tmp_path, recordings(100), ("check",))
+    trace = trace_campaign(load_campaign(tmp_path))
+    found = {e.name: e for e in trace.effects}
+    assert set(found) == {"dead-time", "fill-exhaust-asymmetry", "creep"}
+    assert found["fill-exhaust-asymmetry"].parameters["ratio"][0] == pytest.approx(
+        rig.exhaust / rig.fill, rel=0.1
+    )
+    assert trace.after["angle_deg"] < 0.2 * trace.before["angle_deg"]
+    assert trace.after["pressure_kPa"] < 0.15 * trace.before["pressure_kPa"]

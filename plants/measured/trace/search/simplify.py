@@ -1,8 +1,11 @@
 """Models without what turned out to be needless: effects, and parameters of their forms."""
 
+from collections.abc import Iterator, Sequence
+
 import numpy as np
 
 from plants.effects import EFFECTS
+from plants.effects.effect import Effect
 from plants.measured.trace.ranking.screening import Screen
 from plants.measured.trace.search.candidate import WORTH, Candidate, carries_over, falls
 from plants.measured.trace.search.together import fitted_with
@@ -27,16 +30,24 @@ def pruned(now: Candidate, declared: Candidate) -> Candidate:
 def carried_over(now: Candidate, declared: Candidate) -> Candidate:
     """The model without effects that serve only the recordings that they were fitted on: with them, those
     left out whole are simulated clearly worse, by a larger factor than those that fit are simulated better.
+    Before an effect goes its other forms are tried: one that simulates them no worse than none may stay.
 
     Where the declared model leaves no structure, rows left out say nothing of an effect; see `worth_it`.
     """
     while now.model.forms and declared.examined.structured and now.over_recordings is not None:
-        less = [Candidate(now.model.without(name).fitted()) for name in now.model.effects]
-        better = [c for c in less if carries_over(now, c) and _both(c) < _both(now)]
+        less = {name: Candidate(now.model.without(name).fitted()) for name in now.model.effects}
+        better = [n for n, c in less.items() if carries_over(now, c) and _both(c) < _both(now)]
         if not better:
             break
-        now = min(better, key=_both)
+        name = min(better, key=lambda n: _both(less[n]))
+        others = _in_forms(now, name, [f for f in EFFECTS[name] if f not in now.model.forms])
+        now = min((less[name], *(c for c in others if not _worse(c, less[name]))), key=_both)
     return now
+
+
+def _worse(found: Candidate, less: Candidate) -> bool:
+    """Whether recordings left out whole are simulated worse with an effect than without it."""
+    return (found.over_recordings or np.inf) > (less.over_recordings or np.inf)
 
 
 def _both(found: Candidate) -> float:
@@ -47,17 +58,22 @@ def _both(found: Candidate) -> float:
 def simplest(now: Candidate) -> Candidate:
     """Each effect in the form with fewest parameters among those that do equally well."""
     for form in now.model.forms:
-        rest = now.model.without(form.NAME)
         simpler = [f for f in EFFECTS[form.NAME] if len(f.kinds()) < len(form.kinds())]
-        if not simpler:
-            continue
-        held = Screen(rest.fitted(6, 1e-3))
-        for other in sorted(simpler, key=lambda f: len(f.kinds())):
-            found = Candidate(fitted_with(rest, held.rank(other)).fitted())
+        for found in _in_forms(now, form.NAME, sorted(simpler, key=lambda f: len(f.kinds()))):
             if found.model.chi2 - now.model.chi2 < SAME * max(now.model.chi2 - 1.0, WORTH):
                 now = found
                 break
     return now
+
+
+def _in_forms(now: Candidate, name: str, forms: Sequence[type[Effect]]) -> Iterator[Candidate]:
+    """The model with an effect in each of some other forms, fitted one after the other."""
+    rest = now.model.without(name)
+    if not forms:
+        return
+    held = Screen(rest.fitted(6, 1e-3))
+    for form in forms:
+        yield Candidate(fitted_with(rest, held.rank(form)).fitted())
 
 
 def from_command(now: Candidate) -> Candidate:
