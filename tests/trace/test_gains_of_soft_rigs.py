@@ -53,8 +53,9 @@ def test_what_a_late_sensor_delays_is_dead_time_of_the_loop(tmp_path):
     assert trace.revised.rig.angle_delay == pytest.approx(late, abs=0.05)
     plant = designed(trace.revised)
     assert dead_time_of(Wrist.of(plant).effects) == pytest.approx(late + rig.delay, abs=0.1)
-    # Whether these or the nearest gains hold every limit in the model hangs on the rounding of the processor: of
-    # the creep's quick part, which lies at a bound, next to nothing is told.  Those that are given have to hold.
+    # Whether any gains hold every limit in the model hangs on the rounding of the processor: the quick part
+    # of the creep lies at a bound, and next to nothing is told of it.  Those that are given, at worst the
+    # nearest, have to hold on the actuator.
     tuned = tune_candidates(required_of(plant, Taken())).best
     # In a loop a delay of the sensor and one of the command are the same.
     seen = held(replace(rig, delay=rig.delay + late), tuned.final.gains, trace.revised)
