@@ -70,10 +70,14 @@ def test_after_a_step_the_pressure_is_beyond_a_stop_before_the_joint_is_there(he
 
 
 def test_an_angle_that_a_joint_swings_past_is_no_stop():
-    swinging = pressed(1e3)
-    swing = np.tile(8.0 * np.exp(-np.arange(100) / 15.0) * np.sin(np.arange(100) / 5.0), 60)
-    angle = swinging.angle + swing * np.sign(np.repeat(np.diff(STEPS.command[::100], prepend=0.0), 100))
-    assert pressed_beyond([replace(swinging, angle=angle)], 40.0, 1.0) < 0.02
+    """It overshoots to its largest angle after a step, and rests there under a higher pressure."""
+    drive = np.repeat([0.0, 30.0, 0.0, 40.0], 1500)
+    angle = drive + np.random.default_rng(2).normal(0.0, 0.02, len(T))
+    angle[1500:1540] = 40.0
+    swinging = replace(STEPS, pressure=drive, angle=angle)
+    assert pressed_beyond([swinging], 40.0, 1.0) < 0.01
+    angle[1500:3000] = 40.0  # it stays
+    assert pressed_beyond([replace(swinging, angle=angle)], 40.0, 1.0) == pytest.approx(0.25, abs=0.01)
 
 
 def test_without_an_angle_nothing_is_at_a_stop():

@@ -10,6 +10,7 @@ from plants.hysteresis import PrandtlIshlinskii
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.stage import Stage
+from plants.measured.trace.revision.revised import at_bounds
 from plants.measured.trace.search import undetermined
 from plants.measured.trace.search.candidate import Candidate
 from plants.measured.trace.search.undetermined import at_neutral, without_bends, without_confounded
@@ -41,6 +42,16 @@ def traced(command, tried: float) -> Candidate:
 def test_a_speed_of_exhausting_that_never_shows_is_that_of_filling():
     found = at_neutral(traced(RISES, 4.1))
     assert found.model.values["fill-exhaust-asymmetry.ratio"] == 1.0
+
+
+@pytest.mark.parametrize("bound", [1, 2])
+def test_an_estimate_a_rounding_error_off_a_bound_is_the_bound(bound):
+    model = traced(FALLS, 0.7).model
+    i = model.names.index("fill-exhaust-asymmetry.ratio")
+    at, inside = float(model.bounds[bound][i]), 1e-9 if bound == 1 else -1e-9
+    edges = at_bounds(model.with_values({"fill-exhaust-asymmetry.ratio": at + inside}))
+    assert edges[i] == at
+    assert at_bounds(model) == [None] * len(model.names)
 
 
 def test_one_that_shows_is_kept():

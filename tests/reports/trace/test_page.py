@@ -17,7 +17,7 @@ from reports.trace.parameter_figure import draw_parameters
 from reports.trace.record import trace_record
 from reports.trace.residual_figures import means, telling, thinned
 from reports.trace.search_figures import best_forms, drawn_forms
-from reports.trace.tables import decision_table
+from reports.trace.tables import decision_table, parameter_table
 from reports.trace.words import FEW, block_words, depends, evidence, summary, verdict_sentence
 from tests.reports.html_page import Page, summary_of
 from tests.reports.report_samples import small_trace
@@ -189,6 +189,18 @@ def test_the_record_says_what_is_left_and_on_what_it_depends(unexplained):
     both = replace(unexplained, stages=tuple(replace(s, explained=False) for s in unexplained.stages))
     assert trace_record(both)["unexplained"]["stages"] == ["regulator", "wrist"]
     assert trace_record(both)["unexplained"]["stage"] == "regulator"
+
+
+def test_parameters_of_a_law_that_was_chosen_stand_apart_from_those_of_effects(bent):
+    fit = bent.fit
+    own = {n: p for n, p in fit.fitted.parameters.items() if n != "a1"}  # which another law would not have
+    chosen = replace(bent, fit=SimpleNamespace(fitted=SimpleNamespace(parameters=own)))
+    groups = {g.heading: [r[0].text for r in g.rows] for g in parameter_table(chosen).groups}
+    effects, law, declared = groups.values()
+    assert {n.rpartition(".")[0] for n in effects} == {BENT}
+    assert law == ["a1"]
+    assert set(declared) == set(own)
+    assert len(parameter_table(bent).groups) == 2
 
 
 def test_the_record_holds_how_the_errors_of_its_parameters_correlate(bent):

@@ -5,22 +5,24 @@ goes on rising after the joint has come there.
 """
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plants.measured.noise import noise_floor
 from plants.measured.recording import Recording
 
+Array = NDArray[np.float64]
+
 NEAR = 3.0
 """Times the noise within which an angle is at a stop."""
 
-AWAY = (10.0, 0.02)
-"""Times the noise, and share of the angle's range, by which a joint leaves a stop to come to it anew."""
+CLEAR = (10.0, 0.02)
+"""Times the noise, and share of its range, by which a channel has clearly gone back."""
 
 STAYS = 1 / 3
-"""Share of the rows between its coming and its leaving at which a joint that stays is at the stop: a hum
-takes what is measured off it half of the time, and one that swings past an angle is there for a moment."""
+"""Share of the rows, from the joint's coming until the drive has gone back, at which a joint that stays is at
+the stop: a hum takes what is measured off it half of the time; one that swings past is there for a moment."""
 
 
 def pressed_beyond(recordings: Sequence[Recording], angle: float, way: float) -> float:
@@ -37,22 +39,32 @@ def pressed_beyond(recordings: Sequence[Recording], angle: float, way: float) ->
     >>> round(pressed_beyond([free], 39.0, 1.0), 3), round(pressed_beyond([stopped], 30.0, 1.0), 3)
     (0.024, 0.245)
     """
-    seen = [r for r in recordings if r.angle is not None]
-    drives = [r.command if r.pressure is None else r.pressure for r in seen]
-    if not seen or (whole := float(np.ptp(np.concatenate(drives)))) == 0.0:
-        return 0.0
-    return (
-        max(_pressed(r.angle, way * drive, angle, way) for r, drive in zip(seen, drives, strict=True)) / whole
-    )
+    seen = [
+        (r.angle, way * (r.command if r.pressure is None else r.pressure))
+        for r in recordings
+        if r.angle is not None
+    ]
+    whole = float(np.ptp(np.concatenate([drive for _, drive in seen]))) if seen else 0.0
+    return max(_pressed(own, drive, angle, way) for own, drive in seen) / whole if whole else 0.0
 
 
-def _pressed(measured: Any, drive: Any, angle: float, way: float) -> float:
+def _pressed(measured: Array, drive: Array, angle: float, way: float) -> float:
     beyond, noise = way * (measured - angle), noise_floor(measured)
     there = beyond >= -NEAR * noise
-    away = np.flatnonzero(beyond < -max(AWAY[0] * noise, AWAY[1] * float(np.ptp(measured))))
-    coming, farthest = np.inf, -np.inf
-    for rows in np.split(np.arange(len(drive)), away):
-        at = rows[there[rows]]
-        if len(at) and np.mean(there[at[0] : rows[-1] + 1]) >= STAYS:
-            coming, farthest = min(coming, drive[at[0]]), max(farthest, drive[rows].max())
-    return max(0.0, float(farthest - coming))
+    at, left = np.flatnonzero(there), np.flatnonzero(beyond < -_clear(measured))
+    back, coming, farthest = _clear(drive), np.inf, -np.inf
+    since = 0
+    while (k := int(np.searchsorted(at, since))) < len(at):
+        i = int(at[k])
+        gone = np.flatnonzero(drive[i:] < drive[i] - back)
+        visit = slice(i, i + int(gone[0]) if len(gone) else None)
+        if np.mean(there[visit]) >= STAYS:
+            coming, farthest = min(coming, float(drive[i])), max(farthest, float(drive[visit].max()))
+        # It comes anew once it has left.
+        k = int(np.searchsorted(left, i))
+        since = int(left[k]) if k < len(left) else len(drive)
+    return max(0.0, farthest - coming)
+
+
+def _clear(channel: Array) -> float:
+    return max(CLEAR[0] * noise_floor(channel), CLEAR[1] * float(np.ptp(channel)))

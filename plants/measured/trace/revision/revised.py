@@ -113,7 +113,7 @@ def _parameters(
         kept = (n for n in model.wrist.hysteresis.NEUTRAL if n in model.fixed)
         values |= {n: model.values[n] for n in kept if n not in base.undetermined}
         found = errors_of(model)
-        values |= {n: e for n, e in zip(model.names, _at_bounds(model), strict=True) if e is not None}
+        values |= {n: e for n, e in zip(model.names, at_bounds(model), strict=True) if e is not None}
         own = dict(zip(model.names, found.std_errors, strict=True))
         errors |= own
         told = ParameterCorrelation(model.names, found.correlation)
@@ -142,11 +142,11 @@ def errors_of(model: Model) -> EstimateErrors:
     """Standard errors of the parameters of a model, in the order of its names, None for one that lies at a
     bound or is not determined; and their correlation."""
     found = uncertainty(model.problem, model.vector, model.bounds, corner_of(model.residual))
-    kept = [s if e is None else None for s, e in zip(found.std_errors, _at_bounds(model), strict=True)]
+    kept = [s if e is None else None for s, e in zip(found.std_errors, at_bounds(model), strict=True)]
     return replace(found, std_errors=kept)
 
 
-def _at_bounds(model: Model) -> list[float | None]:
+def at_bounds(model: Model) -> list[float | None]:
     """The bound at which each parameter of a model lies, None for one that lies at none: a minimum at a bound
     is found a rounding error beside it."""
     x, low, high = model.bounds

@@ -6,8 +6,10 @@ import numpy as np
 
 from plants.effects import EFFECTS
 from plants.effects.effect import Effect
+from plants.measured.trace.ranking.excitation import excitation
 from plants.measured.trace.ranking.screening import Screen
 from plants.measured.trace.search.candidate import WORTH, Candidate, carries_over, falls
+from plants.measured.trace.search.refits import rank
 from plants.measured.trace.search.together import fitted_with
 from plants.measured.trace.search.worth import needed
 
@@ -41,13 +43,16 @@ def carried_over(now: Candidate, declared: Candidate) -> Candidate:
             break
         name = min(better, key=lambda n: _both(less[n]))
         others = _in_forms(now, name, [f for f in EFFECTS[name] if f not in now.model.forms])
-        now = min((less[name], *(c for c in others if not _worse(c, less[name]))), key=_both)
+        now = min((less[name], *(c for c in others if _may_stay(c, name, less[name]))), key=_both)
     return now
 
 
-def _worse(found: Candidate, less: Candidate) -> bool:
-    """Whether recordings left out whole are simulated worse with an effect than without it."""
-    return (found.over_recordings or np.inf) > (less.over_recordings or np.inf)
+def _may_stay(found: Candidate, name: str, less: Candidate) -> bool:
+    """Whether an effect is more than what the command does by itself, makes no loop that turns back, and
+    leaves recordings left out whole simulated no worse than without it."""
+    asked = excitation(found.model.stage.playbacks)
+    worse = (found.over_recordings or np.inf) > (less.over_recordings or np.inf)
+    return not worse and not any(rank(found.model, name, asked)[:2])
 
 
 def _both(found: Candidate) -> float:
