@@ -6,7 +6,7 @@ so what is guaranteed of a state feedback is checked here of the whole loop.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
@@ -78,7 +78,7 @@ class InputLoop:
         integrator, beside = PI(0.0, 1.0 / dt, gain=1.0), np.exp(1j * branches[0].omega * dt) - 1.0
         found = zip(branches, self.open, strict=True)
         return margins(
-            [BranchResponse(b.branch, b.rate, b.omega, x * beside, b.pressure, dt=dt) for b, x in found],
+            [replace(b, response=x * beside, a=None, b=None) for b, x in found],
             integrator,
         )
 

@@ -7,7 +7,7 @@ than one point.  Dead time of the plant is part of its response.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol, cast
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from design.controllers.pi import PI
 from plants.kernel import pytrees
 from plants.linearisation import RATES, branch_matrices, branch_slopes, frequency_response, responses
+from plants.parameters.remainder import UncertaintyWeight
 from plants.wrist import SAMPLE_TIME, Wrist
 
 Array = NDArray[np.float64]
@@ -23,13 +24,16 @@ Array = NDArray[np.float64]
 ROWS = 256
 """Loops that are looked at together: that bounds the memory."""
 
+LINEAR = ("Ms", "Mt", "delay_margin_s", "WT")
+"""Limits that belong to the linear loop, on branches; the others to runs."""
+
 
 @dataclass(frozen=True)
 class BranchResponse:
     """Frequency response of one branch at one rate: omega [rad/s], response of the angle [deg/V] and of the
     pressure [kPa/V], (n,) each;
     a (2, 2) and b (2,) are its state matrices, from command [V] to pressure and angle, None for a
-    wrist with effects; dt: sample time [s]."""
+    wrist with effects; dt: sample time [s]; weight: |W| of unmodelled dynamics at omega, None without."""
 
     branch: str
     rate: str
@@ -39,6 +43,7 @@ class BranchResponse:
     a: Array | None = None
     b: Array | None = None
     dt: float = SAMPLE_TIME
+    weight: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -49,7 +54,9 @@ class Margins:
     unstable loop.
     delay_margin_s: smallest extra dead time that makes the loop unstable; zero
     for an unstable loop, infinite where the loop gain never crosses one.
-    Ms_at, delay_at, Mt_at: index into ``branch_responses`` of the branch that decides.
+    WT: largest |W T| of branches that have unmodelled dynamics of weight W; these make no loop unstable where
+    it is below 1; None without (Skogestad, Postlethwaite, Multivariable Feedback Control, 2005, section 7.5).
+    Ms_at, delay_at, Mt_at, WT_at: index into ``branch_responses`` of the branch that decides.
     """
 
     Ms: Array
@@ -58,6 +65,20 @@ class Margins:
     delay_at: NDArray[np.intp]
     Mt: Array
     Mt_at: NDArray[np.intp]
+    WT: Array | None = None
+    WT_at: NDArray[np.intp] | None = None
+
+    @property
+    def values(self) -> dict[str, Array]:
+        """The margins by the names of their limits."""
+        found = zip(LINEAR, (self.Ms, self.Mt, self.delay_margin_s, self.WT), strict=True)
+        return {n: v for n, v in found if v is not None}
+
+    @property
+    def at(self) -> dict[str, NDArray[np.intp]]:
+        """The branches that decide, by the names of the limits."""
+        found = zip(LINEAR, (self.Ms_at, self.Mt_at, self.delay_at, self.WT_at), strict=True)
+        return {n: v for n, v in found if v is not None}
 
 
 class FeedbackLaw(Protocol):
@@ -109,6 +130,8 @@ def margins(branches: Sequence[BranchResponse], controller: FeedbackLaw) -> Marg
     # The poles of a plain PI's loop are at hand; of others Nyquist's criterion tells.
     plain = controller if isinstance(controller, PI) and not np.any(getattr(controller, "Tf", 0.0)) else None
     sensitivity, complement, delay = np.empty((3, len(branches), Kp.size))
+    uncertain = np.zeros((len(branches), Kp.size))
+    weighed = np.array([b.weight is not None for b in branches])
     stable = np.empty((len(branches), Kp.size), bool)
     for some in _alike(branches):
         first = branches[some[0]]
@@ -125,6 +148,10 @@ def margins(branches: Sequence[BranchResponse], controller: FeedbackLaw) -> Marg
                 sensitivity[at] = (1.0 / least_of_rows(turned)).reshape(size)
                 relative = turned / np.maximum(np.abs(loop), 1e-300)
                 complement[at] = (1.0 / least_of_rows(relative)).reshape(size)
+                if weighed[part].any():
+                    weights = np.array([np.zeros(omega.size) if b.weight is None else b.weight for b in of])
+                    away = relative.reshape(*size, -1) / np.maximum(weights, 1e-300)[:, None]
+                    uncertain[at] = (1.0 / least_of_rows(away.reshape(-1, omega.size))).reshape(size)
                 delay[at] = delay_margins(omega, loop).reshape(size)
                 if first.a is None or plain is None:
                     stable[at] = winds_not(loop).reshape(size) & (Ki[piece] > 0.0)
@@ -132,6 +159,7 @@ def margins(branches: Sequence[BranchResponse], controller: FeedbackLaw) -> Marg
                     stable[at] = _stable(of, Kp[piece] / plain.gain, Ki[piece] / plain.gain)
     complement = np.where(Ki > 0.0, np.maximum(complement, 1.0), complement)  # T is 1 at zero frequency
     sensitivity[~stable], complement[~stable], delay[~stable] = np.inf, np.inf, 0.0
+    uncertain[~stable & weighed[:, None]] = np.inf
     return Margins(
         sensitivity.max(axis=0).reshape(shape),
         delay.min(axis=0).reshape(shape),
@@ -139,7 +167,17 @@ def margins(branches: Sequence[BranchResponse], controller: FeedbackLaw) -> Marg
         delay.argmin(axis=0).reshape(shape),
         complement.max(axis=0).reshape(shape),
         complement.argmax(axis=0).reshape(shape),
+        *((f(uncertain, axis=0).reshape(shape) for f in (np.max, np.argmax)) if weighed.any() else ()),
     )
+
+
+def with_dynamics(
+    branches: Sequence[BranchResponse], weight: UncertaintyWeight | None
+) -> list[BranchResponse]:
+    """Branches with unmodelled dynamics of a weight, or without."""
+    if weight is None:
+        return list(branches)
+    return [replace(b, weight=np.abs(weight.response(b.omega))) for b in branches]
 
 
 def _alike(branches: Sequence[BranchResponse]) -> list[NDArray[np.intp]]:

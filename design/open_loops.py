@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from design.controllers.pi import PI
 from design.margins import frequencies, least_of_rows, winds_not
 from plants.linearisation import RATES, branch_slopes, branch_ss, frequency_response, responses
+from plants.parameters.remainder import UncertaintyWeight
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -77,7 +78,11 @@ def open_loops(
 
 
 def by_python_control(
-    wrist: Wrist, controller: PI, dead_time: float = 0.0, rates: tuple[str, ...] = RATES
+    wrist: Wrist,
+    controller: PI,
+    dead_time: float = 0.0,
+    rates: tuple[str, ...] = RATES,
+    weight: UncertaintyWeight | None = None,
 ) -> list[dict[str, Any]]:
     """Margins on every branch at every rate, computed by python-control alone, for one pair of gains.
 
@@ -87,15 +92,19 @@ def by_python_control(
     Packard & Gahinet, An introduction to disk margins, 2020, doi 10.1109/MCS.2020.3005277); for an
     unstable loop Ms and Mt are infinite, the disk and delay margins zero.  Of a wrist with effects, or
     behind a dead time, python-control gets the frequency response of the open loop and no poles;
-    stability is then Nyquist's criterion.
+    stability is then Nyquist's criterion.  With the weight of unmodelled dynamics rows have WT too, the
+    peak of |W T|.
     """
     omega = frequencies(1500, wrist.rig.sample_time)
     return [
-        _row(loop, omega, controller.Ki > 0.0) for loop in open_loops(wrist, controller, dead_time, rates)
+        _row(loop, omega, controller.Ki > 0.0, weight)
+        for loop in open_loops(wrist, controller, dead_time, rates)
     ]
 
 
-def _row(loop: OpenLoopTransfer, omega: Array, integrates: bool) -> dict[str, Any]:
+def _row(
+    loop: OpenLoopTransfer, omega: Array, integrates: bool, weight: UncertaintyWeight | None = None
+) -> dict[str, Any]:
     """Margins of one open loop from its frequency response, by python-control."""
     import control
 
@@ -112,7 +121,12 @@ def _row(loop: OpenLoopTransfer, omega: Array, integrates: bool) -> dict[str, An
     Mt = 1.0 / least_over(loop.at, _by_complement, omega, response) if stable else float("inf")
     if integrates:
         Mt = max(1.0, Mt)  # T is 1 at zero frequency, below the grid
-    return {
+    more = {}
+    if weight is not None:
+        size = np.abs(weight.response(omega))
+        WT = float(1.0 / np.min(_by_complement(response) / size)) if stable else float("inf")
+        more["WT"] = max(WT, weight.low)
+    return more | {
         "branch": loop.branch, "rate": loop.rate, "stable": stable,
         "gain_margin": float(min(above, default=np.inf)),
         "phase_margin_deg": float(min(pm, default=np.inf)),

@@ -15,7 +15,7 @@ from design.controllers.feedforward import FeedforwardPI
 from design.margins import margins
 from design.synthesis.evaluate import Evaluation, controller, evaluate_with, join
 from design.synthesis.judged import merit
-from design.synthesis.requirements import Problem
+from design.synthesis.requirements import Problem, excesses
 
 Array = NDArray[np.float64]
 
@@ -84,13 +84,9 @@ def design_feedforward(problem: Problem, seed: int = 0) -> FeedforwardDesign:
 
 
 def _robust(problem: Problem, places: Array) -> Array:
-    """Those places whose PI holds the limits of Ms and delay margin, where these are in force."""
-    linear = margins(list(problem.branches), controller(problem, places[:, 1], places[:, 2]))
-    limits = problem.limits
-    held = np.ones(len(places), bool)
-    if limits.Ms is not None:
-        held &= linear.Ms <= limits.Ms
-    if limits.delay_margin_s is not None:
-        held &= linear.delay_margin_s >= limits.delay_margin_s
-    kept: Array = places[held]
+    """Those places whose PI holds the limits of the linear loop that are in force."""
+    linear = margins(list(problem.branches), controller(problem, places[:, 1], places[:, 2])).values
+    limits = {n: v for n, v in problem.limits.named.items() if n in linear}
+    beyond = excesses(linear, limits).values()
+    kept: Array = places[np.all([e <= 0.0 for e in beyond], axis=0)] if limits else places
     return kept

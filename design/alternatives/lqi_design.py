@@ -124,7 +124,7 @@ def judge(
     that break a limit of the linear loop are not simulated where the problem is screened."""
     broken = [InputLoop.at_command(c, problem.branches) for c in controllers]
     linear = [x.margins(problem.branches) for x in broken]
-    values = {n: np.array([float(getattr(x, n)) for x in linear]) for n in ("Ms", "Mt", "delay_margin_s")}
+    values = {n: np.array([float(x.values[n]) for x in linear]) for n in linear[0].values}
     values["noise_gain"] = np.array([x.noise_gain for x in broken])
     limits = problem.held_to | ({} if noise_limit is None else {"noise_gain": noise_limit})
     cost, of_run, excess = screened(problem, stacked(controllers), values, limits)

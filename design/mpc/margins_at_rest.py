@@ -26,6 +26,7 @@ from design.mpc.problem import MPCProblem
 from plants.effects.effect import dead_time_of
 from plants.hysteresis.prandtl_ishlinskii import PrandtlIshlinskii
 from plants.linearisation import RATES, branch_matrices, branch_slopes
+from plants.parameters.remainder import UncertaintyWeight
 from plants.simulation.periodic import Periodic
 from plants.wrist import Wrist
 
@@ -57,18 +58,22 @@ class Replaceable(Periodic, Protocol):
 @dataclass(frozen=True)
 class MarginsAtRest:
     """Ms, Mt and delay margin [s], the worst over branches and rates; infinite, infinite and 0 where a loop
-    does not come to rest."""
+    does not come to rest.  WT: peak of |W T|, 0 without unmodelled dynamics of a weight W."""
 
     Ms: float
     Mt: float
     delay_margin_s: float
+    WT: float = 0.0
 
 
 def margins_at_rest(
-    controller: Replaceable, plants: Sequence[Wrist], dead_times: Sequence[float] = (0.0,)
+    controller: Replaceable,
+    plants: Sequence[Wrist],
+    dead_times: Sequence[float] = (0.0,),
+    weight: UncertaintyWeight | None = None,
 ) -> MarginsAtRest:
     """Margins of an MPC, the worst over plants and dead times [s] on top of what they have; of their other
-    effects nothing is known here.
+    effects nothing is known here.  weight: of unmodelled dynamics.
 
     Its model stays its own, on the same branch at the same rate.  Raises InputError where its solver is not
     installed.
@@ -84,11 +89,12 @@ def margins_at_rest(
             if key not in found:
                 own = controller.on(replace(problem, wrist=model))
                 response = np.array(list(pulse_response(own, a, b, late)))
-                found[key] = _margins(response, problem.period)
+                found[key] = _margins(response, problem.period, weight)
     loops = found.values()
     return MarginsAtRest(
-        max(m.Ms for m in loops), max(m.Mt for m in loops), min(m.delay_margin_s for m in loops)
-    )
+        max(m.Ms for m in loops), max(m.Mt for m in loops), min(m.delay_margin_s for m in loops),
+        max(m.WT for m in loops),
+    )  # fmt: skip
 
 
 def straight(wrist: Wrist, slope: float, rate: str) -> Wrist:
@@ -123,16 +129,19 @@ def pulse_response(controller: Any, a: Array, b: Array, late: int = 0) -> Iterat
             x = a @ x + b[:, 0] * under_way.popleft()
 
 
-def _margins(response: Array, period: float) -> MarginsAtRest:
+def _margins(response: Array, period: float, weight: UncertaintyWeight | None) -> MarginsAtRest:
     size = np.abs(response)
     if size[-PERIODS:].max() > DIES * size.max():
-        return MarginsAtRest(np.inf, np.inf, 0.0)
+        return MarginsAtRest(np.inf, np.inf, 0.0, 0.0 if weight is None else np.inf)
     omega = np.geomspace(1e-2, 0.999 * np.pi / period, POINTS)
     delays = np.exp(-1j * np.outer(omega * period, np.arange(response.size)))
     sensitivity = 1.0 + delays @ response
     loop = (1.0 / sensitivity - 1.0)[None]
+    away = 1.0 / np.abs(1.0 - sensitivity[None])
+    weighed = np.zeros(omega.shape) if weight is None else np.abs(weight.response(omega))
     return MarginsAtRest(
         float(1.0 / least_of_rows(1.0 / np.abs(sensitivity[None]))[0]),
-        float(1.0 / least_of_rows(1.0 / np.abs(1.0 - sensitivity[None]))[0]),
+        float(1.0 / least_of_rows(away)[0]),
         float(delay_margins(omega, loop)[0]),
+        float(np.max(weighed / away)),
     )

@@ -28,6 +28,7 @@ from plants.errors import InputError
 from plants.hysteresis import Role
 from plants.linearisation import branch_slopes
 from plants.parameters.quantities import Fitted, ParameterSet
+from plants.parameters.remainder import UncertaintyWeight
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -73,6 +74,12 @@ class Box:
     def wrist(self) -> Wrist:
         """The plant itself."""
         return Wrist.of(self.plant)
+
+    @property
+    def weight(self) -> UncertaintyWeight | None:
+        """Weight of the unmodelled dynamics that the residual shows; None where it shows none."""
+        left = self.plant.remainder.get("angle_deg")
+        return None if self.remainder is None or left is None else left.weight
 
     @cached_property
     def region(self) -> ConfidenceRegion:

@@ -8,7 +8,7 @@ hysteresis at both rates of the regulator on every corner of the box, the dead t
 Whoever judges gains (`robust_tuning`, `checks`, `assess`) asks this one value.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from itertools import product
 from typing import Any
@@ -21,13 +21,14 @@ from design.evaluation.cases import Case
 from design.evaluation.runner import play
 from design.evaluation.scenarios import Spread
 from design.evaluation.tasks import tuning_tasks
-from design.margins import BranchResponse, Margins, branch_responses, margins
+from design.margins import BranchResponse, Margins, branch_responses, margins, with_dynamics
 from design.robustness.box import SIGMAS, Box, box_of
 from design.robustness.samples.conditions import Conditions, beside
 from design.robustness.samples.draws import generator
 from design.robustness.samples.search_space import KINDS, Kind, Space
 from design.robustness.samples.worst import excesses
 from design.synthesis.requirements import Limits, Problem
+from design.synthesis.requirements import excesses as shares_beyond
 from plants.effects.effect import dead_time_of
 from plants.effects.wrist.remainder import ColouredRemainder
 from plants.kernel import pytrees
@@ -38,9 +39,6 @@ from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-LINEAR = ("Ms", "Mt", "delay_margin_s")
-"""Limits that belong to the linear loop, on branches; the others to runs."""
-
 POINTS = 400
 """Frequencies at which margins on corners are taken."""
 
@@ -90,7 +88,7 @@ class Requirement:
                 few = [x[:: POINTS // 4] for x in (b.response, b.pressure)]
                 key = tuple(np.round([x / np.abs(x), np.log(np.abs(x))], 9).tobytes() for x in few)
                 found.setdefault(key, b)
-        return tuple(found.values())
+        return tuple(with_dynamics(tuple(found.values()), self.box.weight))
 
     def corners(self) -> list[Wrist]:
         """The nominal wrist, and those at the ends of the intervals that move a response at all."""
@@ -115,13 +113,9 @@ class Requirement:
 
     def linear_excess(self, controller: PI) -> dict[str, float]:
         """By what share of each limit of the linear loop a PI lies beyond it; not above 0 where it holds."""
-        found, named = self.margins(controller), self.limits.named
-        beyond: dict[str, float] = {
-            n: float(getattr(found, n)) - named[n] for n in ("Ms", "Mt") if n in named
-        }
-        if "delay_margin_s" in named:
-            beyond["delay_margin_s"] = named["delay_margin_s"] - float(found.delay_margin_s)
-        return {n: v / (named[n] or 1.0) for n, v in beyond.items()}
+        found = self.margins(controller).values
+        limits = {n: v for n, v in self.limits.named.items() if n in found}
+        return {n: float(v) for n, v in shares_beyond(found, limits).items()}
 
     def run(
         self, x: Array, controller: Any, noise_seed: tuple[int, int] | None = None, jobs: int | None = None
@@ -168,7 +162,7 @@ class Requirement:
         stable = np.isfinite(found.Ms)
         if not stable.any():
             return self.branches
-        decide = np.concatenate([x[stable] for x in (found.Ms_at, found.Mt_at, found.delay_at)])
+        decide = np.concatenate([x[stable] for x in found.at.values()])
         return tuple(self.branches[i] for i in np.unique(decide))
 
     def problem(self, guard: dict[str, float] | None = None, jobs: int | None = None) -> Problem:
@@ -188,7 +182,8 @@ def requirement(
     sigmas: float = SIGMAS,
 ) -> Requirement:
     """The requirement that a plant's rig states: its limits, its box, its conditions; each may be given.
-    The residual of the plant's angle is a disturbance in every case.
+    The residual of the plant's angle is a disturbance in every case, and where it has a weight unmodelled
+    dynamics, against which the linear loop is robustly stable (WT at most 1).
 
     >>> from plants.parameters.files import built_in
     >>> stated = requirement(built_in("flexion"))
@@ -200,18 +195,22 @@ def requirement(
     rig = plant.rig
     box = box_of(plant, spread or Spread.of(rig), sigmas, given)
     box = box.leaving(ColouredRemainder.of(plant.remainder.get("angle_deg")))
-    return Requirement(
-        box, limits or Limits.of(rig), conditions or Conditions.of(rig), cost=cost,
-        duration=rig.task.duration,
-    )  # fmt: skip
+    limits = with_robust_stability(limits or Limits.of(rig), box)
+    return Requirement(box, limits, conditions or Conditions.of(rig), cost=cost, duration=rig.task.duration)
+
+
+def with_robust_stability(limits: Limits, box: Box) -> Limits:
+    """The limits, with that of WT where the box has unmodelled dynamics."""
+    return limits if box.weight is None else replace(limits, WT=1.0)
 
 
 def requirement_record(asked: Requirement) -> dict[str, Any]:
     """A requirement for JSON; longest_dead_time_s with the plant's own."""
-    late, left = asked.space.dead_time, asked.box.remainder
+    late, left, weight = asked.space.dead_time, asked.box.remainder, asked.box.weight
+    dynamics = {} if weight is None else {"weight": asdict(weight)}
     return {
         "limits": asked.limits.named, "box": {i.name: [i.low, i.high] for i in asked.box.intervals},
-        "remainder": None if left is None else {"peak": left.peak, "length": left.length},
+        "remainder": None if left is None else {"peak": left.peak, "length": left.length, **dynamics},
         "dead_time_s": [0.0, late], "longest_dead_time_s": late + float(dead_time_of(asked.wrist.effects)),
         "load": asked.space.load, "noise": asked.conditions.noise, "resolution": asked.conditions.quantum,
         "kinds": list(asked.space.kinds), "cost": asked.cost,

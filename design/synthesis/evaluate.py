@@ -167,8 +167,7 @@ def evaluate_with(problem: Problem, many: Controller, Kp: Array, Ki: Array) -> E
     loop (`pi`), the margins are those of that PI."""
     law: Any = many
     linear = margins(problem.branches, getattr(law, "pi", law))
-    values = {"Ms": linear.Ms, "Mt": linear.Mt, "delay_margin_s": linear.delay_margin_s}
-    at = {"Ms": linear.Ms_at, "Mt": linear.Mt_at, "delay_margin_s": linear.delay_at}
+    values, at = linear.values, linear.at
     own = {n: np.broadcast_to(getattr(many, n), Kp.shape) for n in getattr(many, "TUNED", ())}
     cost, of_run, excess = screened(problem, many, values, problem.held_to)
     values |= {n: v.max(axis=1) for n, v in of_run.items()}

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from design.evaluation.cases import Case, stack
 from design.evaluation.runner import Lanes
 from design.evaluation.scenarios import Spread, tuning_scenarios, within_reach
-from design.margins import BranchResponse, branch_responses
+from design.margins import LINEAR, BranchResponse, branch_responses
 from plants.rig import Rig, built_in_rig
 from plants.simulation.disturbance import burdened, dead_time_left
 from plants.simulation.sensor import HOLD, PERFECT, Sensor
@@ -36,7 +36,8 @@ class Limits:
     total_variation_V: total variation of the command in one step.  steady_error_percent:
     error at the end of the run, of the step.  Mt: peak of the complementary sensitivity, on the
     same branches as Ms.  settling_time_s: until the step is settled; a run's duration asks that it does so
-    at all.  The defaults are those of the built-in rig.
+    at all.  WT: peak of |W T|, of a plant whose residual is unmodelled dynamics of weight W; the requirement
+    sets it to 1.  The defaults are those of the built-in rig.
     """
 
     overshoot_percent: float | None = _PAPER["overshoot_percent"]
@@ -46,6 +47,7 @@ class Limits:
     steady_error_percent: float | None = _PAPER["steady_error_percent"]
     Mt: float | None = _PAPER["Mt"]
     settling_time_s: float | None = _PAPER["settling_time_s"]
+    WT: float | None = None
 
     @classmethod
     def none(cls) -> "Limits":
@@ -72,7 +74,7 @@ ROUNDING = 1.0005
 
 LIMIT_UNITS = {
     "overshoot_percent": "%", "Ms": "1", "delay_margin_s": "s", "total_variation_V": "V",
-    "steady_error_percent": "%", "command_range": "V", "Mt": "1", "settling_time_s": "s",
+    "steady_error_percent": "%", "command_range": "V", "Mt": "1", "settling_time_s": "s", "WT": "1",
 }  # fmt: skip
 
 
@@ -149,7 +151,7 @@ class Problem:
     def place(self, limit: str, index: int) -> str:
         """In words, the scenario or branch that an entry of ``values_at`` points to; with ``cost`` as
         the limit, that of ``cost_at``."""
-        if limit in ("Ms", "Mt", "delay_margin_s"):
+        if limit in LINEAR:
             b = self.branches[index]
             return f"{b.branch}, {b.rate} regulator rate"
         if index < len(self.scenarios):

@@ -38,6 +38,7 @@ LIMITS: Mapping[str, Words] = {
     "steady_error_percent": Words("Left at the end of the run", " %"),
     "Mt": Words("Mt, peak of the complementary sensitivity"),
     "settling_time_s": Words("Settled after", " s"),
+    "WT": Words("|W T|, of the residual as unmodelled dynamics"),
 }
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from design.margins import Margins, margins
 from design.synthesis.evaluate import controller, evaluate
-from design.synthesis.requirements import ROUNDING, Limits, Problem
+from design.synthesis.requirements import ROUNDING, Limits, Problem, excesses
 from design.synthesis.tuning import Region
 
 Array = NDArray[np.float64]
@@ -139,16 +139,8 @@ def sharper(problem: Problem, known: Regions, points: int) -> Regions:
 
 def linear_excess(limits: Limits, found: Margins) -> dict[str, Array]:
     """Excess over those limits that need no simulation, as a share of each; by name, shape of the gains."""
-    excess = {}
-    if limits.Ms is not None:
-        excess["Ms"] = (found.Ms - limits.Ms) / limits.Ms
-    if limits.Mt is not None:
-        excess["Mt"] = (found.Mt - limits.Mt) / limits.Mt
-    if limits.delay_margin_s is not None:
-        excess["delay_margin_s"] = (limits.delay_margin_s - found.delay_margin_s) / (
-            limits.delay_margin_s or 1.0
-        )
-    return excess
+    values = found.values
+    return excesses(values, {n: v for n, v in limits.named.items() if n in values})
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from math import isfinite
+from typing import Any
 
 from design.robustness.certificates.memory.ladder import IN_BOX
 from design.robustness.tuning.recommended import PLAIN
@@ -9,8 +10,10 @@ from design.studies.design_study import DesignStudy, MotionDesign
 from design.studies.designs import BARE
 from design.synthesis.answer import OutOfReach
 from plants.effects.wrist.remainder import STEEPNESS
+from plants.parameters.remainder import UncertaintyWeight
 from plants.wrist import Wrist
 from reports.shared.card import LIMIT_NAMES, broken_words, gains_words
+from reports.shared.dynamics import dynamics_words
 from reports.shared.tables import listed, number
 
 OTHER_MOTION = "other_pressure_kPa"
@@ -177,7 +180,7 @@ def remarks(study: DesignStudy) -> list[str]:
     return found
 
 
-def remainder_words(m: MotionDesign, left: Mapping[str, float] | None) -> str:
+def remainder_words(m: MotionDesign, left: Mapping[str, Any] | None) -> str:
     """What the residual of a motion's plant costs; empty where it is within the noise."""
     if left is None:
         return ""
@@ -185,6 +188,8 @@ def remainder_words(m: MotionDesign, left: Mapping[str, float] | None) -> str:
     bare, plain = m.designs.get(BARE), m.designs[PLAIN]
     words = f"{m.motion}: the unexplained residual of the plant ({size}) acts as a disturbance in every case."
     words += _slopes_words(m, 100 * STEEPNESS * left["peak"] / left["length"])
+    if "weight" in left:
+        words += f" {dynamics_words(UncertaintyWeight(**left['weight']))}"
     if bare is None or not (bare["holds"] and plain["holds"]):
         return words
     return (

@@ -22,6 +22,7 @@ from design.robustness.statement import Claim
 MARGINS = {
     "Ms": "Ms", "delay_margin_s": "delay margin", "gain_margin": "gain margin",
     "phase_margin_deg": "phase margin", "Mt": "Mt", "disk_margin": "disk margin",
+    "WT": "|W T| of the residual as unmodelled dynamics",
 }  # fmt: skip
 
 
@@ -60,10 +61,11 @@ def claim_words(claim: Claim) -> str:
             )
         case LeavesVirginCurve(step):
             return f"a step of {step:+g} deg from rest leaves the virgin curve by this time"
-        case StableWhileConstant(gain, dead_time):
+        case StableWhileConstant(gain, dead_time, dynamics):
             parameters = "slope, rate, Tw and gain" if gain else "slope, rate and Tw"
             behind = f", with up to {1e3 * dead_time:.3g} ms of dead time" if dead_time > 0.0 else ""
-            return f"stable for every constant {parameters} within the box{behind}"
+            left = " and the residual as unmodelled dynamics" if dynamics else ""
+            return f"stable for every constant {parameters} within the box{behind}{left}"
         case StableEverywhere():
             return "the linear loop is stable on every branch at every rate"
         case MarginHeld(key, at_most, limit):

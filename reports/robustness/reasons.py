@@ -126,6 +126,8 @@ def mu_words(r: RobustStability) -> str:
         names = [n for n, radius in zip(NAMES, r.loop.radius, strict=True) if radius > 0.0]
         at = ", ".join(f"{n} {p[n]:.4g}" for n in names)
         said += f"; unstable at {at}, in the box enlarged {r.destabilising.growth:.4g} times"
+        if r.destabilising.dynamics is not None:
+            said += f", with unmodelled dynamics at {r.destabilising.root.imag:.3g} rad/s"
     said += "; in continuous time"
     return said + (f"; without {', '.join(r.left_out)}" if r.left_out else "")
 

@@ -228,6 +228,6 @@ def limit_words(limits: Limits) -> str:
         "delay_margin_s": "delay margin at least {:g} s", "total_variation_V": "total variation at most "
         "{:g} V",
         "steady_error_percent": "error at the end at most {:g} %", "Mt": "Mt at most {:g}",
-        "settling_time_s": "settled within {:g} s",
+        "settling_time_s": "settled within {:g} s", "WT": "|W T| at most {:g}",
     }  # fmt: skip
     return ", ".join(words[n].format(v) for n, v in limits.named.items())

@@ -57,7 +57,7 @@ def _not_met(a: Assessment) -> list[str]:
     return [MARGINS_WORDS[n] for n in MARGINS_WORDS if margin_met(a, n) is False]
 
 
-MARGINS_WORDS = {"Ms": "Ms", "Mt": "Mt", "delay_margin_s": "delay margin"}
+MARGINS_WORDS = {"Ms": "Ms", "Mt": "Mt", "delay_margin_s": "delay margin", "WT": "|W T|"}
 """Limits of the linear loop by the keys of a row of margins."""
 
 

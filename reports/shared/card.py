@@ -19,7 +19,7 @@ from reports.shared.tables import Cell, Column, Group, Table, measured, number, 
 LIMIT_NAMES = {
     "overshoot_percent": "Overshoot", "Ms": "Ms", "Mt": "Mt", "delay_margin_s": "Delay margin",
     "total_variation_V": "Variation of u", "steady_error_percent": "Steady error",
-    "settling_time_s": "Settling time",
+    "settling_time_s": "Settling time", "WT": "|W T|",
 }  # fmt: skip
 LATE = "longest dead time"
 HEADS = dict(

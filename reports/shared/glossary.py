@@ -19,6 +19,8 @@ GLOSSARY: Mapping[str, str] = {
     "sensitivity peak": "Ms, the largest |S| over frequency",
     "Ms": "peak of the sensitivity |S| over frequency; 1/Ms is the distance of the Nyquist curve from −1",
     "Mt": "peak of the complementary sensitivity |T| over frequency",
+    "|W T|": "complementary sensitivity times the weight of unmodelled dynamics; below 1 at every frequency "
+    "these cannot make the loop unstable",
     "total variation": "sum of all movements of the command u, up and down",
     "IAE": "integral of the absolute error over time",
     "virgin curve": "initial curve: path of the hysteresis at the first motion from rest, before it meets "

@@ -27,6 +27,11 @@ LIMITS = {
     "steady_error_percent": ("Steady error", "at most", f"of the step, error after {WINDOW:g} s"),
     "Mt": ("Mt", "at most", "peak of the complementary sensitivity on the same branches"),
     "settling_time_s": ("Settling time", "at most", "within the run"),
+    "WT": (
+        "|W T|",
+        "at most",
+        "peak over frequency, W the weight of unmodelled dynamics that the residual shows",
+    ),
 }
 """Each limit's name for people, which side is allowed, and its meaning."""
 
@@ -67,4 +72,4 @@ def limit_in_text(name: str) -> str:
     ('overshoot', 'Ms')
     """
     limit = limit_name(name)
-    return limit if limit in ("Ms", "Mt") else limit.lower()
+    return limit if limit in ("Ms", "Mt", "|W T|") else limit.lower()

@@ -9,6 +9,8 @@ from plants.measured.residual.examine import Examination
 from plants.measured.trace.result import StageTrace, Trace
 from plants.measured.trace.search.candidate import WORTH
 from plants.measured.trace.search.worth import SHARE, TRIFLE
+from plants.parameters.remainder import RemainderSize
+from reports.shared.dynamics import dynamics_words
 from reports.shared.figures.fit import LOOP_SECONDS
 from reports.shared.names import CHANNELS
 from reports.shared.tables import listed, number
@@ -197,12 +199,13 @@ def nothing_refitted(stage: StageTrace) -> str:
     return f"Chi-square is {number(chi2)}, and no effect would lower it by more than chance would."
 
 
-def what_is_left(stage: StageTrace, adopted: bool) -> str:
-    """What no effect explains of a stage; `adopted`: what was tried became part of the plant."""
+def what_is_left(stage: StageTrace, adopted: bool, left: RemainderSize | None) -> str:
+    """What no effect explains of a stage; `adopted`: what was tried became part of the plant; left: size of
+    it on held-out recordings."""
     said = describe(stage.after, stage.stage.channel)
     if stage.model.forms and not adopted:
-        return f"Even with what was tried ({', '.join(stage.model.effects)}) {said}"
-    return said
+        said = f"Even with what was tried ({', '.join(stage.model.effects)}) {said}"
+    return said if left is None or left.weight is None else f"{said} {dynamics_words(left.weight)}"
 
 
 def learnt(stage: StageTrace) -> str:

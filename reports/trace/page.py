@@ -100,7 +100,7 @@ def _page(trace: Trace, made: Made, control: Control | None, drawn: Mapping[str,
         separations=[s for e in trace.effects for s in e.separations],
         no_alternatives=captions.no_alternatives(trace),
         judge=tables.judge_table(trace.cannot_judge) if trace.cannot_judge else None, count=len(EFFECTS),
-        unexplained=[_unexplained(s, bool(trace.effects or trace.block), shown) for s in trace.unexplained],
+        unexplained=[_unexplained(trace, s, shown) for s in trace.unexplained],
         control=None if control is None else _control(trace, control, drawn, shown),
         versions=captions.versions(), made=made,
     )  # fmt: skip
@@ -134,10 +134,11 @@ def _stage(s: StageTrace, after: str, shown: Any) -> dict[str, Any]:
     }
 
 
-def _unexplained(s: StageTrace, adopted: bool, shown: Any) -> dict[str, Any]:
+def _unexplained(trace: Trace, s: StageTrace, shown: Any) -> dict[str, Any]:
+    adopted = bool(trace.effects or trace.block)
     return {
         "title": f"of the {s.stage.channel.split('_')[0]}",
-        "words": captions.what_is_left(s, adopted),
+        "words": captions.what_is_left(s, adopted, trace.remainder.get(s.stage.channel)),
         "learnt": captions.learnt(s),
         "figure": shown(f"unexplained-{s.name}", captions.DESCRIPTION),
     }

@@ -1,6 +1,7 @@
 """A trace for machines: what ``wrist trace --json`` writes, in the keys that others read."""
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 from design.synthesis.answer import UNITS as GAIN_UNITS
@@ -81,6 +82,7 @@ def _remainder(trace: Trace) -> dict[str, Any]:
             bands = [{"from_hz": edge, "share": share} for edge, share in left.spectrum.items()]
             found[f"{name}_spectrum"] = bands
             found[f"{name}_depends_on"] = on.get(channel, [])
+            found[f"{name}_weight"] = None if left.weight is None else asdict(left.weight)
     return found
 
 

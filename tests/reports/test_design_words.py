@@ -116,6 +116,12 @@ def test_a_residual_is_told_with_what_is_proved_of_the_slopes_that_it_changes():
     assert f"up to {100 * STEEPNESS * 0.6 / 5.0:.0f} %" in said
     assert "rate at least 0.12 1/s" in said
     assert any("a proof of stability is open" in w for w in told(None))
+    assert "unmodelled dynamics" not in said
+    weight = {"low": 0.1, "high": 0.9, "corner_Hz": 1.0, "known_Hz": 1.0}
+    left["remainder"] = {**left["remainder"], "weight": weight}
+    (said,) = (w for w in told(0.123) if "residual" in w)
+    # (0.1^2 + 0.9^2) / 2 is the square of the gain at the corner.
+    assert "unmodelled dynamics of at most 10 % at low frequencies and 64 % at 1 Hz" in said
 
 
 def test_an_mpc_is_told_with_what_was_searched():

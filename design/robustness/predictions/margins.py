@@ -8,6 +8,7 @@ from design.open_loops import by_python_control
 from design.robustness.statement import EVERY_BRANCH, Claim, Reason, Statement
 from design.status import Status
 from design.synthesis.requirements import ROUNDING, Limits
+from plants.parameters.remainder import UncertaintyWeight
 from plants.wrist import Wrist
 
 STEEPEST = "steepest"
@@ -30,19 +31,22 @@ def steepest_rate(wrist: Wrist) -> float:
     return float(p.k_fast + max(p.k_fast - p.k_slow, 0.0) / 8.0)
 
 
-def branch_margins(wrist: Wrist, controller: PI, dead_time: float = 0.0) -> list[Row]:
+def branch_margins(
+    wrist: Wrist, controller: PI, dead_time: float = 0.0, weight: UncertaintyWeight | None = None
+) -> list[Row]:
     """Margins on every branch at the slow, the fast and the steepest rate, for one pair of gains.
 
-    Rows as of `design.open_loops.by_python_control`, with `dead_time` [s] on top of the wrist's own.  The
+    Rows as of `design.open_loops.by_python_control`, with `dead_time` [s] on top of the wrist's own and
+    unmodelled dynamics of a weight.  The
     fast rate is the largest k(e); the slope of k(e) e, which is what a small motion about a moving
     equilibrium meets, passes it, so that rows of the rate ``steepest`` follow where k_fast > k_slow.
     The wrist cannot stay there: the steepest slope belongs to an error of sqrt(3) e0, which moves the
     pressure.
     """
-    rows = by_python_control(wrist, controller, dead_time)
+    rows = by_python_control(wrist, controller, dead_time, weight=weight)
     rate = steepest_rate(wrist)
     if rate > float(wrist.regulator.k_fast):
-        steep = by_python_control(wrist.with_values(k_fast=rate), controller, dead_time, ("fast",))
+        steep = by_python_control(wrist.with_values(k_fast=rate), controller, dead_time, ("fast",), weight)
         rows += [{**r, "rate": r["rate"].replace("fast", STEEPEST)} for r in steep]
     return rows
 
@@ -96,6 +100,7 @@ def statements(rows: list[Row], limits: Limits) -> list[Statement]:
         _worst(rows, MarginHeld("phase_margin_deg", False, None), "deg"),
         _worst(rows, MarginHeld("Mt", True, within.get("Mt")), "1"),
         _worst(rows, MarginHeld("disk_margin", False, None), "1"),
+        *([_worst(rows, MarginHeld("WT", True, within.get("WT")), "1")] if "WT" in rows[0] else []),
     ]
 
 

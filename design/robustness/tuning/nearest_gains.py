@@ -17,9 +17,9 @@ POINTS, FINER = 12, 7
 """Points of the map of the region in each gain, and of the finer one around its best cell."""
 
 BEYOND = (1.0, 1e3)
-"""Shares of their limits by which Ms and Mt may miss them, with all of the delay margin, and gains still be
-the nearest: up to twice the limit, a quarter away from -1 for a half; where some run never settles with any
-such gains, every loop that is stable on all branches."""
+"""Shares of their limits by which Ms, Mt and WT may miss them, with all of the delay margin, and gains still
+be the nearest: up to twice the limit, a quarter away from -1 for a half; where some run never settles with
+any such gains, every loop that is stable on all branches."""
 
 
 def nearest(found: Tuning) -> Tuning:
@@ -50,8 +50,8 @@ def nearest(found: Tuning) -> Tuning:
 
 
 def _within(at: Evaluation, beyond: float) -> Evaluation:
-    """The evaluation with those that miss the delay margin, or Ms or Mt by more than a share `beyond` of the
-    limit, counted as not simulated."""
-    shares = {"Ms": beyond, "Mt": beyond, "delay_margin_s": 0.0}
+    """The evaluation with those that miss the delay margin, or Ms, Mt or WT by more than a share `beyond` of
+    the limit, counted as not simulated."""
+    shares = {"Ms": beyond, "Mt": beyond, "delay_margin_s": 0.0, "WT": beyond}
     missed = [at.excess[n] > share for n, share in shares.items() if n in at.excess]
     return replace(at, cost=np.where(np.any(missed, axis=0), np.inf, at.cost)) if missed else at

@@ -18,9 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.evaluation.runner import play
+from design.margins import LINEAR
 from design.mpc.margins_at_rest import Replaceable, margins_at_rest
 from design.mpc.problem import robust
-from design.robustness.requirement import LINEAR, Requirement
+from design.robustness.requirement import Requirement
 from design.robustness.tuning.robust_tuning import GUARD, RobustTuning, RoundEffort, grow
 from design.synthesis.judged import JudgedDesign, active_limit
 from design.synthesis.requirements import COSTS, Problem, excesses
@@ -120,7 +121,8 @@ def least_move(requirement: Requirement, swing: float, delay: int) -> float:
     held = {n: v for n, v in requirement.limits.named.items() if n in LINEAR}
     for move in MOVES if held else MOVES[:1]:
         controller = weighted_mpc(requirement.wrist, swing, move, delay)
-        found = margins_at_rest(controller, [requirement.wrist], (0.0, requirement.space.dead_time))
+        late = (0.0, requirement.space.dead_time)
+        found = margins_at_rest(controller, [requirement.wrist], late, requirement.box.weight)
         values = {n: np.array([getattr(found, n)]) for n in held}
         if all(e[0] <= -RESERVE for e in excesses(values, held).values()):
             return move

@@ -6,8 +6,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from design.margins import BranchResponse, Margins
-from design.robustness.requirement import LINEAR, Requirement
+from design.margins import LINEAR, BranchResponse, Margins
+from design.robustness.requirement import Requirement
 from design.robustness.tuning.tuned_controller import TunedController
 from design.synthesis.requirements import Problem, excesses
 
@@ -43,7 +43,6 @@ def _worse(
         return ()
     branches = requirement.branches
     at = margins_of(found.controller, branches)
-    values = {n: np.array([float(getattr(at, n))]) for n in held}
+    values = {n: np.array([float(at.values[n])]) for n in held}
     broken = [n for n, e in excesses(values, held).items() if e[0] > 0.0]
-    places = {"Ms": at.Ms_at, "Mt": at.Mt_at, "delay_margin_s": at.delay_at}
-    return tuple(branches[int(i)] for i in {int(places[n]) for n in broken})
+    return tuple(branches[int(i)] for i in {int(at.at[n]) for n in broken})

@@ -13,8 +13,8 @@ from design.controllers.pi import PI
 from design.evaluation.cases import Case, stack
 from design.evaluation.runner import play
 from design.evaluation.tasks import Task, tuning_tasks
-from design.margins import Margins, branch_responses, margins
-from design.robustness.requirement import LINEAR, Requirement
+from design.margins import LINEAR, branch_responses, margins, with_dynamics
+from design.robustness.requirement import Requirement
 from design.robustness.samples.draws import CASES, generator
 from plants.simulation.disturbance import burdened
 
@@ -44,16 +44,20 @@ def matrix(
     late = required.space.dead_time
     calm, delayed = (_on_scenarios(required, controller, t) for t in (0.0, late))
     wrist = required.wrist
+    plain, behind = (
+        with_dynamics(branch_responses(w), required.box.weight)
+        for w in (wrist, burdened(wrist, late or None, None))
+    )
     linear = {
-        "nominal": margins(branch_responses(wrist)[:1], controller),
-        "every branch and memory": margins(branch_responses(wrist), controller),
-        "longest dead time": margins(branch_responses(burdened(wrist, late or None, None)), controller),
+        "nominal": margins(plain[:1], controller),
+        "every branch and memory": margins(plain, controller),
+        "longest dead time": margins(behind, controller),
         "perturbed plants": required.margins(controller),
     }
     rows = []
     for name, limit in required.limits.named.items():
         if name in LINEAR:
-            of = {c: _margin(m, name) for c, m in linear.items()}
+            of = {c: float(m.values[name]) for c, m in linear.items()}
         else:
             of = {
                 "nominal": float(calm[name][0]), "every branch and memory": float(calm[name].max()),
@@ -74,10 +78,6 @@ def _bounded(value: float | None) -> float:
     """What a run was held against; a file has null for what is infinite, as the settling time of a run that
     never settles."""
     return float("inf") if value is None else value
-
-
-def _margin(found: Margins, name: str) -> float:
-    return float(getattr(found, name))
 
 
 def _on_scenarios(required: Requirement, controller: PI, dead_time: float) -> dict[str, Any]:

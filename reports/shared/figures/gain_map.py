@@ -21,6 +21,7 @@ LIMIT_WORDS = {
     "steady_error_percent": "steady error > {:g} %",
     "Mt": "Mt > {:g}",
     "settling_time_s": "not settled in {:g} s",
+    "WT": "|W T| > {:g}",
 }
 HATCHES = {
     "overshoot_percent": "///",
@@ -30,6 +31,7 @@ HATCHES = {
     "steady_error_percent": "---",
     "Mt": "...",
     "settling_time_s": "oo",
+    "WT": "++",
 }
 MARKS = {"SIMC": "s", "AMIGO": "^", "Ziegler-Nichols": "v"}
 

@@ -104,7 +104,8 @@ Incomplete = Gap | NoBound | HoldsBarely
 
 @dataclass(frozen=True)
 class Cover:
-    """beta above mu at every frequency, where `complete`; else `reason` says why not.
+    """beta above mu at every frequency, where `complete`; else `reason` says why not, inf where a frequency
+    has no bound.
 
     peak [rad/s]: the frequency that decided beta, None where the beta given at first was enough;
     margin: least share by which the inequality held where it was looked at again, -inf where it did not.
@@ -184,7 +185,7 @@ def cover(system: System, beta: float, most: int = 200, step: float = STEP) -> C
             continue
         bound, _ = upper_bound(system.response(at), system.blocks)
         if not np.isfinite(bound):
-            return Cover(beta, False, tuple(pieces), at, -np.inf, NoBound(at))
+            return Cover(np.inf, False, tuple(pieces), at, -np.inf, NoBound(at))
         beta, peak = max(beta, bound) * (1.0 + step), at
     return Cover(beta, False, tuple(pieces), peak, -np.inf, Gap(most, *gap) if gap else None)
 

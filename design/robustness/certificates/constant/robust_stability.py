@@ -8,7 +8,7 @@ at one dead time is stability at every smaller one, since the loop has one gain 
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from enum import Enum
 from itertools import product
 from typing import Any
@@ -26,7 +26,12 @@ from design.robustness.certificates.constant.uncertain_loop import (
     pade_response,
     systems,
 )
-from design.robustness.certificates.constant.uncertain_search import Destabilising, slack, smallest
+from design.robustness.certificates.constant.uncertain_search import (
+    Destabilising,
+    dynamics,
+    slack,
+    smallest,
+)
 from design.robustness.loop_model import LoopModel
 from design.robustness.statement import Claim, Reason, Statement
 from design.status import Status, of_proof
@@ -51,15 +56,17 @@ class Centre(Enum):
     """Where nothing else matters."""
 
     UNSTABLE = "unstable at the centre of the box"
+    DYNAMICS = "the residual, as unmodelled dynamics, can make the centre of the box unstable"
 
 
 @dataclass(frozen=True)
 class StableWhileConstant(Claim):
     """Stable for every constant slope, rate and Tw (and gain, where that is uncertain) within the box, with
-    up to a dead time [s]."""
+    up to a dead time [s]; dynamics: and with unmodelled dynamics of the residual's weight."""
 
     gain: bool
     dead_time: float
+    dynamics: bool = False
 
 
 @dataclass(frozen=True)
@@ -147,27 +154,34 @@ def robust_stability(
             f"robustness: {branch}, {rate} regulator rate: the loop is unstable at the centre of the box with"
             f" Kp = {loop.Kp:g} kPa/deg, Ki = {loop.Ki:g} kPa/(deg s); give gains that are stable there"
         )
-    if slack(loop, centre) <= 0.0:
+    lost = Centre.UNSTABLE if slack(loop, centre) <= 0.0 else None
+    if lost is None and dynamics(loop, centre)[0] <= 1.0:
+        lost = Centre.DYNAMICS
+    if lost is not None:
         return RobustStability(
             branch, rate, loop.dead_time, loop, np.inf, np.inf, True, np.nan, 0, np.nan, "", None,
-            Centre.UNSTABLE, left_out,
+            lost, left_out,
         )  # fmt: skip
-    if not loop.uncertain.any():
+    if not loop.uncertain.any() and loop.weight is None:
         return RobustStability(
             branch, rate, loop.dead_time, loop, 0.0, 0.0, True, np.nan, 0, np.nan, "", None, None, left_out
         )
-    worst = smallest(loop)
-    beta, peak, covers = (1.0 + step) / worst.growth, abs(worst.root.imag), list[Cover]()
+    worst = smallest(loop) if loop.uncertain.any() else None
+    beta = 0.0 if worst is None else (1.0 + step) / worst.growth
+    peak, covers = np.nan if worst is None else abs(worst.root.imag), list[Cover]()
     for system in systems(loop):
+        if not np.isfinite(beta):
+            break
         covers.append(cover(system, beta, MOST_LMIS, step))
         beta, peak = covers[-1].beta, peak if covers[-1].peak is None else covers[-1].peak
     reason = next((c.reason for c in covers if not c.complete), None) or _refuted(loop, beta)
-    lower = 1.0 / worst.growth if worst.confirmed else 0.0
+    worst = worst if worst is not None and worst.confirmed else None
+    lower = 0.0 if worst is None else 1.0 / worst.growth
     solvers = dict.fromkeys(p.scalings.solver for c in covers for p in c.pieces)
     return RobustStability(
         branch, rate, loop.dead_time, loop, beta, lower, reason is None, float(peak),
         sum(len(c.pieces) for c in covers), min(c.margin for c in covers), " and ".join(solvers),
-        worst if worst.confirmed else None, reason, left_out,
+        worst, reason, left_out,
     )  # fmt: skip
 
 
@@ -178,11 +192,11 @@ def _refuted(loop: UncertainLoop, beta: float) -> Refuted | None:
     rng = np.random.default_rng(0)
     corners = np.array(list(product((-1.0, 1.0), repeat=4)))
     delta = np.vstack([corners, rng.uniform(-1.0, 1.0, (POINTS, 4))])
-    least = float(np.min(slack(loop, loop.at(delta / beta))))
-    if least <= 0.0:
+    members = loop.at(delta / beta if beta > 0.0 else 0.0 * delta)
+    if np.any(slack(loop, members) <= 0.0) or np.any(dynamics(loop, members)[0] <= 1.0):
         return Refuted.UNSTABLE_MEMBER
     if loop.dead_time == 0.0:
-        rightmost = float(np.max(np.linalg.eigvals(loop.matrix(loop.at(delta / beta))).real))
+        rightmost = float(np.max(np.linalg.eigvals(loop.matrix(members)).real))
         return None if rightmost < 0.0 else Refuted.UNSTABLE_MEMBER
     x = REACH * rng.random(POINTS)
     error = np.abs(pade_response(loop.dead_time, x / loop.dead_time) - np.exp(-1j * x))
@@ -220,7 +234,7 @@ def statements(rows: Iterable[RobustStability]) -> list[Statement]:
 def _statement(r: RobustStability) -> Statement:
     return Statement(
         of_proof(r.holds) if r.certified or r.holds is False else Status.PREDICTED,
-        StableWhileConstant(bool(r.loop.radius[3] > 0.0), r.dead_time),
+        StableWhileConstant(bool(r.loop.radius[3] > 0.0), r.dead_time, r.loop.weight is not None),
         r.holds,
         r.growth if np.isfinite(r.growth) else None,
         MuBounds(r),
@@ -246,6 +260,7 @@ def _evidence(r: RobustStability) -> dict[str, Any]:
         else {},
         "destabilising": d.parameters if d is not None else {},
         "left_out": list(r.left_out),
+        "weight": None if r.loop.weight is None else asdict(r.loop.weight),
     }
 
 

@@ -14,6 +14,9 @@ approximant's error at x = omega dead_time is at most x^(2n+1) (n!)^2 / ((2n)! (
 form and since its denominator is no smaller there than at 0 (Hairer, Wanner, Solving Ordinary
 Differential Equations II, section IV.3).  Above that frequency it is any complex number of modulus up to
 1, which the loop, small there, can bear.
+
+Unmodelled dynamics, y (1 + W delta) with delta complex, |delta| <= 1, and W a weight of first order, stand at
+the command, c (1 + W delta): in a loop of one signal and constant parameters only the product counts.
 """
 
 from dataclasses import dataclass
@@ -26,6 +29,7 @@ from design.controllers.pi import PI
 from design.robustness.box import Box
 from design.robustness.certificates.constant.mu import Block
 from design.robustness.certificates.constant.mu_sweep import System
+from plants.parameters.remainder import UncertaintyWeight
 
 Array = NDArray[np.float64]
 
@@ -40,13 +44,15 @@ ROUNDING = 1e-7
 @dataclass(frozen=True)
 class UncertainLoop:
     """Gains Kp [kPa/deg], Ki [kPa/(deg s)] and, in the order of NAMES, centre and radius, (4,), of
-    slope [deg/kPa], rate [1/s], lag [1/s] and gain [1]; dead_time [s].  A certain one has radius 0."""
+    slope [deg/kPa], rate [1/s], lag [1/s] and gain [1]; dead_time [s].  A certain one has radius 0.  weight:
+    of unmodelled dynamics, None without."""
 
     Kp: float
     Ki: float
     centre: tuple[float, ...]
     radius: tuple[float, ...]
     dead_time: float = 0.0
+    weight: UncertaintyWeight | None = None
 
     @classmethod
     def of(cls, box: Box, controller: PI, branch: str, rate: str, dead_time: float = 0.0) -> "UncertainLoop":
@@ -54,7 +60,7 @@ class UncertainLoop:
         ``fast``).
 
         dead_time [s]: beside the plant's own.  Bounds of Tw become bounds of 1/Tw, whose centre is
-        not 1/Tw of the plant.
+        not 1/Tw of the plant.  A residual that has a weight is unmodelled dynamics, and no change of slopes.
 
         >>> from plants.parameters.files import built_in
         >>> from design.robustness.box import box_of
@@ -62,6 +68,8 @@ class UncertainLoop:
         >>> [round(c, 4) for c in loop.centre], [round(r, 4) for r in loop.radius]
         ([0.36, 0.55, 6.5104, 1.0], [0.036, 0.11, 1.3021, 0.0])
         """
+        weight = box.weight
+        box = box if weight is None else box.leaving(None)
         Tw_low, Tw_high = box.bounds("Tw")
         known = float(controller.gain)
         bounds = np.array(
@@ -79,6 +87,7 @@ class UncertainLoop:
             tuple(map(float, centre)),
             tuple(map(float, radius)),
             dead_time,
+            weight,
         )
 
     @property
@@ -103,7 +112,8 @@ class UncertainLoop:
 
 def systems(loop: UncertainLoop) -> list[System]:
     """M of the form M-Delta: its parts, which together cover every frequency; one where there is no
-    dead time.  Blocks: the uncertain parameters in the order of NAMES, then that of the dead time."""
+    dead time.  Blocks: the uncertain parameters in the order of NAMES, then that of unmodelled dynamics and
+    that of the dead time."""
     if loop.dead_time == 0.0:
         return [_system(loop, "none", 0.0, np.inf)]
     end = REACH / loop.dead_time
@@ -113,19 +123,27 @@ def systems(loop: UncertainLoop) -> list[System]:
 def _system(loop: UncertainLoop, delay: str, low: float, high: float) -> System:
     """One part of M: each signal is a row over the states, then the outputs w of Delta."""
     sections = pade_sections(loop.dead_time) if delay == "pade" else []
-    states = 3 + 2 * len(sections)
-    rows = np.eye(states + 5)
+    own = 3 if loop.weight is None else 4
+    states = own + 2 * len(sections)
+    rows = np.eye(states + 6)
     e, m, q = rows[:3]
-    w_slope, w_rate, w_lag, w_gain, w_delay = rows[states:]
+    w_slope, w_rate, w_lag, w_gain, w_left, w_delay = rows[states:]
     slope, rate, lag, gain = loop.centre
     r = loop.radius
     u = lag * m + w_lag
     f = rate * q + w_rate
     wanted = loop.Ki * e - loop.Kp * u
     c = gain * wanted + w_gain
-    late, held = _all_pass(c, rows[3:states], sections)
     z = [r[0] * f, r[1] * q, r[2] * m, r[3] * wanted]
     blocks = [Block("real")] * 4
+    weighed = []
+    if loop.weight is not None:
+        w, x, corner = loop.weight, rows[3], 2.0 * np.pi * loop.weight.corner_Hz
+        weighed.append(corner * (c - x))
+        z.append(w.high * c + (w.low - w.high) * x)
+        blocks.append(Block("complex", fixed=True))
+        c = c + w_left
+    late, held = _all_pass(c, rows[own:states], sections)
     if delay == "pade":
         z.append(pade_error(REACH) * late)
         late = late + w_delay
@@ -134,10 +152,11 @@ def _system(loop: UncertainLoop, delay: str, low: float, high: float) -> System:
         late = w_delay
     if delay != "none":
         blocks.append(Block("complex", fixed=True))
-    change = np.array([-u, slope * f + w_slope - u, late - f, *held])
+    change = np.array([-u, slope * f + w_slope - u, late - f, *weighed, *held])
     used = np.concatenate([loop.uncertain, np.ones(len(z) - 4, bool)])
     out = np.array(z)[used]
-    columns = states + np.flatnonzero(used)
+    inputs = np.concatenate([loop.uncertain, [loop.weight is not None, delay != "none"]])
+    columns = states + np.flatnonzero(inputs)
     return System(
         change[:, :states],
         change[:, columns],

@@ -1,8 +1,10 @@
-"""Exact stability of one loop with given parameters, and the smallest growth of a box that loses it.
+"""Stability of one loop with given parameters, and the smallest growth of a box that loses it.
 
 With all parameters positive |L(j omega)| falls with the frequency, so that the loop has one gain
 crossing, and a dead time can only destabilise it there: the loop is stable where its phase margin there
-is more than what the dead time takes, and only there.
+is more than what the dead time takes, and only there.  With unmodelled dynamics of weight W it is stable
+where, besides, |W L| < |1 + L| at every frequency, and only there (Skogestad, Postlethwaite, Multivariable
+Feedback Control, 2005, section 7.5).
 """
 
 from dataclasses import dataclass
@@ -15,6 +17,9 @@ from design.robustness.certificates.constant.uncertain_loop import NAMES, Uncert
 
 Array = NDArray[np.float64]
 
+GRID = np.geomspace(1e-3, 1e3, 240)
+"""Frequencies [rad/s] at which unmodelled dynamics are looked at."""
+
 BEYOND = 1e-4
 """Share by which the vector that is reported lies beyond the border, so that its root is clearly unstable."""
 
@@ -23,16 +28,20 @@ BEYOND = 1e-4
 class Destabilising:
     """Parameters by name at which the loop is unstable; growth: of the box that just holds them;
     root [1/s]: of the characteristic equation there, in the right half plane; residual: of that root, as a
-    share of the largest term of the equation."""
+    share of the largest term of the equation.  dynamics: where unmodelled dynamics are needed besides, the
+    gain of delta, at most 1, that puts a root at `root` on the imaginary axis."""
 
     parameters: dict[str, float]
     growth: float
     root: complex
     residual: float
+    dynamics: float | None = None
 
     @property
     def confirmed(self) -> bool:
         """Whether the root is one, and unstable."""
+        if self.dynamics is not None:
+            return self.dynamics <= 1.0
         return self.root.real > 0.0 and self.residual < 1e-9
 
 
@@ -67,6 +76,28 @@ def slack(loop: UncertainLoop, parameters: Array) -> Array:
     return found
 
 
+def dynamics(loop: UncertainLoop, parameters: Array) -> tuple[Array, Array]:
+    """The least gain of delta at which unmodelled dynamics destabilise loops at (..., 4), all stable without
+    them, and the frequency [rad/s] of it; both (...).  inf without a weight."""
+    p = np.asarray(parameters, float)[..., None, :]
+    if loop.weight is None:
+        return np.full(p.shape[:-2], np.inf), np.zeros(p.shape[:-2])
+    s = 1j * GRID
+    slope, rate, lag, gain = np.moveaxis(p, -1, 0)
+    forward = slope * rate * lag * gain * (loop.Kp * s + loop.Ki) * np.exp(-s * loop.dead_time)
+    back = s * (s + rate) * (s + lag)
+    with np.errstate(divide="ignore"):
+        least = np.abs(back + forward) / np.abs(loop.weight.response(GRID) * forward)
+    at = np.argmin(least, axis=-1)
+    return np.take_along_axis(least, at[..., None], -1)[..., 0], GRID[at]
+
+
+def _lost(loop: UncertainLoop, parameters: Array) -> NDArray[np.bool_]:
+    """Whether loops at (..., 4) are not stable, whatever the unmodelled dynamics; shape (...)."""
+    lost = slack(loop, parameters) <= 0.0
+    return lost if loop.weight is None else lost | (dynamics(loop, parameters)[0] <= 1.0)
+
+
 def growths(loop: UncertainLoop, directions: Array, points: int = 129) -> Array:
     """Growth at which the ray from the centre along each direction, (m, 4), first leaves stability, (m,).
 
@@ -74,13 +105,13 @@ def growths(loop: UncertainLoop, directions: Array, points: int = 129) -> Array:
     """
     zero = _growth_to_zero(loop)
     scan = np.linspace(0.0, zero, points)
-    bad = slack(loop, loop.at(scan[:, None, None] * directions)) <= 0.0
+    bad = _lost(loop, loop.at(scan[:, None, None] * directions))
     first = np.argmax(bad, axis=0)
     high = np.where(bad.any(axis=0), scan[first], zero)
     low = np.where(bad.any(axis=0), scan[np.maximum(first - 1, 0)], zero)
     for _ in range(40):
         middle = 0.5 * (low + high)
-        lost = slack(loop, loop.at(middle[:, None] * directions)) <= 0.0
+        lost = _lost(loop, loop.at(middle[:, None] * directions))
         low, high = np.where(lost, low, middle), np.where(lost, middle, high)
     found: Array = high
     return found
@@ -117,6 +148,11 @@ def smallest(loop: UncertainLoop, rounds: int = 4) -> Destabilising:
         best, growth = np.where(np.arange(4) == np.argmin(ratio), -1.0, 0.0), zero
     growth *= 1.0 + BEYOND
     p = loop.at(growth * best)
+    if loop.weight is not None and slack(loop, p) > 0.0:
+        needed, omega = dynamics(loop, p)
+        return Destabilising(
+            dict(zip(NAMES, map(float, p), strict=True)), growth, 1j * float(omega), 0.0, float(needed)
+        )
     root, residual = _root(loop, p)
     return Destabilising(dict(zip(NAMES, map(float, p), strict=True)), growth, root, residual)
 

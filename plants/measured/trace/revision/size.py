@@ -6,8 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.effects.wrist.remainder import SHOWS
 from plants.measured.begin import measured
 from plants.measured.free_run import FreeRun, squares
+from plants.measured.trace.revision.uncertainty_weight import uncertainty_weight
 from plants.parameters.remainder import BANDS, CHANNELS, RemainderSize
 
 Array = NDArray[np.float64]
@@ -41,6 +43,7 @@ def remainder(runs: Sequence[FreeRun], channel: str, noise: float) -> RemainderS
     return RemainderSize(
         rms, max(largest, rms), *_correlation(runs, channel), noise,
         rms / max(span(runs, channel), 1e-12), _spectrum(runs, channel),
+        uncertainty_weight(list(_left(runs, channel)), noise) if rms > SHOWS * noise else None,
     )  # fmt: skip
 
 
