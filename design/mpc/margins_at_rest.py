@@ -58,12 +58,12 @@ class Replaceable(Periodic, Protocol):
 @dataclass(frozen=True)
 class MarginsAtRest:
     """Ms, Mt and delay margin [s], the worst over branches and rates; infinite, infinite and 0 where a loop
-    does not come to rest.  WT: peak of |W T|, 0 without unmodelled dynamics of a weight W."""
+    does not come to rest.  WT: peak of |W T| with unmodelled dynamics of a weight W, None without."""
 
     Ms: float
     Mt: float
     delay_margin_s: float
-    WT: float = 0.0
+    WT: float | None = None
 
 
 def margins_at_rest(
@@ -93,7 +93,7 @@ def margins_at_rest(
     loops = found.values()
     return MarginsAtRest(
         max(m.Ms for m in loops), max(m.Mt for m in loops), min(m.delay_margin_s for m in loops),
-        max(m.WT for m in loops),
+        None if weight is None else max(m.WT or 0.0 for m in loops),
     )  # fmt: skip
 
 
@@ -132,16 +132,15 @@ def pulse_response(controller: Any, a: Array, b: Array, late: int = 0) -> Iterat
 def _margins(response: Array, period: float, weight: UncertaintyWeight | None) -> MarginsAtRest:
     size = np.abs(response)
     if size[-PERIODS:].max() > DIES * size.max():
-        return MarginsAtRest(np.inf, np.inf, 0.0, 0.0 if weight is None else np.inf)
+        return MarginsAtRest(np.inf, np.inf, 0.0, None if weight is None else np.inf)
     omega = np.geomspace(1e-2, 0.999 * np.pi / period, POINTS)
     delays = np.exp(-1j * np.outer(omega * period, np.arange(response.size)))
     sensitivity = 1.0 + delays @ response
     loop = (1.0 / sensitivity - 1.0)[None]
     away = 1.0 / np.abs(1.0 - sensitivity[None])
-    weighed = np.zeros(omega.shape) if weight is None else np.abs(weight.response(omega))
     return MarginsAtRest(
         float(1.0 / least_of_rows(1.0 / np.abs(sensitivity[None]))[0]),
         float(1.0 / least_of_rows(away)[0]),
         float(delay_margins(omega, loop)[0]),
-        float(np.max(weighed / away)),
+        None if weight is None else float(np.max(np.abs(weight.response(omega)) / away)),
     )

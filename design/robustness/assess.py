@@ -42,6 +42,7 @@ from design.status import BY_PROOF, Status
 from design.synthesis.requirements import Limits
 from plants.effects.wrist.remainder import ColouredRemainder
 from plants.errors import InputError
+from plants.parameters.remainder import UncertaintyWeight
 from plants.wrist import Wrist
 
 Tell = Callable[[str, float], None]
@@ -89,6 +90,11 @@ class Assessment:
     def wrist(self) -> Wrist:
         """The nominal plant."""
         return self.box.wrist
+
+    @property
+    def weight(self) -> UncertaintyWeight | None:
+        """Weight of the unmodelled dynamics that the residual shows; None where it shows none."""
+        return self.box.leaving(ColouredRemainder.of(self.box.plant.remainder.get("angle_deg"))).weight
 
     @property
     def stable(self) -> bool:

@@ -143,7 +143,8 @@ def mpc_design(
     found = _tuning_record(tuned)
     late = (0.0, required.space.dead_time)
     tell(f"{ROBUST_MPC}: margins", 0.99)
-    margins = vars(margins_at_rest(tuned.final.controller, required.corners(), late, required.box.weight))
+    at_rest = margins_at_rest(tuned.final.controller, required.corners(), late, required.box.weight)
+    margins = {n: v for n, v in vars(at_rest).items() if v is not None}
     named = {n: v for n, v in required.limits.named.items() if n in margins}
     linear = excesses({n: np.array([margins[n]]) for n in named}, named)
     beyond = _beyond(required, tuned) | {n: float(e[0]) for n, e in linear.items()}

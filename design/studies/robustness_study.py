@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from design.controllers.pi import PI
 from design.evaluation.cases import stack
 from design.evaluation.runner import PlayedTask, play
+from design.margins import with_dynamics
 from design.robustness.assess import Assessment
 from design.robustness.certificates.continuous.search import RUNGS
 from design.robustness.gain_plane import GainPlane, gain_plane
@@ -45,6 +46,8 @@ def robustness_study(
 ) -> RobustnessStudy:
     """The study of an assessment, with a plane of `points` gains either way, which takes its time."""
     problem = default_problem(assessment.wrist, assessment.limits, jobs=jobs)
+    branches = with_dynamics(problem.branches, assessment.weight)
+    problem = replace(problem, branches=tuple(branches))
     plane = gain_plane(
         problem, tuple(RUNGS), points=points, progress=progress,
         law=lambda problem, Kp, Ki: replace(assessment.controller, Kp=Kp, Ki=Ki),

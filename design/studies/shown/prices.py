@@ -99,8 +99,9 @@ def _bounds(requirement: Requirement) -> dict[str, float] | None:
 
 
 def simpler(requirement: Requirement, jobs: int | None = None) -> dict[str, Problem]:
-    """Tuning problems that ask for less than the requirement, by the guarantee that they give."""
-    wrist, limits = requirement.wrist, requirement.limits
+    """Tuning problems that ask for less than the requirement, by the guarantee that they give; the residual
+    of the plant is in none of them."""
+    wrist, limits = requirement.wrist, replace(requirement.limits, WT=None)
     cost = requirement.cost
     found = {
         "nominal": default_problem(wrist, replace(limits, delay_margin_s=None), cost, True, jobs),
