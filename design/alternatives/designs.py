@@ -43,13 +43,27 @@ class RequirementDesign:
         """The design of a wrist that a design's JSON tells of."""
         return cls(
             structure.with_gains(wrist, record["gains"]), record["gains"], record["cost"],
-            record["worst_excess"], record["worst_excess_of"], record["cases"],
+            excess_of(record) or 0.0, record["worst_excess_of"], record["cases"],
         )  # fmt: skip
 
     @property
     def breaks(self) -> tuple[str, ...]:
         """The limit that is broken in some case of the requirement."""
         return () if self.excess <= 0.0 or self.limit is None else (self.limit,)
+
+
+def excess_of(record: Mapping[str, Any]) -> float | None:
+    """By what share a design breaks the limit that it breaks most; None where its record tells of none.
+
+    A record that went through a file has null for what is infinite, as Ms of an unstable loop is.
+
+    >>> excess_of({"worst_excess": 0.1}), excess_of({"worst_excess": None}), excess_of({})
+    (0.1, inf, None)
+    """
+    if "worst_excess" not in record:
+        return None
+    found = record["worst_excess"]
+    return float("inf") if found is None else float(found)
 
 
 Design = ConvexConcave | RobustLQI | FeedforwardDesign | RequirementDesign

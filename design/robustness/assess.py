@@ -29,7 +29,7 @@ from design.robustness.predictions import limit_cycles as cycles
 from design.robustness.predictions import margins
 from design.robustness.predictions.limit_cycles import LimitCycle
 from design.robustness.predictions.orbits import large_swings
-from design.robustness.requirement import Requirement, with_robust_stability
+from design.robustness.requirement import Requirement
 from design.robustness.samples import monte_carlo as carlo
 from design.robustness.samples.adversary import worst_case
 from design.robustness.samples.conditions import Conditions
@@ -136,9 +136,12 @@ def assess(
     box holds no case that a command can hold, and as `design.cluster.each` does of a scheduler.
     """
     left = ColouredRemainder.of(box.plant.remainder.get("angle_deg"))
-    weight = box.leaving(left).weight
-    limits = with_robust_stability(limits or Limits.of(box.plant.rig), box.leaving(left))
     conditions = conditions or Conditions()
+    asked = Requirement(
+        box.leaving(left), limits or Limits.of(box.plant.rig), conditions,
+        duration=box.plant.rig.task.duration,
+    )  # fmt: skip
+    limits = asked.limits
     tell = progress or (lambda stage, share: None)
     wrist = box.wrist
     # First, since they may refuse the conditions or find no scheduler.
@@ -146,12 +149,11 @@ def assess(
         box, controller, conditions, samples, seed, limits, jobs=jobs, scheduler=scheduler, progress=tell
     )
     tell("margins", 0.0)
-    rows = margins.branch_margins(wrist, controller, weight=weight)
+    rows = margins.branch_margins(wrist, controller, weight=asked.box.weight)
     stable = all(row["stable"] for row in rows)
     tell("limit cycles", 0.0)
     found, swings = cycles.limit_cycles(wrist, controller), large_swings(wrist, controller)
     tell("certificates", 0.0)
-    asked = Requirement(box.leaving(left), limits, conditions, duration=wrist.rig.task.duration)
     rungs, word = certify_everything(
         wrist, controller, DEAD_TIMES, asked.box, stable, lambda share: tell("certificates", share)
     )

@@ -51,6 +51,7 @@ class Requirement:
     """Limits that hold on the plants of a box under conditions, in cases of some kinds.
 
     cost: what a tuning under it minimises, of the task's steps; duration [s] for which a step is judged.
+    WT is limited to 1 where the box has unmodelled dynamics, and only there.
     """
 
     box: Box
@@ -59,6 +60,10 @@ class Requirement:
     kinds: tuple[Kind, ...] = KINDS
     cost: str = "iae"
     duration: float = 10.0
+
+    def __post_init__(self) -> None:
+        robust = None if self.box.weight is None else 1.0
+        object.__setattr__(self, "limits", replace(self.limits, WT=robust))
 
     @property
     def wrist(self) -> Wrist:
@@ -195,13 +200,10 @@ def requirement(
     rig = plant.rig
     box = box_of(plant, spread or Spread.of(rig), sigmas, given)
     box = box.leaving(ColouredRemainder.of(plant.remainder.get("angle_deg")))
-    limits = with_robust_stability(limits or Limits.of(rig), box)
-    return Requirement(box, limits, conditions or Conditions.of(rig), cost=cost, duration=rig.task.duration)
-
-
-def with_robust_stability(limits: Limits, box: Box) -> Limits:
-    """The limits, with that of WT where the box has unmodelled dynamics."""
-    return limits if box.weight is None else replace(limits, WT=1.0)
+    return Requirement(
+        box, limits or Limits.of(rig), conditions or Conditions.of(rig), cost=cost,
+        duration=rig.task.duration,
+    )  # fmt: skip
 
 
 def requirement_record(asked: Requirement) -> dict[str, Any]:

@@ -1,8 +1,10 @@
 """What the other controllers of a design would change under the same requirement, in sentences."""
 
+from collections.abc import Mapping
 from math import isfinite
+from typing import Any
 
-from design.alternatives.designs import LQI_NAME, ROBUST_MPC
+from design.alternatives.designs import LQI_NAME, ROBUST_MPC, excess_of
 from design.studies.design_study import DesignStudy, MotionDesign
 from design.studies.designs import CASCADE, FORWARD
 from reports.shared.names import limit_in_text
@@ -33,7 +35,7 @@ def feedforward_words(m: MotionDesign) -> str:
     )
     if found["holds"]:
         return f"{words} No broken limit was found."
-    excess = number(100 * found["worst_excess"], 2)
+    excess = _percent(found)
     limit = limit_in_text(found["worst_excess_of"])
     return (
         f"{words} It is not recommended: the search found a case that breaks the limit on {limit} "
@@ -50,6 +52,11 @@ def lqi_words(m: MotionDesign) -> str:
 def cascade_words(m: MotionDesign) -> str:
     """As `lqi_words`, of a cascade with the measured pressure inside."""
     return _pressure_words(m, CASCADE, "a cascade, a PI around a proportional loop on the pressure")
+
+
+def _percent(found: Mapping[str, Any]) -> str:
+    """By how many per cent a design breaks a limit."""
+    return number(100 * (excess_of(found) or 0.0), 2)
 
 
 def _saved(m: MotionDesign, name: str) -> float | None:
@@ -75,8 +82,8 @@ def _pressure_words(m: MotionDesign, name: str, what: str) -> str:
     if found["holds"]:
         return f"{words} It{error}; no broken limit was found."
     limit = f"the limit on {limit_in_text(found['worst_excess_of'])}"
-    if found["worst_excess"] > 0.0:
-        beyond = f"It breaks {limit} by {number(100 * found['worst_excess'], 2)} % in a case that was found"
+    if (excess_of(found) or 0.0) > 0.0:
+        beyond = f"It breaks {limit} by {_percent(found)} % in a case that was found"
     else:
         beyond = f"No gains of it were found that stay below {limit} by the margin of the tuning"
     return f"{words} {beyond}; it{error}."
@@ -105,5 +112,5 @@ def mpc_words(m: MotionDesign) -> str:
             f"{words} No broken limit was found in about {found['search_runs']} runs of a search and in "
             f"{found['samples']} fresh samples."
         )
-    excess = number(100 * found["worst_excess"], 2)
+    excess = _percent(found)
     return f"{words} It breaks the limit on {limit_in_text(found['worst_excess_of'])} by {excess} %."

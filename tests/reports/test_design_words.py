@@ -179,6 +179,10 @@ def test_an_lqi_is_told_with_the_limit_that_it_breaks_or_that_none_was_found():
     words = lqi_words(replace(with_one, designs={**with_one.designs, LQI_NAME: one}))
     assert "breaks the limit on overshoot by 14 %" in words
     assert "10 % lower" in words
+    # A stage that was read from its file has null for an Ms without bound.
+    unstable = {**one, "worst_excess": None, "worst_excess_of": "Ms"}
+    words = lqi_words(replace(with_one, designs={**with_one.designs, LQI_NAME: unstable}))
+    assert "breaks the limit on Ms by ∞ %" in words
     near = {**one, "worst_excess": -0.02}
     words = lqi_words(replace(with_one, designs={**with_one.designs, LQI_NAME: near}))
     assert "breaks" not in words

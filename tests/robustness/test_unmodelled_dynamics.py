@@ -131,6 +131,9 @@ def test_the_requirement_asks_for_robust_stability_and_tuning_obeys():
     assert beyond["WT"] > 0.0
     assert "WT" not in bare.linear_excess(gains)
     assert {n: v for n, v in beyond.items() if n != "WT"} == bare.linear_excess(gains)
+    # Without the residual nothing is left of it, whatever else is changed.
+    assert replace(asked, box=asked.box.leaving(None)).limits.WT is None
+    assert replace(asked, box=Box(asked.box.plant, ()).leaving(asked.box.remainder)).limits.WT == 1.0
     # A problem that screens does not simulate such gains.
     at = evaluate(asked.problem(), 3.0, 8.0)
     assert at.excess["WT"][0] == pytest.approx(beyond["WT"], rel=1e-6)
