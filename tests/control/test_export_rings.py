@@ -25,3 +25,4 @@ def test_a_ring_holds_the_samples_of_the_delay_and_the_one_before():
     }
     assert ring.size == 31
     assert [member.name for member in ring.fields] == ["line_line", "line_oldest"]
+    assert ring.fields[1].declaration == "int line_oldest;"  # a place in an array

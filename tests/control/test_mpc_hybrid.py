@@ -12,7 +12,7 @@ from scipy.optimize import linprog
 from design.controllers.controller import Measured
 from design.mpc import observer
 from design.mpc.formulations.converged import converged_mpc
-from design.mpc.formulations.hybrid import Effort, _Milp, cost, solve
+from design.mpc.formulations.hybrid import Effort, HybridPlan, _Milp, cost, solve
 from design.mpc.formulations.hybrid_model import move, piecewise, play, sampled_lag
 from design.mpc.nlp import within
 from design.mpc.prediction import coefficients, roll, start_of
@@ -248,6 +248,12 @@ def test_highs_is_asked_for_the_time_and_the_gap_that_are_told(monkeypatch):
     solve(problem, believed, before, 3.0)
     solve(problem, believed, before, 3.0, "one", Effort(2, 7.0, 0.03))
     assert asked == [{"time_limit": 60.0, "mip_rel_gap": 0.005}, {"time_limit": 7.0, "mip_rel_gap": 0.03}]
+
+
+def test_the_gap_is_the_share_of_the_cost_that_is_not_proved():
+    law, plan = piecewise(MPCProblem(FLEXION), 197.6, 1), np.zeros(2)
+    assert HybridPlan(plan, plan, 2.0, 1.5, law).gap == 0.25
+    assert HybridPlan(plan, plan, 0.0, 0.0, law).gap == 0.0  # nothing costs less than nothing
 
 
 def test_bad_input_is_told():

@@ -170,12 +170,13 @@ def test_an_angle_within_reach_takes_a_pressure_within_range(loop, path, share):
 
 @given(sums_of_plays(), paths)
 def test_no_slope_lies_outside_those_of_the_branches(loop, path):
-    known = loop.branches(LOW, HIGH).values()
     x, h, _ = trace(loop, path, REST, loop.initial())
     moves = np.abs(np.diff(x)) > 1e-3
     slopes = np.diff(h)[moves] / np.diff(x)[moves]
-    assert (slopes >= min(known) - 1e-6).all()
-    assert (slopes <= max(known) + 1e-6).all()
+    for within in (None, (LOW, HIGH)):
+        known = loop.branches(LOW, HIGH, within).values()
+        assert (slopes >= min(known) - 1e-6).all()
+        assert (slopes <= max(known) + 1e-6).all()
 
 
 def test_every_slope_of_the_branches_occurs():
@@ -202,6 +203,26 @@ def test_the_outer_branches_are_as_flat_and_as_steep_as_it_says(loop, low, width
     assert np.abs(seen(0.01 * width) - least).min() < 1e-9
     assert np.abs(seen(0.01 * width) - most).min() < 1e-9
     assert told["after a reversal"] == pytest.approx(least * loop.v0 / (loop.v0 + sum(loop.v)))
+
+
+@given(sums_of_plays(), between(-60.0, 120.0), between(20.0, 200.0))
+def test_pressures_that_are_never_left_leave_the_slopes_between_the_angles_that_they_reach(loop, low, width):
+    """From the descending branch at the least pressure to the ascending one at the largest, or, of a loop so
+    wide that no angle is reached from every memory, between those ends the other way round."""
+    told = loop.branches(low, low + width, (low, low + width))
+    least = told.get("outer branch, flattest", told.get("outer branch"))
+    most = told.get("outer branch, steepest", told.get("outer branch"))
+    down, up = sorted(float(angle) for angle in loop.reachable(low, low + width))
+
+    def seen(more):
+        x = np.linspace(*(loop.ascending_pressure(angle) for angle in (down - more, up + more)), 4001)
+        return np.diff(loop.ascending(x)) / np.diff(x)
+
+    assume(up - down > 0.1)
+    assert least <= seen(0.0).min() + 1e-9
+    assert most >= seen(0.0).max() - 1e-9
+    assert np.abs(seen(0.01 * (up - down)) - least).min() < 1e-9
+    assert np.abs(seen(0.01 * (up - down)) - most).min() < 1e-9
 
 
 @given(sums_of_plays(), between(0.0, 6.0))
