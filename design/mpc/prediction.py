@@ -64,7 +64,6 @@ class Carried(NamedTuple):
         n = len(rows)
         one = np.zeros((n + 1, n + 1), bool)
         one[:n, :n], one[:n, n] = _filled(step, 0)[np.ix_(rows, rows)], _filled(step, 1)[rows, 0]
-        one[n, n] = True
         power = np.eye(n + 1, dtype=bool)
         while (more := power | (one @ power)).sum() > power.sum():
             power = more

@@ -3,11 +3,12 @@
 import json
 from dataclasses import replace
 from functools import cache
+from itertools import product
 
 import numpy as np
 import pytest
 
-from design.contest import Contest, contest, contest_record
+from design.contest import Contest, contest, contest_record, scores
 from design.contest.plants import FORMS, RIGS, day_to_day, first, nominal, perturbed, rig, within_reach
 from design.contest.play import METRICS, by_plant, play
 from design.contest.scores import BESIDE, BOTH, Score
@@ -59,6 +60,28 @@ def test_the_coupled_plants_are_those_with_other_effects():
     coupled = small().of(*next(k for k in small().tables if k[0] == BOTH))
     others = [s for k in small().tables if k[1] in RIGS for s in small().of(*k)]
     assert {s.plants for s in (*coupled, *others)} == {3}
+
+
+def test_steps_of_both_motions_at_once_count_every_pair_of_signs_once(monkeypatch):
+    """Of each plant, the later settling and the errors of both added up."""
+    asked = []
+
+    def noted(field, plants, tasks, *others):
+        assert {t.start for t in tasks} == {"virgin"}
+        asked.append([(plant, t.references[0]) for plant, t in zip(plants, tasks, strict=True)])
+
+    monkeypatch.setattr(scores, "lanes_for", noted)
+    lane = np.arange(12.0)
+    monkeypatch.setattr(scores, "both_motions", lambda *given: (lane**2, 100.0 - lane))
+    monkeypatch.setattr(scores, "told", lambda value: dict.fromkeys(METRICS, value))
+    fields = {m: perturbed(SETS[m], 12) for m in SETS}
+    (found,) = scores.coupled_scores(fields, {m: {"x": PIS["tuned"]} for m in SETS}, None, "x", 0, 1)
+    step = built_in_rig().task.step
+    each = [(plant, a, b) for (plant, a), (same, b) in zip(*asked, strict=True) if plant == same]
+    assert sorted(each) == sorted(product(range(3), (-step, step), (-step, step)))
+    assert found.mean["iae_deg_s"] == pytest.approx(np.mean(lane**2 + 100.0 - lane))
+    latest = np.maximum(lane**2, 100.0 - lane).reshape(3, 4).max(axis=1)
+    assert found.mean["settling_time_s"] == pytest.approx(latest.mean())
 
 
 def test_the_same_gains_under_two_names_differ_nowhere_and_share_their_ranks():

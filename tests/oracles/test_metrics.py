@@ -1,6 +1,7 @@
 """Metrics computed sample by sample are those of ``control.step_info`` and of sums over the response."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import control
 import numpy as np
@@ -60,6 +61,7 @@ def test_the_band_and_the_sample_time_are_those_of_the_rig(band):
     response, time = response[::4], TIME[::4]
     theirs = control.step_info(response, time, SettlingTimeThreshold=band, final_output=reference)
     ours = judged(response, np.zeros(len(time)), 0.0, reference, rig=rig)
+    assert float(ours.rise_time_s) == pytest.approx(theirs["RiseTime"], abs=1e-9)
     assert float(ours.settling_time_s) == pytest.approx(theirs["SettlingTime"], abs=1e-9)
     assert (
         float(judged(response, np.zeros(len(time)), 0.0, reference).settling_time_s) != ours.settling_time_s
@@ -142,6 +144,17 @@ def of_stairs(ways, sign=1.0):
             joint = REST._replace(angle=angle)
             tally = judge.update(tally, float(held * i + k), asked, joint, joint, 0.0)
     return judge.finish(tally, held * len(ways))
+
+
+def test_the_travel_of_the_stairs_is_all_that_the_pressure_moves_by():
+    judge = metrics.of_stairs(15.0, 0.0, 100.0)
+    asked = [Asked(after, before, 20.0 * i) for i, (before, after) in enumerate(TREADS)]
+    for path in (np.random.default_rng(4).uniform(80.0, 120.0, 101), np.full(101, 100.0)):
+        tally = judge.begin(0.0)
+        for k, (before, after) in enumerate(pairwise(path)):
+            ends = (REST._replace(pressure=p) for p in (before, after))
+            tally = judge.update(tally, float(k), asked[k // 20], *ends, 0.0)
+        assert float(tally.stairs.travel) == pytest.approx(np.abs(np.diff(path)).sum(), rel=1e-12)
 
 
 def approaches(times):
