@@ -11,11 +11,13 @@ from design.evaluation.steps import run as simulated
 from design.evaluation.tasks import comparison_tasks
 from design.robustness.box import box_of
 from design.robustness.certificates.certificate import Certificate
+from design.robustness.certificates.memory.form import LineForm
 from design.robustness.certificates.memory.ladder import certify_memory, for_tasks, lines_of
 from design.robustness.certificates.memory.loop import FixedLawLoop, Plants, growth_of
-from design.robustness.certificates.memory.programme import line
+from design.robustness.certificates.memory.programme import Visited, _at, _unscaled, line, sizes
 from design.robustness.certificates.memory.region import _states, arrivals, level
 from design.robustness.certificates.memory.runs import Runs, run
+from design.robustness.certificates.memory.unknowns import MemoryUnknowns
 from design.robustness.certificates.reasons import NotOnePlay, UnstableMode
 from design.robustness.certificates.statements import of_tasks
 from design.robustness.loop_model import LoopModel
@@ -39,6 +41,26 @@ def played(wrist: Wrist, Kp: float, Ki: float, samples: int) -> tuple[FixedLawLo
     pi = PI.of(wrist, Kp, Ki)
     model = LoopModel.of(wrist, pi)
     return FixedLawLoop.of(model, samples), run(wrist, pi, comparison_tasks(wrist.rig), samples, model.dt)
+
+
+@pytest.mark.parametrize("samples", [0, 20])
+def test_what_a_function_is_made_small_at_is_what_it_is_worth_there(samples: int) -> None:
+    """In numbers that are sought, of states on the line and off it, over the square of the size of e."""
+    loop = FixedLawLoop.of(LoopModel.of(WRISTS["flexion"], PI(2.0, 6.0)), samples)
+    n, draw = loop.states, np.random.default_rng(samples)
+    u = MemoryUnknowns(n, forms=2, numbers=n + 1)
+    on, far, cross, gap = u.form(), u.form(), u.vector(n), u.number()
+    scale = sizes(loop)
+    w, F = scale[:n] * draw.normal(size=(40, n)), scale[n] * np.repeat([0.0, 0.7], 20)
+    seen = Visited(w, (draw.uniform(size=40) * scale[-1] ** 2, draw.uniform(size=40) * scale[-1] ** 2), F)
+    for x in draw.uniform(0.1, 1.0, (10, u.count)):
+        one, other = (_unscaled(loop, form, x) for form in (on, far))
+        line_form = LineForm(
+            one, other, x @ cross / (scale[:n] * scale[n]), float(x @ gap) / scale[n] ** 2, (), (), (), 0.1
+        )
+        worth = level(line_form, loop, seen.w, seen.window, seen.F)
+        sought = np.maximum(x @ _at(loop, on, seen, cross, gap), x @ _at(loop, far, seen))
+        np.testing.assert_allclose(sought * scale[0] ** 2, worth, rtol=1e-9)
 
 
 @pytest.mark.slow
