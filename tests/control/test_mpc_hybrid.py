@@ -1,6 +1,7 @@
 """The hybrid MPC's plan is the best of its model, as the enumeration of all branches says; its model misses
 the exact law of the regulator by no more than it states, and the exact angles by tenths of a degree."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -111,6 +112,14 @@ def test_a_tiny_case_agrees_with_the_enumeration_of_branches(wrist, start, refer
     least = by_enumeration(problem, found.law, believed, before, reference)
     assert found.cost == pytest.approx(least, rel=1e-6)
     assert found.bound == pytest.approx(least, rel=1e-6)
+
+
+def test_a_small_weight_of_swings_counts_too():
+    weights = replace(MPCProblem(FLEXION).weights, swing=0.9)
+    problem = MPCProblem(FLEXION, period=0.08, horizon=2, weights=weights)
+    believed, before = at_rest(FLEXION, "line1")
+    found = solve(problem, believed, before, 6.0, "one", Effort(2, gap=1e-7))
+    assert found.bound == pytest.approx(by_enumeration(problem, found.law, believed, before, 6.0), rel=1e-6)
 
 
 @pytest.mark.parametrize("norm", ["one", "square"])
