@@ -56,6 +56,20 @@ def test_necklaces_are_one_of_each_class_of_rotations(letters: int, length: int)
     assert sorted(smallest) == list(necklaces(letters, length))
 
 
+@pytest.mark.parametrize("dt", [0.0, 0.002, 0.5])
+def test_what_never_switches_grows_at_the_rate_of_its_own_pole(dt: float) -> None:
+    """In continuous time and of any sample time [s]: poles at 0.7 +- 3i and -1 1/s."""
+    m = np.array([[0.7, -3.0, 0.4], [3.0, 0.7, 0.0], [0.0, 0.0, -1.0]])
+    system = discrete([expm(dt * m)], dt) if dt else continuous([m])
+    word = search_word(system, 0.5, 2.0)
+    assert word.letters == (0,)
+    assert word.growth == pytest.approx(0.7)
+    # Of x'x in the plane of the fast poles, a step or an instant: what it gains.
+    gain = np.expm1(2.0 * 0.7 * dt) / dt if dt else 2.0 * 0.7
+    assert system.fates == pytest.approx([-gain])
+    assert system.rate(float(system.fates[0])) == pytest.approx(-0.7)
+
+
 def test_powers_of_letters_are_found() -> None:
     """A pair whose best word holds a letter for two steps, by trying every word of up to eight."""
     a, b = np.array([[0.3, 1.2], [-1.1, 0.2]]), np.array([[1.0, 0.4], [0.0, 0.5]])
