@@ -83,6 +83,9 @@ def test_readings_are_lost_and_spoiled_as_often_as_it_says(made):
             assert value == pytest.approx(0.3 * (channel.high - channel.low))  # a jump within the range
     for value in SPIKES:
         assert value in made.rows[:, :3]
+    drawn = [spoiled(PI, 2000, np.random.default_rng(seed)) for seed in range(20)]
+    each = {(place, added > 0.0) for found in drawn for place, _, added in found.values()}
+    assert each == {(0, False), (1, False), (2, False), (1, True), (2, True)}  # a reference may jump
 
 
 def test_by_hand_commands_lie_in_the_range_and_a_fifth_beyond_and_are_lost_now_and_then():
