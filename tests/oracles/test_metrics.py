@@ -129,6 +129,36 @@ def test_a_step_that_begins_at_its_reference_is_never_completed():
     assert (still.overshoot_percent, still.iae_deg_s) == (0.0, 0.0)
 
 
+def under_way(before, angle, held, reference, task=None):
+    """Metrics of a step from a reference held until then, the joint having come to where it is as before."""
+    judge = metrics.of_step_under_way(float(len(before)), float(len(angle)), task=task)
+    tally, asked = judge.begin(0.0), Asked(reference, held, 0.0)
+    for k, y in enumerate([*before, *angle, *before]):  # what comes after the window counts as little
+        joint = REST._replace(angle=y)
+        tally = judge.update(tally, float(k), asked, joint, joint, 0.0)
+    return judge.finish(tally, len(angle))
+
+
+@pytest.mark.parametrize("size", [0.5, 12.0, -0.5])
+def test_a_step_that_begins_under_way_is_one_from_where_the_joint_then_is(size):
+    response, reference = second_order(2)
+    way, before = 3.0 + size / reference * response[:3000], np.linspace(-20.0, 20.0, 70)
+    ours, alone = under_way(before, way, 3.0, 3.0 + size), judged(way, np.zeros(3000), 3.0, 3.0 + size)
+    assert np.isfinite(float(ours.rise_time_s))
+    for name in metrics.UNITS:
+        assert float(getattr(ours, name)) == pytest.approx(float(getattr(alone, name)), rel=1e-9), name
+
+
+@pytest.mark.parametrize("share", [0.05, 1.0])
+def test_a_joint_on_its_way_to_where_it_is_sent_back_to_overshoots_nothing(share):
+    """Sent to 10, at 2 sent back to 5: it goes on, passes by and comes back."""
+    way = share * np.concatenate([np.linspace(2.0, 9.0, 100), np.linspace(9.0, 5.01, 100), np.full(50, 5.01)])
+    ours = under_way(np.zeros(10), way, share * 10.0, share * 5.0, task=share * 15.0)
+    assert float(ours.overshoot_percent) == 0.0
+    assert np.isinf(float(ours.rise_time_s))
+    assert 0.19 < float(ours.settling_time_s) <= 0.2
+
+
 TREADS = [(0.0, 4.0), (4.0, 4.0), (4.0, 8.0), (8.0, 5.0), (5.0, 5.0)]
 """References before and after the change that each stair begins with [deg]."""
 
