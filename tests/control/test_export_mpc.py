@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 from design.export.formats.folder import contents
+from design.export.mpc.laws import laws
 from design.export.mpc.linear import of_linear_mpc
 from design.export.part import Seen
 from design.export.rendering import render
 from design.export.vectors import TargetReplay
+from design.mpc import observer
 from design.mpc.formulations.linear import planner
 from design.mpc.prediction import coefficients
 from design.mpc.problem import MPCProblem, MPCWeights, robust
@@ -198,3 +200,16 @@ def test_what_is_exported_is_the_problem_that_was_given():
     assert settings["horizon"] == 12
     assert settings["weight move"] == problem.weights.move
     assert len(objects("mpc")) == 2
+
+
+def test_a_period_ahead_is_two_lags_behind_the_angle_that_is_aimed_at():
+    """At the fast rate of the regulator and the joint's time constant, by the closed form of two lags."""
+    problem = MPCProblem(WRIST)
+    made = laws("m", problem, planner(problem, coefficients(WRIST)), observer.gains(problem))
+    (ahead,) = (law for law in made if law.name() == "m_ahead_law")
+    fast, slow, T = WRIST.regulator.k_fast, 1.0 / WRIST.Tw, problem.period
+    for h, a, u in np.random.default_rng(1).uniform(-20.0, 20.0, (10, 3)):
+        by_fast, by_slow = np.exp(-fast * T), np.exp(-slow * T)
+        angle = u + (a - u) * by_slow + (h - u) * slow * (by_fast - by_slow) / (slow - fast)
+        found = np.ravel(ahead([h, a, u]))
+        np.testing.assert_allclose(found, [u + (h - u) * by_fast, angle], rtol=1e-9, atol=1e-9)
