@@ -88,6 +88,13 @@ def test_readings_are_lost_and_spoiled_as_often_as_it_says(made):
     assert each == {(0, False), (1, False), (2, False), (1, True), (2, True)}  # a reference may jump
 
 
+def test_no_sample_is_lost_twice(monkeypatch):
+    """So that of as few samples as 20 as many are lost, one value each."""
+    monkeypatch.setattr("design.export.vectors.spoiled", lambda *given: {})
+    lost = np.isnan(vector(PI, WRIST, 20).rows[:, :3]).sum(axis=1)
+    assert sorted(lost) == [0] * (20 - LOST) + [1] * LOST
+
+
 def test_by_hand_commands_lie_in_the_range_and_a_fifth_beyond_and_are_lost_now_and_then():
     handed = part("pi", "flexion", WRIST, (3.1, 10.4), by_hand=True)
     turns, told = np.array(by_hand(handed, 8000, np.random.default_rng(2))).T
