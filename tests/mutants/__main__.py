@@ -168,7 +168,7 @@ def judged(
     tries: list[tuple[list[str], list[str]]] = [([*OF_ALL], [])]
     for tests in (chosen(reached, functions, path, most), others):
         tries.append((list(dict.fromkeys(t.partition("::")[0] for t in tests)), tests))
-    tries.append((naming(copy, unknown, Path(path)), []))
+    tries.append((naming(copy, unknown, Path(path), functions), []))
     ended = "survived", ""
     for files, tests in tries:
         if files and ended[0] == "survived":

@@ -96,12 +96,15 @@ def record(copy: Path, files: Iterable[str], kept: Path, most: float) -> tuple[d
     return reached, unknown
 
 
-def naming(copy: Path, files: Iterable[str], path: Path) -> list[str]:
-    """The files of tests that name a module, or what it defines."""
+def naming(copy: Path, files: Iterable[str], path: Path, functions: Iterable[str] = ()) -> list[str]:
+    """The files of tests that name a module, or what it defines; first those that name one of some functions,
+    for time may be out before all of them are through."""
     defined = [n.name for n in ast.parse((copy / path).read_text()).body if isinstance(n, DEFINITIONS)]
     public = "|".join(n for n in defined if not n.startswith("_") and len(n) > 4) or "-"
     wanted = re.compile(rf"{importing([path]).pattern}|\b({public})\b")
-    return [f for f in files if wanted.search((copy / f).read_text(encoding="utf-8"))]
+    texts = {f: (copy / f).read_text(encoding="utf-8") for f in files}
+    near = re.compile("|".join(rf"\b{re.split('::|[.]', f)[-1]}\b" for f in functions) or r"(?!)")
+    return sorted((f for f in texts if wanted.search(texts[f])), key=lambda f: not near.search(texts[f]))
 
 
 def importing(paths: Iterable[Path]) -> re.Pattern[str]:

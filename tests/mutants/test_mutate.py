@@ -4,13 +4,14 @@ import ast
 import json
 import multiprocessing
 import time
+from pathlib import Path
 
 import pytest
 
 from tests.mutants.__main__ import ROOMS, ROOT, equivalents, files_of, sources, survivors
 from tests.mutants.forked import Ended, followed
 from tests.mutants.mutate import drawn, mutants
-from tests.mutants.reach import Reached, chosen, enclosing, limits, quickest, seen
+from tests.mutants.reach import Reached, chosen, enclosing, limits, naming, quickest, seen
 
 TEXT = '''"""A law."""
 
@@ -123,6 +124,17 @@ def test_tests_that_reach_it_come_first_and_the_quick_ones_of_them():
     assert chosen(REACHED, ["a.py::f"], "a.py", 5.0) == ["one.py::quick"]
     assert chosen(REACHED, ["a.py::unseen", "a.py::g"], "a.py", 99.0)[0] == "one.py::slow"
     assert chosen(REACHED, [], "b.py", 99.0) == ["two.py::far"]
+
+
+def test_files_that_name_the_function_come_before_those_that_name_its_module_alone(tmp_path):
+    (tmp_path / "room").mkdir()
+    (tmp_path / "room" / "law.py").write_text("def _inner():\n    return 1\n")
+    texts = {"a": "from room import law", "b": "from room.law import _inner", "c": "import other"}
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text)
+    path = Path("room/law.py")
+    assert naming(tmp_path, texts, path, ["room/law.py::_inner"]) == ["b", "a"]
+    assert naming(tmp_path, texts, path) == ["a", "b"]
 
 
 def test_no_test_is_seen_to_call_what_is_called_on_import_alone():
