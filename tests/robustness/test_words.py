@@ -7,7 +7,13 @@ import pytest
 from scipy.linalg import expm
 
 from design.robustness.certificates.sampled.lifted import radius_bounds
-from design.robustness.certificates.sampled.switched import Switched, continuous, discrete
+from design.robustness.certificates.sampled.switched import (
+    Switched,
+    common_margin,
+    continuous,
+    discrete,
+    poly_margin,
+)
 from design.robustness.certificates.sampled.words import _holder, discrete_word, necklaces, search_word
 
 GOLDEN = [np.array([[1.0, 1.0], [0.0, 1.0]]), np.array([[1.0, 0.0], [1.0, 1.0]])]
@@ -68,6 +74,25 @@ def test_what_never_switches_grows_at_the_rate_of_its_own_pole(dt: float) -> Non
     gain = np.expm1(2.0 * 0.7 * dt) / dt if dt else 2.0 * 0.7
     assert system.fates == pytest.approx([-gain])
     assert system.rate(float(system.fates[0])) == pytest.approx(-0.7)
+
+
+@pytest.mark.parametrize("dt", [0.0, 0.1])
+def test_margins_are_the_same_in_any_coordinates(dt: float) -> None:
+    draw = np.random.default_rng(2)
+    modes = [-np.eye(3) + 0.2 * draw.normal(size=(3, 3)) for _ in range(2)]
+    shapes = [np.eye(3), np.eye(3) + 0.02 * np.ones((3, 3))]
+    t = np.diag([1.0, 3.0, 0.4]) @ (np.eye(3) + 0.3 * draw.normal(size=(3, 3)))
+    turned = [np.linalg.inv(t) @ m @ t for m in modes]
+    here, there = (
+        discrete([np.eye(3) + dt * m for m in of], dt) if dt else continuous(of) for of in (modes, turned)
+    )
+    common = common_margin(here, shapes[0], 0.1)
+    assert common > 0.0
+    assert common_margin(there, t.T @ shapes[0] @ t, 0.1) == pytest.approx(common)
+    if dt:
+        several = poly_margin(here, tuple(shapes), 0.1)
+        assert several > 0.0
+        assert poly_margin(there, tuple(t.T @ p @ t for p in shapes), 0.1) == pytest.approx(several)
 
 
 def test_powers_of_letters_are_found() -> None:
