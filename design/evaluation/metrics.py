@@ -26,10 +26,12 @@ changed just as the wrist passes it would make any overshoot a large share of a 
 
 
 class Step(NamedTuple):
-    """What a response is normalised by: the angle that it starts from [deg], 1 / step [1/deg]."""
+    """What a response is normalised by: the angle that it starts from [deg], 1 / step [1/deg]; of one under
+    way, 0 where the joint has not yet reached the reference that it is sent back to, else 1."""
 
     start: Number
     per_step: Number
+    ahead: Any = ()
 
 
 class Window(NamedTuple):
@@ -95,7 +97,7 @@ class Yardstick(NamedTuple):
         known = self.step or self.stairs
         return Tally(
             0.0, 0.0, 0.0, 0.0, command, 0.0, 0.0, 0.0, 0.0, 0.0,
-            () if known else Step(angle, 0.0), StairTally(0.0, 0.0, 0.0) if self.stairs else (),
+            () if known else Step(angle, 0.0, 0.0), StairTally(0.0, 0.0, 0.0) if self.stairs else (),
         )  # fmt: skip
 
     def update(
@@ -129,10 +131,11 @@ class Yardstick(NamedTuple):
         else:
             if not self.step:
                 fresh = since == 0.0
-                per_step = self._per_step(error, asked.reference - asked.before)
-                step = Step(np.where(fresh, angle, step.start), np.where(fresh, per_step, step.per_step))
+                new = Step(angle, *self._under_way(error, asked.reference - asked.before))
+                step = Step(*(np.where(fresh, a, b) for a, b in zip(new, step, strict=True)))
             of = self.step or step
             response, distance = (angle - of.start) * of.per_step, error * of.per_step
+            response = response if self.step else response * of.ahead
             if self.window and not isinstance(self.window.per_step, tuple):
                 distance = error * self.window.per_step
         peak = np.maximum(t.peak, response)
@@ -156,18 +159,19 @@ class Yardstick(NamedTuple):
             stairs,
         )
 
-    def _per_step(self, size: Number, change: Number) -> Number:
-        """What a step under way is normalised by, the reference having changed; one within the task's band is
-        none, and told in shares of the task's.
+    def _under_way(self, size: Number, change: Number) -> tuple[Number, Number]:
+        """What a step under way is normalised by, the reference having changed, and whether it is ahead; one
+        within the task's band is none, and told in shares of the task's, one of no size has no response.
 
         Overshoot is motion beyond the reference in the direction of its change.  A joint that has not yet
         reached the reference that it is sent back to moves the other way, so its response is 0.
         """
         ahead = np.where(size * change < 0.0, 0.0, 1.0)
         if isinstance(self.window.per_step, tuple):
-            return ahead / size
+            some = np.where(size == 0.0, 0.0, 1.0)
+            return some / np.where(size == 0.0, 1.0, size), ahead
         least = np.abs(size) * self.window.per_step > self.band
-        return ahead * np.where(least, 1.0 / np.where(least, size, 1.0), self.window.per_step)
+        return np.where(least, 1.0 / np.where(least, size, 1.0), self.window.per_step), ahead
 
     def _next_stair(self, t: Tally, fresh: Number, travel: Number) -> StairTally:
         """The stairs' tally with one more sample, the first of a stair where `fresh`; travel: of the pressure

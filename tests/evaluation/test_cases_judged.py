@@ -123,3 +123,27 @@ def test_a_joint_that_never_reached_the_reference_it_is_sent_back_to_makes_no_ov
     share = -100.0 * lowest / float(beyond.start[0])
     assert float(beyond.metrics.overshoot_percent[0]) == pytest.approx(max(share, 0.0), abs=1e-9)
     assert share > 0.5
+
+
+def test_a_joint_sent_back_before_it_got_there_settles_when_it_enters_the_band():
+    """Sent to 15 and after 0.15 s back to 5 deg, below which it still is: it goes on upwards."""
+    task = Task("virgin", 0.0, (15.0, 5.0), (0.15, 3.0))
+    assert task.judged == "own band"
+    went = play(stack([Case(task, Wrist.flexion())]), PI(3.1, 10.4), record=True)
+    angle = went.trajectory.angle[:, 0]
+    begin = angle[150]
+    assert 0.0 < begin < 5.0
+    outside = np.flatnonzero(np.abs(5.0 - angle[150:3150]) >= 0.02 * (5.0 - begin))
+    settled = 0.001 * (outside[-1] + 1.0)
+    wanted = settled if settled < 3.0 else np.inf
+    assert went.metrics.settling_time_s[0] == pytest.approx(wanted, abs=0.0015)
+    assert wanted > 2.0
+    assert went.metrics.overshoot_percent[0] == 0.0
+    assert np.isinf(went.metrics.rise_time_s[0])
+
+
+def test_a_joint_that_is_where_it_is_sent_has_no_response():
+    task = Task("virgin", 0.0, (15.0, 0.0), (0.5, 3.0))
+    found = play(stack([Case(task, Wrist.flexion())]), PI(0.001, 0.001)).metrics
+    assert found.overshoot_percent[0] == 0.0
+    assert np.isinf(found.rise_time_s[0])
