@@ -17,15 +17,17 @@ from numpy.typing import NDArray
 
 from design.evaluation.cases import as_lanes
 from design.evaluation.metrics import SMALLEST
-from design.evaluation.runner import play
+from design.evaluation.runner import Lanes, play
 from design.robustness.requirement import Requirement
 from design.robustness.samples.draws import CASES, NOISE, generator
 from design.studies.check.stairs import BAND, FINEST, UNITS, Stair, figures
-from plants.measured.begin import at_rest
+from plants.kernel import pytrees
+from plants.measured.begin import Begin, first_begin
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
+from plants.measured.stage import begun
 from plants.simulation.sensor import HOLD, sensor
-from plants.wrist import Start
+from plants.wrist import Start, State
 
 Array = NDArray[np.float64]
 AT_ONCE = 32
@@ -154,7 +156,8 @@ def _played(
     assert log.angle is not None
     count = int(playback.rows[-1]) + 1
     asked = np.append(log.reference[_rows_of(playback)], log.reference[-1])
-    calm = at_rest(log, float(wrist.hysteresis.rest_pressure), wrist.rig)
+    started = first_begin(log, float(wrist.hysteresis.rest_pressure), wrist.rig)
+    calm = started.virgin
     begin = 0.0 if calm else float(np.median(log.angle[:3]))
     found = []
     for piece in range(-(-samples // AT_ONCE)):
@@ -167,6 +170,8 @@ def _played(
             space.dead_time * u[1] if space.dead_time > 0.0 else None,
             space.load * (2.0 * u[2] - 1.0) if space.load > 0.0 else None,
         )  # fmt: skip
+        if calm and not started.at_zero:
+            run = replace(run, state=_as_logged(run, started))
         shown = generator(seed, piece, NOISE).standard_normal((-(-count // HOLD) + 1, AT_ONCE))[:, :lanes]
         run = replace(run, sensor=sensor(noise), noise=shown, begin=float(log.time[0]), logged=asked)
         went = play(run, controller, record=True, jobs=jobs).trajectory  # type: ignore[arg-type]
@@ -175,6 +180,16 @@ def _played(
         found.append(((went.measured[:count] + seen)[playback.rows], went.command[playback.rows]))
     angle, command = (np.hstack(parts) for parts in zip(*found, strict=True))
     return angle, command
+
+
+def _as_logged(run: Lanes, begin: Begin) -> State:
+    """The state of each lane where a log begins on the initial curve, of a rig that rests elsewhere than at
+    an angle of 0."""
+    found = begun(run.wrist, begin)
+    assert found is not None
+    leaves = [np.broadcast_to(np.asarray(x, float), (run.count,)).copy() for x in pytrees.leaves(found)]
+    state: State = pytrees.like(run.state, leaves)
+    return state
 
 
 def _rows_of(playback: Playback) -> NDArray[np.intp]:
