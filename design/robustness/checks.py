@@ -20,6 +20,9 @@ from design.robustness.samples.monte_carlo import Violations, counted, interval
 from design.robustness.samples.worst import excesses
 from design.synthesis.requirements import COSTS
 
+BATCH = 8
+"""How many of the worst cases that are found at once are added to a set."""
+
 Array = NDArray[np.float64]
 Tell = Callable[[str, float], None]
 
@@ -123,6 +126,27 @@ def worst_of(
 
     given = np.empty((space.size, 0)) if known is None else known
     return hunt(height, given, budget, seed, len(space.box.intervals), space.kind)
+
+
+def worst_cases(
+    requirement: Requirement, found: Hunted, above: float, count: int = BATCH
+) -> tuple[Case, ...]:
+    """The worst places of a search that lie above a height, as cases."""
+    return tuple(
+        requirement.space.case(found.places[:, i])[0] for i in found.worst(count) if found.heights[i] > above
+    )
+
+
+def broken_cases(
+    requirement: Requirement, controller: Any, samples: int, budget: int, seeds: tuple[int, int],
+    jobs: int | None = None,
+) -> tuple[Case, ...]:  # fmt: skip
+    """The worst cases that break a limit of those that `check` and `worst_found` meet with seeds of their
+    own."""
+    fresh = check(requirement, controller, samples, seeds[0], jobs)
+    hunted = worst_of(requirement, controller, budget - budget // 10, seeds[1], jobs=jobs)
+    both = (Hunted(fresh.places, fresh.excess), hunted)
+    return tuple(c for found in both for c in worst_cases(requirement, found, 0.0))
 
 
 def worst_found(

@@ -46,12 +46,27 @@ class Decision:
         return not broken and not any(v is False for row in self.matrix for v in row["held"].values())
 
 
+AGAIN = 2
+"""How often gains are tuned again from cases that break a limit in their check."""
+
+
+def seeds(seed: int) -> tuple[int, int]:
+    """Seeds of the fresh samples and of the search that check gains tuned with a seed."""
+    return 1000 + seed, 2000 + seed
+
+
+def of_check(motion: str, again: int = 0) -> str:
+    """Name of the stage that checks the gains of a motion, or those that were tuned again."""
+    return f"check-{motion}" + (f"-again-{again}" if again else "")
+
+
 def checked(
     required: Requirement, controller: PI, samples: int, runs: int, seed: int, jobs: int | None, tell: Tell
 ) -> dict[str, Any]:
     """Fresh samples and the worst case found, neither of which took part in the tuning."""
-    fresh = check(required, controller, samples, 1000 + seed, jobs, lambda s, h: tell(s, 0.3 * h))
-    worst = worst_found(required, controller, runs, 2000 + seed, jobs, lambda s, h: tell(s, 0.3 + 0.7 * h))
+    of_samples, of_search = seeds(seed)
+    fresh = check(required, controller, samples, of_samples, jobs, lambda s, h: tell(s, 0.3 * h))
+    worst = worst_found(required, controller, runs, of_search, jobs, lambda s, h: tell(s, 0.3 + 0.7 * h))
     broken = required.excess(fresh.values)
     return {
         "samples": {
@@ -100,7 +115,9 @@ def decide(
     for place, (name, c) in enumerate(candidates.items()):
         share = place / len(candidates)
         tell(f"check {name}", 0.8 * share)
-        of_design = stages.kept(f"check-{motion}", {"requirement": asked, "gains": settings(c)})
+        mine = {"requirement": asked, "gains": settings(c)}
+        kept = (stages.kept(of_check(motion, again), mine) for again in range(AGAIN + 1))
+        of_design = next((k for k in kept if k is not None), None)
         found[name] = of_design or checked(required, c, samples, runs, seed, jobs, lambda s, h: None)
 
     def badness(name: str) -> tuple[bool, float]:

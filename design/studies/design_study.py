@@ -20,9 +20,8 @@ from design.cluster import each
 from design.controllers.pi import PI
 from design.robustness.box import Box
 from design.robustness.requirement import Requirement, requirement, requirement_record
-from design.robustness.tuning.recommended import PLAIN, TWO_DOF, pays
 from design.robustness.tuning.robust_tuning import GUARD
-from design.studies.decision import checked
+from design.studies.confirmed import best_of, confirmed
 from design.studies.designs import DesignEffort, mpc_design, tuned_designs
 from design.studies.proof import kept_proof
 from design.studies.shown.limits_matrix import matrix, step_band
@@ -234,33 +233,27 @@ def _designed(
             f"mpc-{motion}", asked, lambda: mpc_design(required, seed, effort.rounds, jobs, _at("tune", tell))
         )
     relaxed = designs.pop("relaxed")
-    one, two = designs[PLAIN], designs[TWO_DOF]
-    costs, guards = [one["cost"], two["cost"]], [d["guard"]["overshoot_percent"] for d in (one, two)]
-    best = TWO_DOF if pays((one["holds"], two["holds"]), costs, guards) else PLAIN
+    evidence, designs = confirmed(
+        motion, required, designs, asked, stages, effort, seed, jobs, _at("check", tell)
+    )
+    best = best_of(designs)
     gains = designs[best]["gains"]
     mine = {**asked, "gains": gains}
     controller = with_gains(wrist, gains)
 
-    def checked_and_priced() -> tuple[dict[str, Any], list[dict[str, Any]]]:
-        found = stages.done(
-            f"check-{motion}",
-            mine,
-            lambda: checked(
-                required, controller, effort.samples, effort.runs, seed, jobs, _at("check", tell)
-            ),
-        )
-        prices = stages.done(
+    def priced() -> list[dict[str, Any]]:
+        rows: list[dict[str, Any]] = stages.done(
             f"prices-{motion}", {**mine, "designs": designs},
             lambda: {"rows": price_rows(required, designs, jobs, _at("prices", tell))},
         )["rows"]  # fmt: skip
-        return found, prices
+        return rows
 
     def proved() -> dict[str, Any]:
         return kept_proof(stages, motion, required, controller, about["dead_time_s"][1])
 
     # The proof is Python on one processor, the simulations are compiled: side by side they share both.
-    side_by_side: list[Callable[[], Any]] = [checked_and_priced, proved]
-    (evidence, prices), proof = each(lambda work: work(), side_by_side, jobs=jobs or default_jobs())
+    side_by_side: list[Callable[[], Any]] = [priced, proved]
+    prices, proof = each(lambda work: work(), side_by_side, jobs=jobs or default_jobs())
     evidence["proved"] = proof
     _at("page", tell)("steps", 0.0)
     shown = stages.done(

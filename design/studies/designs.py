@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from design.alternatives.designs import LQI_NAME, ROBUST_MPC
+from design.evaluation.cases import Case
 from design.mpc.margins_at_rest import margins_at_rest
 from design.robustness.box import Box
 from design.robustness.checks import worst_found
@@ -52,12 +53,13 @@ class DesignEffort:
 
 
 def tuned_designs(
-    required: Requirement, effort: DesignEffort, seed: int, jobs: int | None, tell: Tell
-) -> dict[str, Any]:
+    required: Requirement, effort: DesignEffort, seed: int, jobs: int | None, tell: Tell,
+    cases: tuple[Case, ...] = (),
+) -> dict[str, Any]:  # fmt: skip
     """Records of the controllers by name; `relaxed` says in words what would have to be taken away where
-    neither PI holds the requirement, else None."""
+    neither PI holds the requirement, else None.  cases: that are in the set from the beginning."""
     region = Region.of(required.wrist, effort.points)
-    both = tune_candidates(required, region, seed, effort.rounds, jobs, lambda s, h: tell(s, 0.6 * h))
+    both = tune_candidates(required, region, seed, effort.rounds, jobs, lambda s, h: tell(s, 0.6 * h), cases)
     plain = both.plain
     found = {PLAIN: _tuning_record(plain), TWO_DOF: _tuning_record(both.two_dof or plain)}
     if both.two_dof is not None and effort.alternatives:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from design.evaluation.cases import Case
 from design.robustness.requirement import Requirement
 from design.robustness.tuning.robust_tuning import RobustTuning, tune_robustly
 from design.synthesis.structure import PLAIN_PI, TWO_DOF_PI
@@ -57,12 +58,13 @@ def tune_candidates(
     rounds: int = 15,
     jobs: int | None = None,
     progress: Tell | None = None,
+    cases: tuple[Case, ...] = (),
 ) -> Candidates:
     """Tune a PI under a requirement, and from its gains and cases on one with two degrees of freedom;
     arguments as of `tune_robustly`."""
     tell = progress or (lambda stage, share: None)
     plain = tune_robustly(
-        requirement, region, 0, seed, rounds, jobs, lambda s, h: tell(f"{PLAIN}: {s}", 0.6 * h)
+        requirement, region, 0, seed, rounds, jobs, lambda s, h: tell(f"{PLAIN}: {s}", 0.6 * h), cases=cases
     )
     if plain.ended == "out of reach":
         return Candidates(plain, None)

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from design.evaluation.cases import Case
 from design.margins import margins
-from design.robustness.checks import Check, check, worst_of
+from design.robustness.checks import Check, check, worst_cases, worst_of
 from design.robustness.requirement import Requirement
 from design.robustness.samples.hunt import Hunted
 from design.robustness.tuning.case_pool import POOL, harshest, pool_of
@@ -61,9 +61,6 @@ gains hang on the seed of the search."""
 
 DEARER = 0.02
 """A case of the task is added where it costs more than the worst of the set by this share."""
-
-BATCH = 8
-"""How many of each round's worst cases are added."""
 
 
 @dataclass(frozen=True)
@@ -137,11 +134,12 @@ def tune_robustly(
     progress: Tell | None = None,
     structure: Structure = PLAIN_PI,
     base: Tuning | None = None,
+    cases: tuple[Case, ...] = (),
 ) -> RobustTuning[Tuning]:
     """Gains of least worst cost that hold a requirement, as far as pool, search and fresh samples can tell.
 
     region: that of the plant where not given; structure: of the controller; base: a tuning, such as of the
-    PI, whose gains and cases to begin with;
+    PI, whose gains and cases to begin with; cases: to begin with besides;
     starts: local searches of the last set, which show whether other valleys are as low, beside a map of the
     region; neither where 0; seed: of searches and samples.  Ends where no worse case is found, after
     `rounds`, where samples break a limit of the same gains over and over, or where no gains in the region
@@ -149,7 +147,7 @@ def tune_robustly(
     """
     tell, region = progress or (lambda stage, share: None), region or Region.of(requirement.wrist)
     problem = requirement.problem(dict(GUARD), jobs)
-    problem = problem if base is None else replace(problem, adverse=base.problem.adverse)
+    problem = replace(problem, adverse=(*(() if base is None else base.problem.adverse), *cases))
     if out_of_reach(problem) is not None:
         at = evaluate(replace(problem, screened=False), region.grid[0][:1], region.grid[1][:1])
         nothing = Tuning(problem, region, at, at, ())
@@ -260,10 +258,10 @@ def _worse(
     (pool, values), controller = at_places, found.controller
     half = {n: SLACK * v for n, v in found.problem.guard.items()}
     at_pool = Hunted(pool, requirement.excess(values, half))
-    added = _cases(requirement, at_pool, 0.0)
+    added = worst_cases(requirement, at_pool, 0.0)
     cost = np.where(requirement.space.of_task(pool), values[COSTS[requirement.cost]], 0.0)
     dear = Hunted(pool, cost / float(found.at.cost[0]) - 1.0 - DEARER)
-    added += _cases(requirement, dear, 0.0, 2)
+    added += worst_cases(requirement, dear, 0.0, 2)
     worst = float(requirement.excess(values).max())
     if added:
         return Round(found, worst, "pool", pool.shape[1], added), None
@@ -275,7 +273,7 @@ def _worse(
             np.unique(of)
         ])  # fmt: skip
         hunted = worst_of(requirement, controller, effort.search, seed, begin, jobs, guard=half)
-        added = _cases(requirement, hunted, 0.0)
+        added = worst_cases(requirement, hunted, 0.0)
         found_worst = requirement.run(hunted.places[:, hunted.worst(1)], controller, jobs=jobs)
         worst = max(worst, float(requirement.excess(found_worst).max()))
         if added:
@@ -283,11 +281,4 @@ def _worse(
     tell("fresh samples")
     fresh = check(requirement, controller, effort.fresh, seed, jobs)
     beyond, worst = Hunted(fresh.places, fresh.excess), max(worst, float(fresh.excess.max(initial=-1.0)))
-    return Round(found, worst, "samples", effort.fresh, _cases(requirement, beyond, 0.0)), fresh
-
-
-def _cases(requirement: Requirement, found: Hunted, above: float, count: int = BATCH) -> tuple[Case, ...]:
-    """The worst places of a search that lie above a height, as cases."""
-    return tuple(
-        requirement.space.case(found.places[:, i])[0] for i in found.worst(count) if found.heights[i] > above
-    )
+    return Round(found, worst, "samples", effort.fresh, worst_cases(requirement, beyond, 0.0)), fresh
