@@ -47,6 +47,16 @@ def test_so_is_that_of_a_rig_that_never_rests(tmp_path):
     assert zero(tmp_path) == pytest.approx(rig.bias, abs=2.0 * rig.logger.pressure_noise)
 
 
+def test_under_single_sines_the_remark_says_that_they_do_not_tell(tmp_path):
+    said = {}
+    for name, rig, fit in (("sines", arm_a(), ("large", "medium")), ("steps", bender(), ("stairs", "steps"))):
+        rig.write(tmp_path / name, fit, ("check",))
+        remarks = counted(corrected(load_campaign(tmp_path / name))[0])[1]
+        said[name] = next(str(r) for r in remarks if r.habit == "counted from")
+    assert "record steps to tell" in said["sines"]
+    assert "record steps" not in said["steps"]
+
+
 def test_one_step_from_the_first_row_on_tells_no_zero(tmp_path):
     """Gain and zero are the same there."""
     time = 0.02 * np.arange(250)

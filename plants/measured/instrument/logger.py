@@ -21,6 +21,7 @@ from plants.measured.instrument.offsets import offsets_between
 from plants.measured.instrument.remark import Habit, Remark
 from plants.measured.instrument.renewals import interval, renewals
 from plants.measured.instrument.saturation import REST_ROWS, ranged
+from plants.measured.instrument.single_sine import only_sines
 from plants.measured.noise import noise_floor, resolution
 from plants.measured.recording import Recording
 from plants.rig import Zero
@@ -87,7 +88,9 @@ def _in_step(campaign: Campaign, remarks: list[Remark]) -> Campaign:
         late = {"angle_deg" if by > 0.0 else "pressure_kPa": abs(by)} if by else {}
     for channel, delay in late.items():
         campaign = campaign.each(lambda r, c=channel, d=delay: in_step(r, c, d))  # type: ignore[misc]
-        remarks.append(Remark("late", channel, delay, "s", campaign.names, bool(campaign.logger.delays)))
+        stated = bool(campaign.logger.delays)
+        doubtful = not stated and only_sines(campaign.fit)
+        remarks.append(Remark("late", channel, delay, "s", campaign.names, stated, doubtful))
     return campaign
 
 

@@ -12,6 +12,9 @@ Habit = Literal[
 ]  # fmt: skip
 
 
+UNDER_SINES = " The recordings to fit on are single sines, under which {}: record steps to tell."
+
+
 @dataclass(frozen=True)
 class Remark:
     """Something that the log does.
@@ -25,7 +28,8 @@ class Remark:
     s), ``spikes`` (so many rows), ``between`` (so many jumps of a command between rows), ``straight`` (a
     command that moves straight between rows `value` s apart; of commands see
     `plants.measured.trace.stages.between_rows`).
-    recordings: in which, by name; stated: whether campaign.toml says so.
+    recordings: in which, by name; stated: whether campaign.toml says so; doubtful: whether the recordings
+    cannot tell it from what a rig does.
     """
 
     habit: Habit
@@ -34,6 +38,7 @@ class Remark:
     unit: str
     recordings: tuple[str, ...]
     stated: bool = False
+    doubtful: bool = False
 
     def __str__(self) -> str:
         name, many = self.channel.split("_")[0], len(self.recordings) > 1
@@ -55,9 +60,14 @@ class Remark:
                         f"The angle goes to one side; it is counted from {self.value:.4g} {self.unit}, in "
                         "the middle of its range, so that steps go either way. The revised plant keeps this."
                     )
-                return (
+                said = (
                     f"A straight line of the pressure over the command meets a command of zero at "
                     f"{self.value:.4g} kPa; the pressure is counted from there. The revised plant keeps this."
+                )
+                return (
+                    f"{said}{UNDER_SINES.format('unequal rates move the mean too')}"
+                    if self.doubtful
+                    else said
                 )
             case "far":
                 return (
@@ -93,6 +103,8 @@ class Remark:
                     f"The {name} channel is logged {self.value:.3g} s later than the others ({where}); it is "
                     "put back to when it was measured."
                 )
+                if self.doubtful:
+                    said += UNDER_SINES.format("a lag shifts the phase too")
                 if self.stated or self.channel != "angle_deg":
                     return said
                 return (

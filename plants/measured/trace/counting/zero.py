@@ -21,6 +21,7 @@ from plants.measured.guess.rig import guessed_set
 from plants.measured.guess.rough_models import first_order, recorded
 from plants.measured.instrument.logger import counted_from
 from plants.measured.instrument.remark import Remark
+from plants.measured.instrument.single_sine import only_sines
 from plants.measured.playback import Playback
 from plants.measured.problem import FitProblem
 from plants.measured.residual.stillness import noise_of_campaign
@@ -97,4 +98,5 @@ def counted(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
         return campaign, ()
     names = campaign.names
     campaign = counted_from(campaign, Zero(pressure=offset))
-    return campaign, (Remark("counted from", "pressure_kPa", offset, "kPa", names),)
+    doubtful = only_sines(logged)
+    return campaign, (Remark("counted from", "pressure_kPa", offset, "kPa", names, doubtful=doubtful),)

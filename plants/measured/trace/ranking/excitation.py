@@ -10,14 +10,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.instrument.single_sine import line
 from plants.measured.playback import Playback
 from plants.measured.recording import Recording
 from plants.measured.trace.ranking.contact import pressed_beyond
 
 Array = NDArray[np.float64]
-SINGLE = 0.7
-"""Share of a command's power in one line from which on it is a single sine, or a wave of that period."""
-
 MOST = 0.4
 """Share of the time of all recordings that single sines, or ramps, have to fill to be what was asked."""
 
@@ -58,9 +56,9 @@ class Excitation:
 
     def harmonic(self, frequency: float, orders: int = 20) -> int | None:
         """Which multiple of a line a frequency [Hz] is, as far as the recordings tell; None for none."""
-        for line, width in self.lines:
-            order = max(1, round(frequency / line))
-            if order <= orders and abs(frequency - order * line) < width * max(NEAR, NEARLY * order):
+        for own, width in self.lines:
+            order = max(1, round(frequency / own))
+            if order <= orders and abs(frequency - order * own) < width * max(NEAR, NEARLY * order):
                 return order
         return None
 
@@ -100,29 +98,6 @@ def inner_turns(recordings: Sequence[Recording]) -> int:
         level = r.command[np.concatenate(turns)]
         count += int(np.count_nonzero((level > low + margin) & (level < high - margin)))
     return count
-
-
-def line(recording: Recording) -> tuple[float, float] | None:
-    """Frequency of the single sine that a command is and the width of its line [Hz], None for another one.
-
-    >>> t = np.arange(6000) / 100
-    >>> f, width = line(Recording("sine", t, 2.0 + np.sin(2.0 * np.pi * 0.1 * t)))
-    >>> abs(f - 0.1) < width
-    True
-    """
-    dt = float(np.median(np.diff(recording.time)))
-    asked = recording.command - recording.command.mean()
-    n = len(asked)
-    if n < 16 or not np.any(asked):
-        return None
-    size = 8 * n
-    power = np.abs(np.fft.rfft(asked * np.hanning(n), size)) ** 2
-    k = int(np.argmax(power[1:])) + 1
-    reach = 2 * size // n  # half the main lobe of the window
-    inside = power[max(k - reach, 0) : k + reach + 1].sum()
-    if k < size // n or inside < SINGLE * power.sum():
-        return None
-    return k / (size * dt), 1.0 / (n * dt)
 
 
 def _is_ramp(recording: Recording) -> bool:
