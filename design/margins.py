@@ -149,8 +149,8 @@ def margins(branches: Sequence[BranchResponse], controller: FeedbackLaw) -> Marg
                 relative = turned / np.maximum(np.abs(loop), 1e-300)
                 complement[at] = (1.0 / least_of_rows(relative)).reshape(size)
                 if weighed[part].any():
-                    weights = np.array([np.zeros(omega.size) if b.weight is None else b.weight for b in of])
-                    away = relative.reshape(*size, -1) / np.maximum(weights, 1e-300)[:, None]
+                    weights = np.array([np.ones(omega.size) if b.weight is None else b.weight for b in of])
+                    away = relative.reshape(*size, -1) / np.maximum(weights, 1e-9)[:, None]
                     uncertain[at] = (1.0 / least_of_rows(away.reshape(-1, omega.size))).reshape(size)
                 delay[at] = delay_margins(omega, loop).reshape(size)
                 if first.a is None or plain is None:
@@ -159,7 +159,7 @@ def margins(branches: Sequence[BranchResponse], controller: FeedbackLaw) -> Marg
                     stable[at] = _stable(of, Kp[piece] / plain.gain, Ki[piece] / plain.gain)
     complement = np.where(Ki > 0.0, np.maximum(complement, 1.0), complement)  # T is 1 at zero frequency
     sensitivity[~stable], complement[~stable], delay[~stable] = np.inf, np.inf, 0.0
-    uncertain[~stable & weighed[:, None]] = np.inf
+    uncertain[~stable], uncertain[~weighed] = np.inf, 0.0
     return Margins(
         sensitivity.max(axis=0).reshape(shape),
         delay.min(axis=0).reshape(shape),

@@ -51,7 +51,7 @@ class Requirement:
     """Limits that hold on the plants of a box under conditions, in cases of some kinds.
 
     cost: what a tuning under it minimises, of the task's steps; duration [s] for which a step is judged.
-    WT is limited to 1 where the box has unmodelled dynamics, and only there.
+    WT is limited to 1 where the box has unmodelled dynamics, and only there, on the nominal plant's branches.
     """
 
     box: Box
@@ -88,12 +88,14 @@ class Requirement:
         the longest, none twice."""
         wrists = [burdened(w, t, None) for w in self.corners() for t in (0.0, self.space.dead_time)]
         found: dict[Any, BranchResponse] = {}
-        for wrist in wrists:
-            for b in branch_responses(wrist, POINTS):
+        for number, wrist in enumerate(wrists):
+            # A residual is what the nominal plant leaves; what a corner would leave, nobody measured.
+            weight = self.box.weight if number < 2 else None
+            for b in with_dynamics(branch_responses(wrist, POINTS), weight):
                 few = [x[:: POINTS // 4] for x in (b.response, b.pressure)]
                 key = tuple(np.round([x / np.abs(x), np.log(np.abs(x))], 9).tobytes() for x in few)
                 found.setdefault(key, b)
-        return tuple(with_dynamics(tuple(found.values()), self.box.weight))
+        return tuple(found.values())
 
     def corners(self) -> list[Wrist]:
         """The nominal wrist, and those at the ends of the intervals that move a response at all."""

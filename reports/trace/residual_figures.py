@@ -37,7 +37,7 @@ DECADE = 25
 
 LABELS = {
     "pressure_kPa": "Pressure [kPa]",
-    "pressure_rate_kPa_s": "Rate of the pressure [kPa/s]",
+    "pressure_rate_kPa_s": "Pressure rate [kPa/s]",
     "direction": "Direction of motion [-]",
     "angle_deg": "Angle [deg]",
     "time_s": "Time [s]",
@@ -151,9 +151,7 @@ def draw_description(stage: StageTrace) -> "Figure":
             _dots(panel, left, variable)
             for c in () if stage.description is None else stage.description.curves:
                 if c.variable == variable:
-                    panel.plot(
-                        c.at, c.term, color=BLACK, linewidth=2.0, label="fitted: a description, not a cause"
-                    )
+                    panel.plot(c.at, c.term, color=BLACK, linewidth=2.0, label="fitted description")
             panel.set_xlabel(LABELS.get(variable, variable))
             panel.axhline(0.0, color=GREY, linewidth=0.6)
         axes[0].set_ylabel(f"Residual [{unit}]")
@@ -165,9 +163,7 @@ def _dots(axes: "Axes", left: Sequence[Remainder], variable: str) -> None:
     x = np.concatenate([r.variables[variable] for r in left])
     y = np.concatenate([r.value for r in left])
     some = np.random.default_rng(0).permutation(len(x))[:DOTS]
-    axes.plot(
-        x[some], y[some], ".", color="#b8b8b8", markersize=3, zorder=0, label="samples of the recordings"
-    )
+    axes.plot(x[some], y[some], ".", color="#b8b8b8", markersize=3, zorder=0, label="rows of the recordings")
     axes.plot(*means(x, y), color=BLUE, linewidth=1.5, label=f"mean, in {BINS} bins")
 
 

@@ -41,8 +41,8 @@ def test_the_weight_is_above_dynamics_that_were_left_out_and_not_far(name):
         told = 2.0 * np.pi * weight.known_Hz >= OMEGA
         size, wanted = np.abs(weight.response(OMEGA))[told], np.abs(true(1j * OMEGA))[told]
         assert told.sum() >= 4
-        # The loop samples with a hold: half a sample on the phase of a lag.
-        assert np.all(size > 0.98 * wanted)
+        # A band has one gain for frequencies that differ by two, and the weight is of first order.
+        assert np.all(size > 0.9 * wanted)
         assert np.all(size < 3.0 * wanted + 0.06)
 
 

@@ -246,7 +246,8 @@ def _statement(r: RobustStability) -> Statement:
 
 def _evidence(r: RobustStability) -> dict[str, Any]:
     d = r.destabilising
-    return {
+    weight = {} if r.loop.weight is None else {"weight": asdict(r.loop.weight)}
+    return weight | {
         "mu_upper": _finite(r.upper),
         "mu_lower": _finite(r.lower),
         "certified": r.certified,
@@ -260,7 +261,6 @@ def _evidence(r: RobustStability) -> dict[str, Any]:
         else {},
         "destabilising": d.parameters if d is not None else {},
         "left_out": list(r.left_out),
-        "weight": None if r.loop.weight is None else asdict(r.loop.weight),
     }
 
 

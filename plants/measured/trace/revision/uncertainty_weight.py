@@ -44,7 +44,8 @@ CORNERS = 20
 
 @dataclass(frozen=True)
 class Band:
-    """Gain of the best linear relation between `low` and `high` [Hz].
+    """Gain of the best linear relation between `low` and `high` [Hz], found `at` the mean frequency of the
+    simulated channel's power there.
 
     gain, spread: estimate and its standard deviation [1]; averages: independent lines; excited: whether the
     simulated channel stands above the noise.
@@ -52,6 +53,7 @@ class Band:
 
     low: float
     high: float
+    at: float
     gain: float
     spread: float
     averages: float
@@ -133,25 +135,27 @@ def _band(low: float, f: Array, y: Complex, e: Complex, dt: Array, noise: float)
     averages = yy * float(apart.sum()) / max(float(power @ apart), 1e-300) / OF_A_WINDOW
     averages = min(max(averages, 1.0), max(f.size / OF_A_WINDOW, 1.0))
     floor = 2.0 * noise**2 * float(dt.sum())
-    return Band(low, float(f[-1]), float(abs(relation)), float(spread), averages, yy > ABOVE * floor)
+    at = float(power @ f) / yy
+    return Band(low, float(f[-1]), at, float(abs(relation)), float(spread), averages, yy > ABOVE * floor)
 
 
 def _bounding(told: Sequence[Band]) -> UncertaintyWeight:
-    """The weight of first order that lies above all limits, by as little as possible as a share of each.
+    """The weight of first order that lies above all limits where they were found, by as little as possible as
+    a share of each, and nowhere above 1, which is no model at all.
 
     For a given corner, |W|^2 is linear in the squares of its two gains: a linear programme.
     """
     from scipy.optimize import linprog
 
-    edges = np.array([[b.low, b.high] for b in told]).ravel()
-    limits = np.repeat([max(b.limit, 1e-9) for b in told], 2)
+    middles = np.array([b.at for b in told])
+    limits = np.array([max(b.limit, 1e-9) for b in told])
     best: tuple[float, UncertaintyWeight] | None = None
-    for corner in np.geomspace(edges[0], edges[-1], CORNERS):
-        x = (edges / corner) ** 2
+    for corner in np.geomspace(told[0].low, told[-1].high, CORNERS):
+        x = (middles / corner) ** 2
         rows = np.column_stack([x / (1.0 + x), 1.0 / (1.0 + x)]) / limits[:, None] ** 2
-        solved = linprog(rows.sum(axis=0), A_ub=-rows, b_ub=-np.ones(limits.size))
+        solved = linprog(rows.sum(axis=0), A_ub=-rows, b_ub=-np.ones(limits.size), bounds=(0.0, 1.0))
         if solved.status == 0 and (best is None or solved.fun < best[0]):
             high, low = np.sqrt(solved.x)
-            best = solved.fun, UncertaintyWeight(float(low), float(high), float(corner), float(edges[-1]))
-    assert best is not None  # gains of one lie above all limits at any corner
+            best = solved.fun, UncertaintyWeight(float(low), float(high), float(corner), told[-1].high)
+    assert best is not None  # gains of 1 lie above all limits at any corner
     return best[1]
