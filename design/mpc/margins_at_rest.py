@@ -129,7 +129,7 @@ def pulse_response(controller: Any, a: Array, b: Array, late: int = 0) -> Iterat
             x = a @ x + b[:, 0] * under_way.popleft()
 
 
-def _margins(response: Array, period: float, weight: UncertaintyWeight | None) -> MarginsAtRest:
+def _margins(response: Array, period: float, weight: UncertaintyWeight | None = None) -> MarginsAtRest:
     size = np.abs(response)
     if size[-PERIODS:].max() > DIES * size.max():
         return MarginsAtRest(np.inf, np.inf, 0.0, None if weight is None else np.inf)

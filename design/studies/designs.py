@@ -145,8 +145,7 @@ def mpc_design(
     found = _tuning_record(tuned)
     late = (0.0, required.space.dead_time)
     tell(f"{ROBUST_MPC}: margins", 0.99)
-    at_rest = margins_at_rest(tuned.final.controller, required.corners(), late, required.box.weight)
-    margins = {n: v for n, v in vars(at_rest).items() if v is not None}
+    margins = _at_rest(required, tuned.final.controller, late)
     named = {n: v for n, v in required.limits.named.items() if n in margins}
     linear = excesses({n: np.array([margins[n]]) for n in named}, named)
     beyond = _beyond(required, tuned) | {n: float(e[0]) for n, e in linear.items()}
@@ -156,6 +155,15 @@ def mpc_design(
     checked = {"samples": fresh, "search_runs": MPC_EFFORT.search if fresh else 0}
     told = {**found, **checked, "holds": holds, "margins": margins}
     return {ROBUST_MPC: {**told, "worst_excess": worst[0], "worst_excess_of": worst[1]}}
+
+
+def _at_rest(required: Requirement, controller: Any, late: tuple[float, float]) -> dict[str, float]:
+    """Margins of an MPC at rest on every corner of the box, WT on the nominal plant, which leaves it."""
+    found = dict(vars(margins_at_rest(controller, required.corners(), late)))
+    weight = required.box.weight
+    if weight is not None:
+        found["WT"] = margins_at_rest(controller, [required.wrist], late, weight).WT
+    return {n: v for n, v in found.items() if v is not None}
 
 
 def _beyond(required: Requirement, tuned: RobustTuning[Any]) -> dict[str, float]:

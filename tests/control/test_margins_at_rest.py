@@ -16,6 +16,7 @@ from design.mpc.problem import nominal
 from plants import Wrist
 from plants.effects.regulator.dead_time import DeadTime
 from plants.linearisation import branch_matrices, branch_slopes
+from plants.parameters.remainder import UncertaintyWeight
 from plants.simulation.sensor import Measured
 
 WRIST = Wrist.flexion()
@@ -108,6 +109,13 @@ def test_a_dead_time_of_the_plant_is_in_its_margins():
     assert late.delay_margin_s == pytest.approx(plain.delay_margin_s - 0.005, abs=share_of_a_period)
     assert margins_at_rest(mpc, [WRIST], (0.005,)) == late
     assert late.Ms > plain.Ms
+
+
+def test_unmodelled_dynamics_of_one_gain_at_all_frequencies_count_as_that_share_of_mt():
+    mpc = linear_mpc(nominal(WRIST))
+    told = margins_at_rest(mpc, [WRIST], weight=UncertaintyWeight(0.3, 0.3, 1.0, 1.0))
+    assert pytest.approx(0.3 * told.Mt, rel=1e-3) == told.WT
+    assert replace(told, WT=None) == margins_at_rest(mpc, [WRIST])
 
 
 @pytest.mark.slow
