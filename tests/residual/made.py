@@ -70,3 +70,15 @@ def with_structure(
     """The remainders with values that a function of each, and of a generator, makes of them."""
     rng = np.random.default_rng([seed, 99])
     return [replace(r, value=change(r, rng)) for r in remainders]
+
+
+def short(memory: float = 0.1, rows: Sequence[int] = (900, 700)) -> list[Remainder]:
+    """Two short recordings with one variable."""
+    rng = np.random.default_rng(1)
+    return [
+        Remainder(
+            str(n), "wrist", np.arange(n) * DT, coloured(n, memory, rng), 1.0,
+            {"x": np.sin(np.arange(n) / 150.0)},
+        )
+        for n in rows
+    ]  # fmt: skip

@@ -5,44 +5,24 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.linalg import toeplitz
-from scipy.signal import lfilter
-from scipy.stats import chi2, gamma, norm
+from scipy.stats import chi2, norm
 
 from plants.measured.residual.battery import make_tests
 from plants.measured.residual.checks.conditional import sums_of, white_sums
-from plants.measured.residual.checks.correlation import correlation
 from plants.measured.residual.checks.evidence import Evidence
 from plants.measured.residual.checks.periodic import line_in, spectrum_of
 from plants.measured.residual.checks.whiteness import autocorrelation, ljung_box
 from plants.measured.residual.curves import curves_of
 from plants.measured.residual.examine import examine
-from plants.measured.residual.series import background as series_background
 from plants.measured.residual.series.background import (
-    LONGEST_MEMORY,
-    LOWEST,
-    _bands,
     background,
     first_order,
-    positive_parts,
 )
 from plants.measured.residual.series.bins import bins_of, stretches
 from plants.measured.residual.series.design import design_of
 from plants.measured.residual.series.joined import SILENCE, join
 from plants.measured.residual.series.remainder import Remainder
-from plants.measured.residual.stillness import SLOWEST, _edges, _whitened_periodogram
-from tests.residual.made import DT, coloured, noise, with_structure
-
-
-def short(memory=0.1, rows=(900, 700)):
-    """Two short recordings with one variable."""
-    rng = np.random.default_rng(1)
-    return [
-        Remainder(
-            str(n), "wrist", np.arange(n) * DT, coloured(n, memory, rng), 1.0,
-            {"x": np.sin(np.arange(n) / 150.0)},
-        )
-        for n in rows
-    ]  # fmt: skip
+from tests.residual.made import DT, coloured, noise, short, with_structure
 
 
 def test_ljung_box_is_the_formula_and_is_chi_square_on_white_noise():
@@ -104,99 +84,6 @@ def test_conditional_test_has_the_level_it_states_where_the_spectrum_is_known():
         p.append(replace(made, sums=design.sums(value)).test(design.where["x"], 1e6).p_value)
     assert 0.02 < np.mean(np.array(p) < 0.05) < 0.09
     assert 0.43 < np.mean(p) < 0.57
-
-
-def test_background_is_the_spectrum_of_the_noise_and_passes_over_structure():
-    at = [0.02, 0.3, 1.0, 5.0, 20.0]
-    for memory in (0.0, 0.1, 0.5):
-        ratios = []
-        for seed in range(4):
-            hummed = with_structure(
-                noise(seed, memory), lambda r, rng: r.value + 3.0 * np.sin(2 * np.pi * 3.0 * r.time)
-            )
-            series = join(hummed)
-            ratio = background(series) / first_order(series.frequencies, memory, DT)
-            ratios.append(np.interp(at, series.frequencies, ratio))
-        assert np.mean(ratios, axis=0) == pytest.approx(np.ones(5), abs=0.3), memory
-
-
-@pytest.mark.parametrize(("shortest", "longest", "off"), [(0.01, 0.04, 0.04), (0.04, LONGEST_MEMORY, 0.1)])
-def test_background_has_noise_of_any_correlation_time_up_to_the_longest(monkeypatch, shortest, longest, off):
-    """Where bands tell its level without a doubt, only what the background is made up of is left."""
-    series = join(short(rows=(9000,)))
-    at = np.geomspace(LOWEST, 0.5 / DT, 60)
-    for memory in np.geomspace(shortest, longest, 12):
-        bands = at, first_order(at, memory, DT), np.full(60, 100.0)
-        monkeypatch.setattr(series_background, "_bands", lambda *_, bands=bands: bands)
-        ratio = background(series) / first_order(series.frequencies, memory, DT)
-        assert ratio == pytest.approx(np.ones(len(ratio)), abs=off), memory
-
-
-def test_background_does_without_an_active_set_that_goes_round_in_circles(monkeypatch):
-    import scipy.optimize
-
-    def circles(*_):
-        raise RuntimeError("Maximum number of iterations reached.")
-
-    series = join(noise(1, 0.1))
-    usual = background(series)
-    monkeypatch.setattr(scipy.optimize, "nnls", circles)
-    assert background(series) == pytest.approx(usual, rel=0.02)
-
-
-def test_background_does_not_rise_with_a_drift():
-    plain = background(join(noise(1)))[0]
-    drifting = with_structure(noise(1), lambda r, rng: r.value + 10.0 * r.time / 136.0)
-    assert background(join(drifting))[0] < 3.0 * plain
-
-
-def test_deviation_of_a_cross_correlation_is_what_noise_scatters():
-    rng = np.random.default_rng(5)
-    rows = 4000
-    steps = np.cumsum(rng.standard_normal(rows) * (rng.random(rows) < 0.05))
-    series = join([Remainder("r", "wrist", np.arange(rows) * DT, np.zeros(rows), 1.0, {"u": steps})])
-    spectrum = first_order(series.frequencies, 0.1, DT)
-    z, agreed = [], []
-    for _ in range(50):
-        value = np.where(series.inside, coloured(len(series.value), 0.1, rng), 0.0)
-        found = correlation(series, value, "u", spectrum)
-        z.append((found.value / found.deviation)[::30])
-        agreed.append(found.agreement[::30])
-    assert np.std(z) == pytest.approx(1.0, abs=0.1)
-    assert np.std(agreed) == pytest.approx(1.0, abs=0.1)  # changes that are alike scatter as the noise does
-
-
-@pytest.mark.parametrize("size", [0.5, 3.0])
-def test_a_correlation_needs_more_than_a_dozen_changes_as_large_as_each_other(size):
-    def of(changes):
-        at = (np.arange(4000) % 200 == 100) & (np.arange(4000) < 200 * changes)
-        up_and_down = np.where(np.cumsum(at) % 2 == 1, size, 0.0)
-        series = join([Remainder("r", "wrist", np.arange(4000) * DT, np.ones(4000), 1.0, {"u": up_and_down})])
-        return correlation(series, series.value, "u", np.ones(len(series.frequencies)))
-
-    assert of(1) is of(11) is None
-    assert of(13) is not None
-
-
-@pytest.mark.parametrize("late", [0, 40])
-@pytest.mark.parametrize("kept", [0.0, 0.8])
-def test_a_correlation_explains_what_follows_the_changes_and_at_which_lag(late, kept):
-    """Half of the power, some rows after changes of which each keeps so much of the one before it."""
-    rng, rows = np.random.default_rng(6), 20_000
-    changes = lfilter([1.0], [1.0, -kept], rng.standard_normal(rows))
-    follows = np.roll(changes, late)
-    noise = np.std(follows) * rng.standard_normal(rows)
-    known = {"u": np.cumsum(changes)}
-    series = join([Remainder("r", "wrist", np.arange(rows) * DT, follows + noise, 1.0, known)])
-    whole = np.where(series.inside, series.value, 0.0)
-    found = correlation(series, whole, "u", np.full(len(series.frequencies), np.var(noise)))
-    np.testing.assert_allclose(found.lag, np.arange(-0.5, 3.0 + DT / 2.0, DT), atol=1e-9)
-    assert found.lag[np.argmax(np.abs(found.value))] == pytest.approx(late * DT)
-    # Products of such changes decay as kept^|lag|.
-    assert found.sharpness == pytest.approx((1.0 - kept**2) / (1.0 + kept**2), rel=0.05)
-    evidence = found.evidence(2.0)
-    assert evidence.statistic == pytest.approx(np.abs(found.value).max() / found.deviation)
-    assert evidence.power == pytest.approx(0.5 * 2.0, rel=0.1)
 
 
 def test_frequency_of_a_line_is_found_between_the_grid():
@@ -361,55 +248,3 @@ def test_short_recordings_are_examined_and_raise_no_alarm(rows):
             for n in rows
         ]
         assert not examine(made).structured
-
-
-@pytest.mark.parametrize("rounds", [False, True])
-def test_positive_parts_are_those_that_were_mixed_whatever_solver_finds_them(monkeypatch, rounds):
-    """The second solver takes over where the first goes round in circles."""
-
-    def in_circles(*_):
-        raise RuntimeError
-
-    if rounds:
-        monkeypatch.setattr("scipy.optimize.nnls", in_circles)
-    model = np.random.default_rng(12).uniform(0.1, 1.0, (30, 3)) * (1.0, 100.0, 0.01)
-    mixed = np.array([2.0, 0.0, 500.0])
-    assert positive_parts(model, model @ mixed) == pytest.approx(mixed, rel=1e-4, abs=1e-4)
-    against = positive_parts(model, -model @ mixed)
-    assert against == pytest.approx(0.0, abs=1e-3)
-
-
-def test_edges_of_bands_widen_by_a_quarter_and_by_a_twentieth_of_a_hertz_at_least():
-    value = np.random.default_rng(13).standard_normal(6000)
-    series = join([Remainder("r", "wrist", np.arange(6000) * DT, value, 1.0, {})])
-    at = np.linspace(0.0, 50.0, 50_001)
-    edges = at[_edges(series, at)]
-    assert edges[0] == pytest.approx(SLOWEST / 60.0, abs=1e-3)
-    steps = np.diff(edges)
-    assert steps == pytest.approx(np.maximum(0.25 * edges[:-1], 0.05), abs=2.5e-3)
-    assert 50.0 / 1.25 - 0.01 <= edges[-1] < 50.0
-
-
-def test_the_spectrum_of_differences_is_divided_by_what_they_do_to_it():
-    """Of first-order noise: its closed form, and that of white noise, where differences alone would rise."""
-    for memory in (0.0, 0.05):
-        values = [coloured(20_000, memory, np.random.default_rng(s)) for s in (14, 15)]
-        series = join(
-            [Remainder(str(i), "wrist", np.arange(20_000) * DT, v, 1.0, {}) for i, v in enumerate(values)]
-        )
-        power, at = _whitened_periodogram(series)
-        for low, high in ((1.0, 3.0), (10.0, 14.0), (40.0, 49.0)):
-            band = (at > low) & (at < high)
-            assert np.mean(power[band]) == pytest.approx(np.mean(first_order(at[band], memory, DT)), rel=0.1)
-
-
-def test_bands_of_a_background_begin_at_three_periods_of_the_longest_recording():
-    series = join(short(0.1, (900, 2000)))
-    at, level, count = _bands(series, np.full(len(series.frequencies), 3.0), 2.0)
-    first = max(LOWEST, 3.0 / 20.0)
-    second = max(1.25 * first, first + max(0.08, 6.0 / 29.0))
-    inside = series.frequencies[(series.frequencies >= first) & (series.frequencies < second)]
-    assert at[0] == pytest.approx(np.mean(inside))
-    assert count[0] == len(inside)
-    assert count.sum() == np.count_nonzero(series.frequencies >= first)
-    assert level == pytest.approx(3.0 * 2.0 / gamma.ppf(0.5, 2.0))  # whose median is that power
