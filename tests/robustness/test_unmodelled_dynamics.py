@@ -13,12 +13,13 @@ from design.open_loops import by_python_control, loop_tf
 from design.robustness.box import Box, box_of
 from design.robustness.certificates.constant.robust_stability import Centre, robust_stability, statements
 from design.robustness.certificates.constant.uncertain_loop import UncertainLoop
-from design.robustness.requirement import requirement
+from design.robustness.requirement import POINTS, requirement
 from design.synthesis.evaluate import evaluate
 from plants.effects.wrist.remainder import ColouredRemainder
 from plants.errors import InputError
 from plants.parameters.files import built_in, dump, load
 from plants.parameters.remainder import BANDS, RemainderSize, UncertaintyWeight
+from plants.simulation.disturbance import burdened
 from plants.wrist import Wrist
 from reports.robustness.claims import claim_words
 from reports.robustness.reasons import because
@@ -131,6 +132,12 @@ def test_the_requirement_asks_for_robust_stability_and_tuning_obeys():
     assert beyond["WT"] > 0.0
     assert "WT" not in bare.linear_excess(gains)
     assert {n: v for n, v in beyond.items() if n != "WT"} == bare.linear_excess(gains)
+    # The nominal plant leaves the residual, without and with the longest dead time; corners have none of it.
+    late = burdened(asked.wrist, asked.space.dead_time, None)
+    responses = [b.response for w in (asked.wrist, late) for b in branch_responses(w, POINTS)]
+    for b in asked.branches:
+        assert (b.weight is not None) is any(np.allclose(b.response, r, 1e-9) for r in responses)
+    assert 4 <= sum(b.weight is not None for b in asked.branches) < len(asked.branches) // 4
     # Without the residual nothing is left of it, whatever else is changed.
     assert replace(asked, box=asked.box.leaving(None)).limits.WT is None
     assert replace(asked, box=Box(asked.box.plant, ()).leaving(asked.box.remainder)).limits.WT == 1.0
