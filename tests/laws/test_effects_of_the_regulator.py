@@ -11,6 +11,7 @@ from plants.effects import (
     CappedTarget,
     Creep,
     DeadTime,
+    FlowLimits,
     LaminarLeak,
     Latch,
     LimitedFlow,
@@ -109,6 +110,25 @@ def test_speeds_of_filling_and_exhausting_at_150_kPa(effect, fills, exhausts):
     valve = effect.sampled(WRIST, DT).valve
     speeds = [valve(effect.rest(WRIST, 150.0, 0.0), 150.0, e, Around())[1] for e in (1.0, -1.0)]
     assert [float(s) for s in speeds] == pytest.approx([fills, exhausts])
+
+
+@pytest.mark.parametrize(("volts", "ratio"), [(4.0, 1.0), (0.0, 1.0), (0.0, 0.4)])
+def test_a_valve_that_is_open_lets_no_more_through(volts, ratio):
+    """Against the differential equation, to either side, limits that change with the pressure (scipy)."""
+    effect, k = FlowLimits(90.0, 60.0, ratio, -0.4, 0.5), ONE_RATE.regulator.k_fast
+
+    def rate(_t, p):
+        asked, x = k * (GAIN * volts - p), (p - 100.0) / 100.0
+        return max(
+            min(asked * (1.0 if asked > 0.0 else ratio), 90.0 * (1.0 - 0.4 * x)), -60.0 * (1.0 + 0.5 * x)
+        )
+
+    solved = solve_ivp(
+        rate, (0.0, 3.0), [REST], rtol=1e-9, atol=1e-9, max_step=1e-3, t_eval=np.arange(3001) * DT
+    )
+    ours, _, _ = played(ONE_RATE + effect, np.full(3000, volts))
+    np.testing.assert_allclose(ours, solved.y[0], atol=0.05)
+    assert np.abs(np.diff(ours)).max() < 0.95 * DT * k * abs(GAIN * volts - REST)  # it is limited at first
 
 
 def test_the_pressure_ends_at_the_supply():

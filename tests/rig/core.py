@@ -15,7 +15,7 @@ from tests.rig import open_effects, regulator_effects, sensor_effects, wrist_eff
 from tests.rig.effects import Hidden
 from tests.rig.open_effects import ripple, run_out
 from tests.rig.parameters import Declared
-from tests.rig.regulator_effects import accepted_target, leaked, limited_rate, rate_factor, supply_pressure
+from tests.rig.regulator_effects import accepted_target, leaked, limited_rate, supply_pressure, valve_rate
 from tests.rig.sensor_effects import drift, hum
 from tests.rig.signals import Signal
 from tests.rig.wrist_effects import (
@@ -108,7 +108,7 @@ def pressure_rate(
     """dP/dt [kPa/s] of regulator, orifice and leak."""
     error = target - pressure
     rate = p.k_slow + (p.k_fast - p.k_slow) * error**2 / (error**2 + p.e0**2)
-    rate = rate * rate_factor(hidden.asymmetry, error, pressure) * error
+    rate = valve_rate(hidden.asymmetry, rate * error, pressure)
     rate = limited_rate(hidden.supply, rate, pressure, supply)
     rate -= hidden.open.bending_leak.rate * max(pressure, 0.0) * (angle / 20.0) ** 2
     return rate - leaked(hidden.leak, pressure)

@@ -41,16 +41,23 @@ class Hidden(NamedTuple):
 
 
 class Entry(NamedTuple):
-    """Of one name: the field of Hidden that it fills, its number of forms, and its draw."""
+    """Of one name: the field of Hidden that it fills, the number of its forms that suites draw from, its
+    draw, and how many more there are, which come by their number only, so that no suite's rigs change."""
 
     field: str
     forms: int
     draw: Callable[..., Any]
+    more: int = 0
+
+    @property
+    def last(self) -> int:
+        """Number of the last form."""
+        return self.forms + self.more
 
 
 CATALOGUE = {
     "dead-time": Entry("dead_time", 2, regulator.draw_dead_time),
-    "fill-exhaust-asymmetry": Entry("asymmetry", 3, regulator.draw_asymmetry),
+    "fill-exhaust-asymmetry": Entry("asymmetry", 3, regulator.draw_asymmetry, more=1),
     "regulator-deadband": Entry("deadband", 2, regulator.draw_deadband),
     "supply-droop": Entry("supply", 3, regulator.draw_supply),
     "leak": Entry("leak", 2, regulator.draw_leak),
@@ -81,8 +88,8 @@ def draw_effect(
     entry = CATALOGUE[name]
     drawn = int(rng.integers(1, entry.forms + 1))
     form = drawn if variant is None else variant
-    if not 1 <= form <= entry.forms:
-        raise ValueError(f"{name} has the variants 1 to {entry.forms}")
+    if not 1 <= form <= entry.last:
+        raise ValueError(f"{name} has the variants 1 to {entry.last}")
     more = (rig,) if name in NEEDS_THE_RIG else ()
     return entry.field, entry.draw(form, scale, rng, *more)
 

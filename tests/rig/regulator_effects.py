@@ -4,7 +4,7 @@ Each effect is a NamedTuple of its parameters with `form` 0 where it is absent, 
 integrator calls, and a `draw`.  Pressures are gauge, in kPa; targets are commanded pressures.
 """
 
-from math import exp, sqrt
+from math import exp, sqrt, tanh
 from typing import NamedTuple
 
 import numpy as np
@@ -38,24 +38,34 @@ class Asymmetry(NamedTuple):
 
     ratio: exhaust rate over fill rate, everywhere (form 1), at 100 kPa (form 2, times the root of
     pressure) or at 200 kPa (form 3, linear in pressure); base [kPa] keeps the rate above zero at 0.
+    fill, exhaust [kPa/s]: most that a valve passes at 100 kPa (form 4): from a tank at 300 kPa and to the
+    outside, with the root of the difference of pressure, less sharply the nearer the valve is to its limit.
     """
 
     form: int = 0
     ratio: float = 1.0
     base: float = 0.0
+    fill: float = 1e9
+    exhaust: float = 1e9
 
 
 @njit
-def rate_factor(p: Asymmetry, error: float, pressure: float) -> float:
-    """What the rate of the regulator is multiplied with."""
-    if p.form == 0 or error >= 0.0:
-        return 1.0
+def valve_rate(p: Asymmetry, rate: float, pressure: float) -> float:
+    """Rate [kPa/s] at which the pressure changes, where the regulator asks for one."""
     above = max(pressure, 0.0)
+    if p.form == 4:
+        if rate >= 0.0:
+            most = p.fill * sqrt(max(300.0 - above, 1.0) / 200.0)
+        else:
+            most = p.exhaust * sqrt((above + 5.0) / 105.0)
+        return most * tanh(rate / most)
+    if p.form == 0 or rate >= 0.0:
+        return rate
     if p.form == 1:
-        return p.ratio
+        return rate * p.ratio
     if p.form == 2:
-        return p.ratio * sqrt((above + p.base) / (100.0 + p.base))
-    return p.ratio * (p.base + above) / (p.base + 200.0)
+        return rate * p.ratio * sqrt((above + p.base) / (100.0 + p.base))
+    return rate * p.ratio * (p.base + above) / (p.base + 200.0)
 
 
 def draw_asymmetry(form: int, scale: float, rng: np.random.Generator) -> Asymmetry:
@@ -64,7 +74,10 @@ def draw_asymmetry(form: int, scale: float, rng: np.random.Generator) -> Asymmet
         return Asymmetry(1, ratio**scale)
     if form == 2:
         return Asymmetry(2, rng.uniform(0.6, 0.95) ** scale, rng.uniform(8.0, 20.0))
-    return Asymmetry(3, rng.uniform(0.9, 1.2) ** scale, rng.uniform(40.0, 90.0))
+    if form == 3:
+        return Asymmetry(3, rng.uniform(0.9, 1.2) ** scale, rng.uniform(40.0, 90.0))
+    fill = rng.uniform(80.0, 250.0) / scale
+    return Asymmetry(4, fill=fill, exhaust=fill * rng.uniform(0.4, 0.9))
 
 
 class Deadband(NamedTuple):

@@ -27,7 +27,7 @@ from tests.rig.wrist_effects import Inertia
 AXES = ("flexion", "deviation")
 SILENT = Noise(0.0, 0.0)
 NOTHING = Hidden()
-EVERY_FORM = [(name, form) for name in VOCABULARY for form in range(1, CATALOGUE[name].forms + 1)]
+EVERY_FORM = [(name, form) for name in VOCABULARY for form in range(1, CATALOGUE[name].last + 1)]
 
 
 def bare(hidden: Hidden = NOTHING, **changes: float) -> Rig:

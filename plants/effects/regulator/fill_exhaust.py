@@ -3,7 +3,8 @@
 Exhausting through an orifice the flow follows the pressure above the outside's,
 filling through one it follows what the supply has in hand, so that either speed
 may change with the pressure (ISO 6358; below the critical ratio the flow is
-proportional to the pressure upstream).
+proportional to the pressure upstream).  A valve that is fully open, or a small
+pump, lets no more through however large the error is.
 """
 
 from dataclasses import dataclass
@@ -107,3 +108,55 @@ class OrificeExhaust(_TwoValves):
 
     def sampled(self, wrist: Any, dt: float) -> SampledOrifice:
         return SampledOrifice(self.ratio, self.exponent, self.base, wrist.rig.rest_pressure)
+
+
+class SampledLimits(NamedTuple):
+    """Factor of the rate of exhausting; the largest changes of a sample in the middle of the range [kPa] up
+    and down, their shares per kPa, and that middle [kPa]."""
+
+    ratio: Number
+    fill: Number
+    fill_slope: Number
+    exhaust: Number
+    exhaust_slope: Number
+    middle: Number
+
+    def valve(self, s: Nothing, pressure: Number, error: Number, around: Around) -> tuple[Number, Number]:
+        return error, np.where(error > 0.0, 1.0, self.ratio)
+
+    def supply(self, s: Nothing, before: Number, after: Number) -> tuple[Nothing, Number]:
+        x = before - self.middle
+        most = self.fill * np.maximum(1.0 + self.fill_slope * x, SLOWEST)
+        least = self.exhaust * np.maximum(1.0 + self.exhaust_slope * x, SLOWEST)
+        return s, np.minimum(np.maximum(after, before - least), before + most)
+
+
+@dataclass(frozen=True)
+class FlowLimits(_TwoValves):
+    """Neither filling nor exhausting is faster than the valve, or the pump, lets air through: limits of the
+    pressure's rate, which change linearly with the pressure.  Near the commanded pressure exhausting is
+    `ratio` times as fast as filling."""
+
+    FORM = "a limit of the flow each way"
+    RUGGED = True
+
+    fill: Number = parameter(
+        "kPa/s", "fastest filling, in the middle of the range", 0.05, 1e5, 1e5, (15.0, 60.0, 250.0, 1000.0)
+    )
+    exhaust: Number = parameter(
+        "kPa/s", "fastest exhausting, in the middle of the range", 0.05, 1e5, 1e5, (15.0, 60.0, 250.0, 1000.0)
+    )
+    ratio: Number = parameter("1", "rate of exhausting over filling, near to the target", 0.1, 5.0, 1.0)
+    fill_change: Number = parameter(
+        "1", "change of the fastest filling over half the range", -1.0, 3.0, 0.0, (-0.5, 0.0)
+    )
+    exhaust_change: Number = parameter(
+        "1", "change of the fastest exhausting over half the range", -1.0, 3.0, 0.0, (0.0, 0.5)
+    )
+
+    def sampled(self, wrist: Any, dt: float) -> SampledLimits:
+        half = wrist.rig.half_range
+        return SampledLimits(
+            self.ratio, self.fill * dt, self.fill_change / half, self.exhaust * dt,
+            self.exhaust_change / half, wrist.rig.rest_pressure,
+        )  # fmt: skip
