@@ -17,7 +17,7 @@ import numpy as np
 from scipy.stats import beta
 
 from plants.files import json_text, write_atomically
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.files import built_in
 from tests.rig.campaign import make_campaign

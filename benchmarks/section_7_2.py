@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.trace.result import Trace
 from plants.measured.trace.trace import trace_campaign
 from reports.shared.figures.style import BLACK, BLUE, DASHED, DOTTED, GREY, VERMILLION, WIDTH, styled

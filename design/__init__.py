@@ -28,7 +28,7 @@ _HOMES = {  # the module of each name, and what it is called there where that is
     "Problem": "design.synthesis.requirements",
     "Question": "design.studies.study",
     "Region": "design.synthesis.tuning",
-    "Screened": "design.controllers.screened",
+    "Screened": "design.controllers.measurement.screened",
     "Spread": "design.evaluation.scenarios",
     "Study": "design.studies.study",
     "Task": "design.evaluation.tasks",

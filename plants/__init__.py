@@ -21,9 +21,9 @@ _HOMES = {
     "RATES": "plants.linearisation",
     "branch_slopes": "plants.linearisation",
     "wrist_x0": "plants.linearisation",
-    "load_campaign": "plants.measured.campaign",
-    "load_recording": "plants.measured.campaign",
-    "fit_campaign": "plants.measured.fit",
+    "load_campaign": "plants.measured.campaigns.campaign",
+    "load_recording": "plants.measured.campaigns.campaign",
+    "fit_campaign": "plants.measured.fitting.fit",
     "trace_campaign": "plants.measured.trace.trace",
 }
 """What needs more than NumPy, imported when it is first used, so that the command starts fast."""

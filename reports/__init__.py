@@ -23,7 +23,7 @@ _HOMES = {  # the module of each name, and what it is called there where that is
     "PAPER_FIGURES": "reports.paper.figures:FIGURES",
     "block_words": "reports.trace.words",
     "box_table": "reports.robustness.tables",
-    "break_even_figure": "reports.comparison.break_even_figure",
+    "break_even_figure": "reports.comparison.contest.break_even_figure",
     "control_sentence": "reports.trace.control_words",
     "controller_line": "reports.shared.figures.style",
     "cycle_table": "reports.robustness.tables",

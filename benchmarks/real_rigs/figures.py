@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.real_rigs.data import Rig
-from plants.measured.begin import measured
-from plants.measured.fit import Fit
+from plants.measured.campaigns.begin import measured
+from plants.measured.fitting.fit import Fit
 from plants.measured.residual.series.remainder import Remainder, remainder_of
 from plants.measured.trace.result import StageTrace, Trace
 from plants.measured.trace.stages.remainders import remainders

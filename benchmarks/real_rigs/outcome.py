@@ -14,11 +14,11 @@ import numpy as np
 from benchmarks.real_rigs.black_box import METHODS, Logged, Task, error
 from benchmarks.real_rigs.data import Rig, checksums, convert
 from plants.errors import InputError
-from plants.measured.begin import measured
-from plants.measured.campaign import Campaign, load_campaign
-from plants.measured.fit import CHANNELS, Fit
-from plants.measured.free_run import FreeRun
-from plants.measured.recording import Recording
+from plants.measured.campaigns.begin import measured
+from plants.measured.campaigns.campaign import Campaign, load_campaign
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.fit import CHANNELS, Fit
+from plants.measured.fitting.free_run import FreeRun
 from plants.measured.trace.result import Trace
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.quantities import Fitted

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.real_rigs.black_box import METHODS
-from plants.measured.fit import CHANNELS
+from plants.measured.fitting.fit import CHANNELS
 
 KEPT = Path(__file__).parents[2] / "reports" / "examples" / "real"
 ABOUT = {

@@ -5,20 +5,8 @@ from typing import Annotated
 
 import typer
 
-from design.cli.commands import (
-    check,
-    compare,
-    design,
-    export,
-    fit,
-    importing,
-    plan,
-    robust,
-    show,
-    simulate,
-    trace,
-    tune,
-)  # fmt: skip
+from design.cli.commands import compare, design, export, robust, show, simulate, tune
+from design.cli.commands.logs import check, fit, importing, plan, trace
 from design.cli.completion import files
 from design.cli.strict import PlainGroup, StrictCommand
 

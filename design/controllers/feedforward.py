@@ -16,9 +16,9 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from design.controllers import memory_estimator
 from design.controllers.controller import Measured, remembers
-from design.controllers.memory_estimator import (
+from design.controllers.measurement import memory_estimator
+from design.controllers.measurement.memory_estimator import (
     MemoryObserver,
     ObserverState,
     SampledObserver,

@@ -11,10 +11,10 @@ from design.controllers.controller import Controller
 from design.controllers.feedforward import Feedforward, FeedforwardPI
 from design.controllers.hand_over import HandOver
 from design.controllers.lqi import LQI
-from design.controllers.memory_estimator import MemoryObserver
+from design.controllers.measurement.memory_estimator import MemoryObserver
+from design.controllers.measurement.plausible import SensorLimits
 from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
-from design.controllers.plausible import SensorLimits
 from design.controllers.registry import REGISTERED
 from design.export.mpc.linear import of_linear_mpc
 from design.export.mpc.real_time import of_real_time_mpc

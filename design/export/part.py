@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
-from design.controllers.plausible import Channel, SensorLimits
+from design.controllers.measurement.plausible import Channel, SensorLimits
 from design.export.fields import ANGLE, BY_HAND, PRESSURE, REFERENCE, Quantity
 from design.export.precision import TOLERANCE, Precision
 from design.export.rings import DelayRing, kept, rings

@@ -9,9 +9,9 @@ import numpy as np
 from design.controllers.controller import Controller, Measured, settings_of
 from design.controllers.hand_over import HandOver
 from design.controllers.hand_over import step as step_by_hand
-from design.controllers.memory_estimator import MemoryObserver, init
-from design.controllers.memory_estimator import step as observe
-from design.controllers.plausible import SensorLimits
+from design.controllers.measurement.memory_estimator import MemoryObserver, init
+from design.controllers.measurement.memory_estimator import step as observe
+from design.controllers.measurement.plausible import SensorLimits
 from design.export.fields import COMMAND, Quantity, described, lines_of
 from design.export.part import SEEN_BY_HAND, Number, Part, Seen, SeenByHand
 from design.export.rings import samples_of

@@ -7,7 +7,7 @@ from math import isfinite, isnan
 from textwrap import fill, wrap
 from typing import Any
 
-from design.controllers.plausible import UNSEEN
+from design.controllers.measurement.plausible import UNSEEN
 from design.export.part import Part, Watched
 
 

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from design.controllers.plausible import LastBelieved, believed
+from design.controllers.measurement.plausible import LastBelieved, believed
 from design.export.part import SEEN_BY_HAND, Part, Seen, SeenByHand
 from design.mpc.observer import begin
 from design.mpc.prediction import coefficients, roll, start_of

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from design.controllers import pi
 from design.controllers.controller import Measured
+from design.controllers.measurement.plausible import LastBelieved, believed
 from design.controllers.pi import PI, PIState
-from design.controllers.plausible import LastBelieved, believed
 from design.mpc import observer, qp
 from design.mpc.prediction import roll, start_of
 from design.mpc.problem import Believed, MPCProblem
@@ -156,7 +156,8 @@ class Planning(Protocol):
 
 def begin(of: Planning, seen: Measured) -> MPCState:
     """The state in which an MPC holds a wrist that is seen to rest, as far as the range of its command
-    allows; where what is seen cannot be (`design.controllers.plausible`), the wrist as it is built."""
+    allows; where what is seen cannot be (`design.controllers.measurement.plausible`), the wrist as it
+    is built."""
     pressure, angle, _ = of.problem.plausible.start(float(seen.pressure), float(seen.angle))
     found, N = observer.begin(angle, pressure, of.problem.wrist), of.problem.horizon
     belief = tree.like(found, [float(x) for x in tree.leaves(found)])

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from design.controllers.controller import Measured
 from design.controllers.double_pole import double_pole
-from design.controllers.memory_estimator import memory_at_rest
+from design.controllers.measurement.memory_estimator import memory_at_rest
 from design.mpc.prediction import example, start_of, unloaded, variables
 from design.mpc.problem import Believed, MPCProblem
 from plants import dynamics

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.controller import remembers
-from design.controllers.plausible import SensorLimits
+from design.controllers.measurement.plausible import SensorLimits
 from plants.errors import InputError
 from plants.hysteresis import HysteresisLaw
 from plants.kernel import pytrees

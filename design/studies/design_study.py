@@ -30,7 +30,7 @@ from design.studies.stages import Stages
 from design.synthesis.designed_plant import designed, left_out
 from design.synthesis.structure import with_gains
 from plants.kernel.batches import default_jobs
-from plants.measured.campaign import Campaign
+from plants.measured.campaigns.campaign import Campaign
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.files import dump, load
 from plants.parameters.quantities import ParameterSet

@@ -44,7 +44,7 @@ from design.synthesis.designed_plant import designed
 from design.synthesis.requirements import Problem, default_problem
 from design.synthesis.tuning import Region, Tuning, tune
 from plants.errors import InputError
-from plants.measured.fit import Fit
+from plants.measured.fitting.fit import Fit
 from plants.parameters.quantities import ParameterSet
 from plants.wrist import Wrist
 

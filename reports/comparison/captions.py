@@ -10,8 +10,8 @@ from design.comparison.tolerated import DURATION
 from design.studies.study import Study
 from design.synthesis.judged import nearest_limit
 from design.synthesis.tuning import Tuning
-from plants.measured.fit import Fit
-from plants.measured.free_run import rmse
+from plants.measured.fitting.fit import Fit
+from plants.measured.fitting.free_run import rmse
 from reports.comparison.figures import coloured, step_columns
 from reports.comparison.words import seconds
 from reports.shared.figures.dead_time_figure import SETTLED, kept_up_to

@@ -14,12 +14,12 @@ from design.mpc.timing import Ledger
 from design.studies.shown.cell_steps import CellSteps
 from design.studies.study import Study
 from design.synthesis.answer import Answer
-from plants.measured.fit import Fit
+from plants.measured.fitting.fit import Fit
 from plants.parameters.quantities import Fitted, ParameterSet
 from reports.comparison import captions, costs, figures, tables, words
-from reports.comparison import contest as broad
-from reports.comparison.break_even_figure import break_even_figure
-from reports.comparison.contest_words import sentences
+from reports.comparison.contest import table as broad
+from reports.comparison.contest.break_even_figure import break_even_figure
+from reports.comparison.contest.words import sentences
 from reports.comparison.designs import budgets, designs
 from reports.comparison.record import comparison_record, contest_csv_text, csv_text
 from reports.comparison.trade_off_figure import trade_off, trade_off_caption

@@ -10,7 +10,7 @@ from design.comparison.compare import Comparison, row_record
 from design.contest import Contest, contest_record
 from design.studies.decision import Decision
 from design.studies.study import Study
-from reports.comparison.contest_words import sentences
+from reports.comparison.contest.words import sentences
 from reports.comparison.costs import break_even_record, ledger_record
 from reports.comparison.verdict_words import verdict_sentences
 from reports.shared.figures.fit import fit_record

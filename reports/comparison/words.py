@@ -16,9 +16,9 @@ from design.studies.study import Study
 from design.synthesis.answer import Answer
 from design.synthesis.judged import ACTIVE, nearest_limit
 from design.synthesis.tuning_rules import PAPER_FACTOR, PAPER_GAINS
-from plants.measured.fit import Fit
+from plants.measured.fitting.fit import Fit
 from plants.parameters.quantities import Assumed
-from reports.comparison.contest import MAIN as PERTURBED
+from reports.comparison.contest.table import MAIN as PERTURBED
 from reports.shared.card import broken_words
 from reports.shared.names import (
     COST_WORDS,

@@ -75,7 +75,7 @@ def remark_on(data: Mapping[str, str]) -> str:
     >>> remark_on({"flexion": "0123456789ab"})
     ''
     """
-    from plants.measured.campaign import load_campaign, shipped
+    from plants.measured.campaigns.campaign import load_campaign, shipped
 
     for folder in shipped():
         noted = data.get(folder.name)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from plants.measured.fit import Fit
+from plants.measured.fitting.fit import Fit
 from plants.parameters.quantities import Assumed, Fitted, Learnt, ParameterSet, Stated
 from reports.shared.names import CHANNELS
 from reports.shared.tables import Cell, Column, Group, Table, number, row, with_error

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from design.studies.check.residual import ChannelResidual
-from plants.measured.recording import Recording
+from plants.measured.campaigns.recording import Recording
 from reports.shared.figures.style import BLACK, GREY, ORANGE, new_figure, seen, styled
 from reports.shared.tables import Cell, Column, number, row
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from design.synthesis.retune import Control
-from plants.measured.blocks import BLOCK
-from plants.measured.free_run import rmse
+from plants.measured.fitting.blocks import BLOCK
+from plants.measured.fitting.free_run import rmse
 from plants.measured.residual.examine import Examination
 from plants.measured.trace.result import StageTrace, Trace
 from plants.measured.trace.search.candidate import WORTH

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from design.synthesis.retune import Control
-from plants.measured.begin import measured
-from plants.measured.free_run import FreeRun
+from plants.measured.campaigns.begin import measured
+from plants.measured.fitting.free_run import FreeRun
 from plants.measured.trace.result import Trace
 from reports.shared.figures.fit import LOOP_SECONDS
 from reports.shared.figures.style import (

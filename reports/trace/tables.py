@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 
 from design.synthesis.retune import Control, JudgedStep, RetunedSide
-from plants.measured.begin import measured
-from plants.measured.free_run import FreeRun
+from plants.measured.campaigns.begin import measured
+from plants.measured.fitting.free_run import FreeRun
 from plants.measured.residual.examine import Examination, Finding
 from plants.measured.trace.result import Trace
 from plants.measured.trace.search.candidate import Candidate

@@ -10,7 +10,7 @@ import warnings
 from pathlib import Path
 
 from design.studies.check.campaigns import campaign_change, left_of
-from plants.measured.campaign import Campaign, load_campaign
+from plants.measured.campaigns.campaign import Campaign, load_campaign
 from plants.measured.trace.change.refit import seen_alike
 from plants.measured.trace.result import Trace
 from reports.trace.change.words import title

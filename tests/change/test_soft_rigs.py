@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from design.studies.check.campaigns import left_of
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.trace.change.refit import seen_alike
 from plants.measured.trace.trace import trace_campaign
 from tests.rig.soft import wandering

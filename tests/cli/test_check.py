@@ -138,8 +138,8 @@ def test_what_changed_is_seen_and_what_did_not_is_left_alone(wrist, designed, ax
 
 def test_samples_are_asked_when_the_rig_was_not_at_the_row_after():
     from design.studies.check.envelope import _rows_of
-    from plants.measured.playback import Playback
-    from plants.measured.recording import Recording
+    from plants.measured.campaigns.playback import Playback
+    from plants.measured.campaigns.recording import Recording
 
     reference = np.array([0.0, 0.0, 15.0, 15.0])
     log = Recording("log", np.arange(4) * 0.01, np.ones(4), np.zeros(4), reference=reference)
@@ -153,7 +153,7 @@ def test_a_log_that_begins_at_work_is_of_its_own_controller(designed, tmp_path, 
     """The integral part of a loop that has run for a while is not that of a wrist at rest."""
     from design.controllers.pi import PI
     from design.studies.check.check import OTHER_GAINS, _command_off
-    from plants.measured.campaign import load_recording
+    from plants.measured.campaigns.campaign import load_recording
 
     rig, plant, folder = designed("flexion", 2)
     whole = load_recording(log_of(rig, plant, folder / "log.csv"), rig=plant.rig)

@@ -13,7 +13,7 @@ from design.synthesis.tuning import Region
 from plants import Wrist, built_in
 from plants.effects import DeadTime, Drift, HardStop
 from plants.files import json_text
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.trace.trace import trace_campaign
 from reports.trace.control_words import control_sentence
 from reports.trace.record import control_record

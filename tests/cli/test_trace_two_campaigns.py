@@ -11,7 +11,7 @@ import pytest
 
 import plants.measured.trace.trace as tracing
 from design.studies.check.campaigns import campaign_change
-from plants.measured.campaign import load_campaign, shipped
+from plants.measured.campaigns.campaign import load_campaign, shipped
 from plants.measured.trace.change.two_steps import sensitivity
 from plants.measured.trace.declared import driven
 from plants.measured.trace.search.candidate import Candidate

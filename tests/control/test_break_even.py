@@ -12,7 +12,7 @@ from design.evaluation.steps import run
 from plants.effects.regulator.dead_time import DeadTime
 from plants.errors import InputError
 from plants.wrist import STARTS, Wrist
-from reports.comparison.break_even_figure import break_even_figure
+from reports.comparison.contest.break_even_figure import break_even_figure
 
 WRIST, PLAIN = Wrist.flexion(), PI(3.13, 10.4)
 SMALL = {

@@ -23,7 +23,7 @@ from plants import InputError, Wrist, built_in
 from plants.effects.effect import Effect
 from plants.files import json_text
 from plants.rig import built_in_rig
-from reports.comparison.contest_words import against, rig_sentences, sentences
+from reports.comparison.contest.words import against, rig_sentences, sentences
 
 SETS = {m: built_in(m) for m in ("flexion", "deviation")}
 PIS = {"tuned": PI(3.1, 10.4), "again": PI(3.1, 10.4), "timid": PI(1.2, 2.2)}

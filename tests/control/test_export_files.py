@@ -8,7 +8,7 @@ import pytest
 
 from design.controllers.feedforward import Feedforward
 from design.controllers.lqi import LQI
-from design.controllers.memory_estimator import MemoryObserver
+from design.controllers.measurement.memory_estimator import MemoryObserver
 from design.export.catalogue import CATALOGUE, part
 from design.export.fields import described
 from design.export.formats.folder import contents

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from design.controllers import memory_estimator as estimator
-from design.controllers.memory_estimator import MemoryObserver, memory_at_rest, pressure_at_rest
+from design.controllers.measurement import memory_estimator as estimator
+from design.controllers.measurement.memory_estimator import MemoryObserver, memory_at_rest, pressure_at_rest
 from plants.dynamics import step
 from plants.hysteresis import Memory
 from plants.kernel import pytrees as tree

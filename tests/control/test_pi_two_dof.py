@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from design.controllers.measurement.plausible import SensorLimits
 from design.controllers.pi import PI
 from design.controllers.pi_two_dof import TwoDofPI
-from design.controllers.plausible import SensorLimits
 from design.evaluation.cases import Case, stack
 from design.evaluation.runner import play
 from design.evaluation.steps import run

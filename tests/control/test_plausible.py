@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from design.controllers.plausible import Channel, LastBelieved, SensorLimits, believed
+from design.controllers.measurement.plausible import Channel, LastBelieved, SensorLimits, believed
 from plants import Wrist
 from plants.errors import InputError
 

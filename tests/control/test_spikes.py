@@ -7,8 +7,8 @@ import pytest
 
 from design.controllers.controller import Measured
 from design.controllers.lqi import LQI
+from design.controllers.measurement.screened import Screened
 from design.controllers.pi import PI
-from design.controllers.screened import Screened
 from design.evaluation.steps import run
 from design.mpc.formulations.linear import linear_mpc
 from design.mpc.formulations.real_time import real_time_mpc

@@ -7,10 +7,10 @@ import pytest
 from design.controllers.pi import PI
 from design.robustness.requirement import requirement
 from design.studies.check.envelope import _played
-from plants.measured.begin import first_begin
-from plants.measured.campaign import load_campaign
-from plants.measured.playback import Playback
-from plants.measured.recording import Recording
+from plants.measured.campaigns.begin import first_begin
+from plants.measured.campaigns.campaign import load_campaign
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
 from plants.measured.trace.start import starting
 from tests.rig.soft import CAMPAIGNS
 

@@ -39,7 +39,7 @@ BUILT_IN = {
     "design/synthesis/tuning.py": "whose gains the region of `Region` is",
     "design/tuner/widget.py": "its own motions by name",
     "plants/effects/effect.py": "units in which effects are written",
-    "plants/measured/campaign.py": "whose motion an axis is",
+    "plants/measured/campaigns/campaign.py": "whose motion an axis is",
     "plants/measured/guess/rig.py": "a rig for a log that names none",
     "plants/measured/trace/ranking/screening.py": "units in which effects are written",
     "plants/measured/trace/start.py": "whose motion an axis is",

@@ -9,8 +9,8 @@ import pytest
 
 from design.cli import main
 from plants.errors import InputError
-from plants.measured.campaign import load_campaign
-from plants.measured.formats.matlab import ADVICE
+from plants.measured.campaigns.campaign import load_campaign
+from plants.measured.formats.binary.matlab import ADVICE
 from plants.measured.trace.rig_fit import fit_rig
 from tests.docs.guide import DOCS, blocks, commands, missing, write
 

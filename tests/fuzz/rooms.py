@@ -92,7 +92,7 @@ def replayed(box: Sandbox, given: Spoiled) -> Outcome:
 
 def declaration(box: Sandbox, given: Spoiled) -> Outcome:
     """A campaign whose campaign.toml is spoiled."""
-    from plants.measured.campaign import load_campaign
+    from plants.measured.campaigns.campaign import load_campaign
 
     for path in CAMPAIGN.glob("*.csv"):
         (box.given / path.name).write_bytes(path.read_bytes())

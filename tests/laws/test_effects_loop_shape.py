@@ -8,8 +8,8 @@ from scipy.integrate import solve_ivp
 from plants.effects.wrist.creep import Creep
 from plants.effects.wrist.loop_shape import CurvedTransit, OneMorePlay, SeveralPlays, SmoothLoop
 from plants.equilibrium import at_pressure
-from plants.measured.begin import Begin
-from plants.measured.stage import begun
+from plants.measured.campaigns.begin import Begin
+from plants.measured.fitting.stage import begun
 from tests.laws.effect_steps import WRIST, moved, ramp
 
 PATH = ramp(100.0, 160.0, 120.0, 140.0, 60.0, 110.0, rate=200.0)

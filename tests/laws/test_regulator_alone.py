@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from plants.effects import EFFECTS
-from plants.measured.playback import Playback
-from plants.measured.recording import Recording
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
 from plants.parameters.files import built_in
 from plants.simulation.open_loop import open_loop, pressed
 from plants.wrist import Wrist

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from plants.errors import InputError
-from plants.measured.campaign import load_campaign, load_recording, parse_declaration
+from plants.measured.campaigns.campaign import load_campaign, load_recording, parse_declaration
+from plants.measured.fitting.noise import resolution
 from plants.measured.instrument import offsets
 from plants.measured.instrument.alignment import delay_between, in_step
 from plants.measured.instrument.logger import corrected
 from plants.measured.instrument.offsets import offsets_between
 from plants.measured.instrument.stated import StatedHabits
-from plants.measured.noise import resolution
 from plants.measured.trace.start import starting
 from tests.measured.conftest import DECLARATION
 from tests.rig.soft import CAMPAIGNS

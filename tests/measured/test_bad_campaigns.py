@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from plants.errors import InputError
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
 
 DECLARATION = 'axis = "flexion"\nsample_time_s = 0.01\nfit = ["steps.csv"]\nvalidate = ["sine.csv"]\n'
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plants.errors import InputError
-from plants.measured.campaign import load_recording
+from plants.measured.campaigns.campaign import load_recording
 from tests.measured.spoiled import HEADER, rows_with
 
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plants.measured.campaign import load_campaign
-from plants.measured.fit import fit_campaign
-from plants.measured.playback import Playback
-from plants.measured.recording import Recording
-from plants.measured.stage import Stage
+from plants.measured.campaigns.campaign import load_campaign
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.fit import fit_campaign
+from plants.measured.fitting.stage import Stage
 from plants.measured.trace.rig_fit import fit_rig
 from plants.measured.trace.stages.between_rows import _turned, with_command
 from plants.parameters.files import built_in

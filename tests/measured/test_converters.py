@@ -6,7 +6,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from plants.errors import InputError
-from plants.measured.campaign import load_recording
+from plants.measured.campaigns.campaign import load_recording
 from plants.measured.formats.columns import ROLES, parse_columns
 from plants.measured.formats.units import factor
 

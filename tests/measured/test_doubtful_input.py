@@ -3,7 +3,7 @@
 import pytest
 
 from plants.errors import InputWarning
-from plants.measured.campaign import load_campaign, load_recording
+from plants.measured.campaigns.campaign import load_campaign, load_recording
 from tests.measured.spoiled import HEADER, rows_with
 
 

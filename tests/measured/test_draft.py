@@ -9,8 +9,8 @@ import pytest
 
 from design.cli.errors import answered
 from plants.errors import InputError
-from plants.measured.campaign import load_campaign, load_recording
-from plants.measured.draft import draft
+from plants.measured.campaigns.campaign import load_campaign, load_recording
+from plants.measured.campaigns.draft import draft
 from plants.measured.importing.importing import import_logs
 from plants.measured.importing.roles import ROLES
 

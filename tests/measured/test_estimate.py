@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plants.measured.estimate import estimate
+from plants.measured.fitting.estimate import estimate
 
 BOUNDS = np.array([[0.5, 0.5], [-10.0, -10.0], [10.0, 10.0]])
 

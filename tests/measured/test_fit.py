@@ -8,11 +8,11 @@ import pytest
 
 import plants.measured
 from plants.errors import InputError, InputWarning
-from plants.measured.campaign import Campaign, load_campaign
-from plants.measured.fit import fit_campaign, on_held_out
-from plants.measured.noise import noise_floor
-from plants.measured.playback import Playback
-from plants.measured.recording import Recording
+from plants.measured.campaigns.campaign import Campaign, load_campaign
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.fit import fit_campaign, on_held_out
+from plants.measured.fitting.noise import noise_floor
 from plants.one_page import wrist as one_page
 from plants.parameters.files import built_in
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from plants.hysteresis import PrandtlIshlinskii
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
+from plants.measured.campaigns.recording import Recording
 from plants.measured.guess.output_curve import rough_curve
 from plants.measured.guess.rig import guessed_rig, guessed_set
 from plants.measured.guess.rough_models import first_order, largest_error, loop_guess, plays
-from plants.measured.recording import Recording
 from plants.measured.trace.rig_fit import fit_rig
 from plants.parameters.files import dump, load
 from plants.parameters.quantities import Guessed

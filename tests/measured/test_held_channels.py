@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.instrument.logger import corrected
 from plants.measured.trace.rig_fit import fit_rig
 from plants.parameters.files import built_in

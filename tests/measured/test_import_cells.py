@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plants.errors import InputError
-from plants.measured.campaign import load_recording
+from plants.measured.campaigns.campaign import load_recording
 from plants.measured.importing.importing import import_logs, table
 
 EXAMPLE = Path(__file__).parents[2] / "plants/measured/examples/flexion"

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from plants.errors import InputError
-from plants.measured.campaign import load_campaign, load_recording
+from plants.measured.campaigns.campaign import load_campaign, load_recording
 from plants.measured.formats.channel import LoggedChannel
 from plants.measured.formats.units import factor
 from plants.measured.importing.importing import import_logs, write_campaign

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plants.measured.campaign import load_campaign, load_recording
+from plants.measured.campaigns.campaign import load_campaign, load_recording
 from plants.measured.importing.importing import import_logs, write_campaign
 
 EXAMPLE = Path(__file__).parents[2] / "plants/measured/examples/flexion"

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from scipy.spatial.transform import Rotation
 
-from plants.measured.campaign import load_campaign, load_recording
+from plants.measured.campaigns.campaign import load_campaign, load_recording
 from plants.measured.formats.columns import ATMOSPHERE
 from plants.measured.importing.importing import import_logs, write_campaign
 

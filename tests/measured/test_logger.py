@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.instrument.logger import corrected
 from plants.measured.instrument.renewals import renewals
 from plants.measured.instrument.saturation import longest

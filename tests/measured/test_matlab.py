@@ -9,8 +9,8 @@ import pytest
 import scipy.io
 
 from plants.errors import InputError
-from plants.measured.campaign import load_recording
-from plants.measured.formats.apart import apart
+from plants.measured.campaigns.campaign import load_recording
+from plants.measured.formats.binary.apart import apart
 from plants.measured.formats.tables import read_table
 
 ROWS = 6

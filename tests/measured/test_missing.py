@@ -7,10 +7,10 @@ import pandas as pd
 import pytest
 
 from plants.errors import InputError
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
+from plants.measured.campaigns.recording import Recording
 from plants.measured.instrument.logger import corrected
 from plants.measured.instrument.missing import spikes
-from plants.measured.recording import Recording
 from tests.rig.soft import arm_b, stairs
 
 

@@ -9,9 +9,9 @@ from scipy.signal import lfilter
 from scipy.stats import norm, truncnorm
 
 import plants.measured
-from plants.measured.campaign import load_campaign
-from plants.measured.noise import _without_hum, is_coloured, noise_of
-from plants.measured.recording import Recording
+from plants.measured.campaigns.campaign import load_campaign
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.noise import _without_hum, is_coloured, noise_of
 from plants.measured.residual.stillness import bent, noise_of_campaign, still_rows
 
 EXAMPLES = Path(plants.measured.__file__).parent / "examples"

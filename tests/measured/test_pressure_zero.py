@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.instrument.logger import corrected
 from plants.measured.trace.counting.zero import counted
 from tests.rig.soft import arm_a, bender

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plants.measured.campaign import load_campaign, load_recording
-from plants.measured.fit import fit_campaign
+from plants.measured.campaigns.campaign import load_campaign, load_recording
+from plants.measured.fitting.fit import fit_campaign
 from plants.measured.formats.tables import read_table
 from plants.parameters.files import built_in
 

@@ -10,7 +10,7 @@ import pytest
 from benchmarks.real_rigs.data import Rig, checksums, convert, desired, rigs
 from benchmarks.real_rigs.outcome import Outcome, outcome, record, shortened
 from plants.files import json_text
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
 
 DATA = os.environ.get("WRIST_DATA")
 pytestmark = pytest.mark.skipif(not DATA, reason="WRIST_DATA is not set: no measured data at hand")

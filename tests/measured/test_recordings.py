@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from plants.errors import InputWarning
-from plants.measured.campaign import load_campaign, load_recording
+from plants.measured.campaigns.campaign import load_campaign, load_recording
 
 DECLARATION = 'axis = "flexion"\nsample_time_s = 0.01\nfit = ["steps.csv"]\nvalidate = ["sine.csv"]\n'
 TIME = np.arange(8) * 0.01
@@ -168,7 +168,7 @@ def test_a_long_recording_loads_fast(write_csv):
 
 def test_the_readers_of_rare_formats_load_when_they_are_needed():
     code = (
-        "import plants.measured.campaign, sys; print([m for m in "
+        "import plants.measured.campaigns.campaign, sys; print([m for m in "
         "('pandas', 'pyarrow', 'pymatreader', 'h5py') if m in sys.modules])"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -11,9 +11,9 @@ from plants.effects import EFFECTS, register
 from plants.effects.effect import Around, Effect, Nothing, Number, parameter
 from plants.effects.wrist.creep import Creep
 from plants.errors import InputError
-from plants.measured.playback import Playback
-from plants.measured.recording import Recording
-from plants.measured.stage import Stage
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.stage import Stage
 from plants.measured.trace.ranking.screening import screen
 from plants.measured.trace.stages.model import Model
 from plants.parameters.files import dump

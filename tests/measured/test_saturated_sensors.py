@@ -7,11 +7,11 @@ import pandas as pd
 import pytest
 
 from plants.errors import InputError
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
 from plants.measured.instrument.logger import corrected
 from plants.measured.instrument.stated import StatedHabits
-from plants.measured.playback import Playback
-from plants.measured.recording import Recording
 from plants.measured.trace.rig_fit import fit_rig
 from plants.measured.trace.suspect import check
 from plants.parameters.files import built_in

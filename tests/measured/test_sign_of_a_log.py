@@ -7,7 +7,7 @@ import pytest
 
 from design.export.catalogue import part
 from plants.errors import InputError
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.instrument.logger import counted_from
 from plants.measured.trace.counting.sign import rising
 from plants.measured.trace.start import starting

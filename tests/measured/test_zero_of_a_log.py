@@ -8,7 +8,7 @@ import pytest
 
 from design.cli.common import rig_of
 from plants.errors import InputError
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.guess.rig import guessed_rig
 from plants.measured.instrument.logger import counted_from
 from plants.measured.trace.counting.middle import centred, near_zero, with_reachable_step

@@ -45,7 +45,8 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
          "control/test_mpc*", "control/test_export_[pr]*"),
     ),
     "statistics": (
-        ("plants/measured/residual", "plants/measured/noise.py", "design/contest", "design/evaluation"),
+        ("plants/measured/residual", "plants/measured/fitting/noise.py", "design/contest",
+         "design/evaluation"),
         ("residual/*", "evaluation/*", "measured/test_[engl]*", "control/test_contest*",
          "control/test_break*", "design/test_t*", "oracles/test_metrics*", "robustness/test_sequences*"),
     ),

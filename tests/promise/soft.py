@@ -20,7 +20,7 @@ from design.robustness.tuning.recommended import tune_candidates
 from design.studies.design_study import Taken, required_of
 from design.synthesis.designed_plant import designed
 from plants.errors import InputError
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.trace.result import Trace
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.quantities import ParameterSet

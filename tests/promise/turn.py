@@ -7,7 +7,7 @@ import numpy as np
 
 import design
 import plants
-from plants.measured.campaign import Campaign
+from plants.measured.campaigns.campaign import Campaign
 from tests.rig.campaign import logged_table
 from tests.rig.core import TICK, Controller
 from tests.rig.rig import Rig

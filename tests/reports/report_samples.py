@@ -33,10 +33,10 @@ from design.synthesis.requirements import Problem
 from design.synthesis.tuning import Region, tune
 from design.synthesis.tuning_rules import baselines
 from plants import Wrist, built_in
-from plants.measured.campaign import Campaign, load_campaign
-from plants.measured.fit import Fit
-from plants.measured.free_run import FreeRun
-from plants.measured.recording import Recording
+from plants.measured.campaigns.campaign import Campaign, load_campaign
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.fit import Fit
+from plants.measured.fitting.free_run import FreeRun
 from plants.measured.trace.result import Trace
 from plants.measured.trace.trace import trace_campaign
 from tests.rig.campaign import make_campaign

@@ -8,7 +8,7 @@ import pytest
 from design.comparison.compare import FORWARD, TUNED
 from design.comparison.pareto import pareto_front
 from reports.comparison import captions as comparison_captions
-from reports.comparison.contest import MAIN, differences_caption
+from reports.comparison.contest.table import MAIN, differences_caption
 from reports.comparison.costs import break_even_caption, break_even_words
 from reports.comparison.trade_off_figure import trade_off_caption
 from reports.robustness import captions as robustness

@@ -15,7 +15,7 @@ from design.synthesis.requirements import Limits, Problem
 from design.synthesis.tuning import Region, tune
 from design.synthesis.tuning_rules import baselines
 from plants import Wrist, built_in
-from reports.comparison.contest import differences_figure
+from reports.comparison.contest.table import differences_figure
 from reports.comparison.page import main_figures
 from reports.paper import figures as paper
 from reports.robustness import page as robust

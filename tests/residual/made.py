@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.signal import lfilter
 
-from plants.measured.recording import Recording
+from plants.measured.campaigns.recording import Recording
 from plants.measured.residual.series.remainder import Array, Remainder, variables
 
 DT = 0.01

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import plants.measured
-from plants.measured.campaign import load_campaign
-from plants.measured.fit import fit_campaign
-from plants.measured.playback import Playback
+from plants.measured.campaigns.campaign import load_campaign
+from plants.measured.campaigns.playback import Playback
+from plants.measured.fitting.fit import fit_campaign
 from plants.measured.residual.examine import examine
 from plants.measured.residual.series.remainder import remainder_of
 from plants.parameters.files import built_in

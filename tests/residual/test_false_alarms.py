@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plants.measured.noise import noise_of
+from plants.measured.fitting.noise import noise_of
 from plants.measured.residual.battery import make_tests
 from plants.measured.residual.examine import examine
 from plants.measured.residual.series.joined import join

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plants.measured.recording import Recording
+from plants.measured.campaigns.recording import Recording
 from plants.measured.residual.series.remainder import direction, remainder_of, variables
 
 

@@ -5,9 +5,9 @@ import pytest
 
 from plants.effects import Creep, OneMorePlay, Polynomial, SeveralPlays
 from plants.equilibrium import at_pressure
-from plants.measured.playback import Playback
-from plants.measured.recording import Recording
-from plants.measured.stage import Stage
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.stage import Stage
 from plants.measured.trace.ranking.backwards import turns_back
 from plants.measured.trace.stages.model import Model
 from plants.parameters.files import built_in

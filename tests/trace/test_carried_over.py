@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from plants.effects import Creep, Drift, LoadStep
-from plants.measured.playback import Playback
-from plants.measured.recording import Recording
-from plants.measured.stage import Stage
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.stage import Stage
 from plants.measured.trace.ranking.excitation import excitation
 from plants.measured.trace.search.candidate import Candidate, carries_over
 from plants.measured.trace.search.common import common_instead

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from plants.errors import InputError, InputWarning
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.instrument.logger import corrected
 from plants.measured.trace.suspect import check
 from plants.measured.trace.trace import trace_campaign

@@ -14,8 +14,8 @@ from plants.effects.wrist.end_stop import GivingStop, HardStop
 from plants.effects.wrist.inertia import StiffeningInertia
 from plants.effects.wrist.load_step import LoadStep
 from plants.effects.wrist.loop_shape import OneMorePlay
-from plants.measured.playback import Playback
-from plants.measured.recording import Recording
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
 from plants.measured.trace.ranking.contact import pressed_beyond
 from plants.measured.trace.ranking.excitation import excitation, line
 from plants.measured.trace.search.refits import rank

@@ -7,9 +7,9 @@ import pytest
 
 from plants.effects.wrist.creep import Creep
 from plants.effects.wrist.stick_slip import FreeSlip
-from plants.measured.playback import Playback
-from plants.measured.recording import Recording
-from plants.measured.stage import Stage
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.stage import Stage
 from plants.measured.trace.ranking.screening import Ranked
 from plants.measured.trace.search.together import fitted_with
 from plants.measured.trace.stages.model import Model

@@ -12,7 +12,7 @@ from design.robustness.tuning.recommended import tune_candidates
 from design.studies.design_study import Taken, required_of
 from design.synthesis.designed_plant import designed
 from plants.effects.effect import dead_time_of
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.files import dump, load
 from plants.rig import Zero

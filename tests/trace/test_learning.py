@@ -5,7 +5,7 @@ import json
 import pytest
 
 from plants.effects.wrist.learnt_block import LearntBlock
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.files import built_in
 from reports.trace.record import trace_record

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.trace.trace import trace_campaign
 
 pytestmark = pytest.mark.suite

@@ -8,7 +8,7 @@ effects.
 import numpy as np
 import pytest
 
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.trace.search.worth import SHARE
 from plants.measured.trace.trace import trace_campaign
 from plants.wrist import Wrist

@@ -7,9 +7,9 @@ from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.regulator.fill_exhaust import TwoRates
 from plants.effects.wrist.creep import Creep, TwoTimeCreep
 from plants.hysteresis import PrandtlIshlinskii
-from plants.measured.playback import Playback
-from plants.measured.recording import Recording
-from plants.measured.stage import Stage
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.stage import Stage
 from plants.measured.trace.revision.revised import at_bounds
 from plants.measured.trace.search import undetermined
 from plants.measured.trace.search.candidate import Candidate

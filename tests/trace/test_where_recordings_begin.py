@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plants.measured import determined
-from plants.measured.begin import Begin, first_begin, like_fitted, same_places
-from plants.measured.blocks import LEAST_BLOCKS, blocks
-from plants.measured.campaign import load_campaign
-from plants.measured.fit import fit_campaign
-from plants.measured.playback import Playback
-from plants.measured.problem import FitProblem
-from plants.measured.recording import Recording
-from plants.measured.stage import Stage
+from plants.measured.campaigns.begin import Begin, first_begin, like_fitted, same_places
+from plants.measured.campaigns.campaign import load_campaign
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting import determined
+from plants.measured.fitting.blocks import LEAST_BLOCKS, blocks
+from plants.measured.fitting.fit import fit_campaign
+from plants.measured.fitting.problem import FitProblem
+from plants.measured.fitting.stage import Stage
 from plants.measured.trace.declared import stages_of
 from plants.measured.trace.start import starting
 from plants.parameters.files import built_in

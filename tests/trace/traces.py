@@ -8,7 +8,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from plants.kernel.batches import default_jobs
-from plants.measured.campaign import load_campaign
+from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.trace.result import Trace
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.files import built_in

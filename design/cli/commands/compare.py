@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from design.alternatives.designs import RequirementDesign
     from design.controllers.controller import Controller
     from design.controllers.pi import PI
-    from plants.measured.fit import Fit
+    from plants.measured.fitting.fit import Fit
     from plants.parameters.quantities import ParameterSet
 
 NAME = "compare"
@@ -95,9 +95,9 @@ def command(
     from design.studies.stages import Stages
     from design.studies.study import Question, study
     from plants.errors import InputError
-    from plants.measured.campaign import shipped
+    from plants.measured.campaigns.campaign import shipped
     from plants.wrist import Wrist
-    from reports.comparison.contest_words import sentences
+    from reports.comparison.contest.words import sentences
     from reports.comparison.page import write_comparison
     from reports.comparison.record import comparison_record
     from reports.comparison.verdict_words import verdict_sentences
@@ -211,9 +211,9 @@ def _plants(
 ) -> tuple[dict[str, "Fit"], dict[str, "ParameterSet"]]:
     """Fits of the campaigns, and the parameter set of each motion: fitted, given, or, where nothing is given,
     built in."""
-    from design.cli.commands.fit import tables
+    from design.cli.commands.logs.fit import tables
     from plants.errors import InputError
-    from plants.measured.campaign import load_campaign
+    from plants.measured.campaigns.campaign import load_campaign
     from plants.measured.trace.rig_fit import fit_rig
     from plants.parameters.files import built_in, load
 

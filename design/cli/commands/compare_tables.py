@@ -69,7 +69,7 @@ def _short(value: float | None) -> str:
 
 def contest_table(broad: "Contest") -> list[object]:
     """A table of the steps on the perturbed plants for each motion, and one for both at once."""
-    from reports.comparison.contest import is_main
+    from reports.comparison.contest.table import is_main
 
     parts: list[object] = []
     for motion, field, family in broad.tables:

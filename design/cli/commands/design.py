@@ -20,7 +20,7 @@ from design.cli.terminal.screen import console, progress
 
 if TYPE_CHECKING:
     from design.studies.design_study import MotionDesign
-    from plants.measured.campaign import Campaign
+    from plants.measured.campaigns.campaign import Campaign
     from plants.parameters.quantities import ParameterSet
 
 NAME = "design"
@@ -120,7 +120,7 @@ def command(
 def _campaigns(folders: list[Path], files_: list[Path]) -> "dict[str, tuple[Campaign, ParameterSet | None]]":
     """Campaigns by motion, each with the set that its fit starts from; all are read before any is fitted."""
     from plants.errors import InputError
-    from plants.measured.campaign import load_campaign
+    from plants.measured.campaigns.campaign import load_campaign
     from plants.parameters.files import load
 
     sets = {s.axis: s for s in (load(path) for path in files_)}
@@ -163,8 +163,8 @@ def _exporting(out: Path, motion: str) -> tuple[str | Path, ...]:
 def _export(out: Path, motion: "MotionDesign") -> None:
     """The recommended controller as C in c-MOTION."""
 
+    from design.controllers.measurement.plausible import SensorLimits
     from design.controllers.pi_two_dof import TwoDofPI
-    from design.controllers.plausible import SensorLimits
     from design.export.catalogue import STANDS_STILL, identifier, noted
     from design.export.formats.folder import write
     from design.export.parts_of import of_controller

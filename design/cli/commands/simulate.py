@@ -140,10 +140,10 @@ def _open(wrist: "Wrist", volts: float, start: "Start", duration: float) -> dict
 def _played(wrist: "Wrist", path: Path) -> dict[str, Any]:
     import numpy as np
 
-    from plants.measured.begin import first_begin
-    from plants.measured.campaign import load_recording
-    from plants.measured.playback import Playback
-    from plants.measured.stage import begun
+    from plants.measured.campaigns.begin import first_begin
+    from plants.measured.campaigns.campaign import load_recording
+    from plants.measured.campaigns.playback import Playback
+    from plants.measured.fitting.stage import begun
 
     r = load_recording(path, rig=wrist.rig)
     # Counted from mid-range, a rig at rest is not where its recordings begin.
@@ -174,8 +174,8 @@ def _closed(
 ) -> dict[str, Any]:
     import math
 
+    from design.controllers.measurement.plausible import SensorLimits
     from design.controllers.pi import PI
-    from design.controllers.plausible import SensorLimits
     from design.evaluation.steps import run
     from plants.errors import InputError
 

@@ -8,7 +8,7 @@ templates of C.  A block is called once in every period, as a cyclic task of tha
 import re
 from collections.abc import Iterator
 
-from design.controllers.plausible import UNSEEN
+from design.controllers.measurement.plausible import UNSEEN
 from design.export.part import Part
 from design.export.rendering import render
 from plants.errors import InputError

@@ -19,12 +19,12 @@ from design.studies.check.residual import (
     drawn,
     free_readings,
 )
-from plants.measured.begin import first_begin
-from plants.measured.campaign import Campaign
-from plants.measured.free_run import squares
+from plants.measured.campaigns.begin import first_begin
+from plants.measured.campaigns.campaign import Campaign
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.free_run import squares
 from plants.measured.instrument.remark import Remark
-from plants.measured.playback import Playback
-from plants.measured.recording import Recording
 from plants.measured.trace.change.refit import StageRefit, refit, seen_alike
 from plants.measured.trace.change.two_steps import white_errors
 from plants.measured.trace.result import Named, Trace

@@ -12,9 +12,9 @@ from design.studies.check.residual import ResidualCheck, residual
 from design.studies.check.stairs import Stair, stairs_of
 from design.synthesis.designed_plant import events, without
 from plants.errors import InputError
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
 from plants.measured.formats.cells import shorten
-from plants.measured.playback import Playback
-from plants.measured.recording import Recording
 from plants.measured.trace.stages.between_rows import with_command
 from plants.parameters.quantities import ParameterSet
 

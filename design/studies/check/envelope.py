@@ -22,10 +22,10 @@ from design.robustness.requirement import Requirement
 from design.robustness.samples.draws import CASES, NOISE, generator
 from design.studies.check.stairs import BAND, FINEST, UNITS, Stair, figures
 from plants.kernel import pytrees
-from plants.measured.begin import Begin, first_begin
-from plants.measured.playback import Playback
-from plants.measured.recording import Recording
-from plants.measured.stage import begun
+from plants.measured.campaigns.begin import Begin, first_begin
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.stage import begun
 from plants.simulation.sensor import HOLD, sensor
 from plants.wrist import Start, State
 

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from design.robustness.box import Box
 from design.robustness.samples.draws import CASES, generator
-from plants.measured.begin import Begin, first_begin, measured
-from plants.measured.playback import Playback
+from plants.measured.campaigns.begin import Begin, first_begin, measured
+from plants.measured.campaigns.playback import Playback
+from plants.measured.fitting.stage import begun
 from plants.measured.residual.stillness import noise_of_campaign
-from plants.measured.stage import begun
 from plants.parameters.remainder import CHANNELS
 from plants.simulation.disturbance import burdened
 from plants.wrist import Wrist

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from plants.errors import InputError
+from plants.measured.formats.binary.matlab import read_mat
 from plants.measured.formats.cells import Column, column_of, one_line
 from plants.measured.formats.csv_table import read_csv
-from plants.measured.formats.matlab import read_mat
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.campaigns.recording import Recording
 from plants.measured.guess.rough_models import REACHES, extent, lagged, median_step, plays, smoothed
-from plants.measured.recording import Recording
 
 Array = NDArray[np.float64]
 BENDS = (0.1, 0.2, 0.35, 0.5, 0.65, 0.8)

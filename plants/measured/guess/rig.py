@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.hysteresis import LAWS, HysteresisLaw, RoughLoop
-from plants.measured.campaign import Campaign
+from plants.measured.campaigns.campaign import Campaign
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.noise import noise_floor, resolution
 from plants.measured.guess.rough_models import (
     REACHES,
     Lagged,
@@ -23,8 +25,6 @@ from plants.measured.guess.rough_models import (
     median_step,
     recorded,
 )
-from plants.measured.noise import noise_floor, resolution
-from plants.measured.recording import Recording
 from plants.parameters.quantities import Guessed, Parameter, ParameterSet, declared_kinds
 from plants.rig import Rig, built_in_rig
 

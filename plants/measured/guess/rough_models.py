@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.hysteresis import RoughLoop
+from plants.measured.campaigns.recording import Recording
 from plants.measured.guess.output_curve import rough_curve
-from plants.measured.recording import Recording
 
 Array = NDArray[np.float64]
 ROWS = 6000

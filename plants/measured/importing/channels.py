@@ -8,14 +8,14 @@ from typing import NamedTuple
 import numpy as np
 
 from plants.errors import InputError
-from plants.measured.formats.apart import apart
-from plants.measured.formats.bags import read_bag, read_mcap
+from plants.measured.formats.binary.apart import apart
+from plants.measured.formats.binary.bags import read_bag, read_mcap
+from plants.measured.formats.binary.mdf4 import read_mdf
+from plants.measured.formats.binary.tdms import read_tdms
 from plants.measured.formats.cells import one_line, shorten
 from plants.measured.formats.channel import Array, LoggedChannel, LoggedSeries
 from plants.measured.formats.dialect import named_unit, read_text
-from plants.measured.formats.mdf4 import read_mdf
 from plants.measured.formats.tables import Table, read_table
-from plants.measured.formats.tdms import read_tdms
 from plants.measured.formats.units import factor, quantity
 from plants.measured.importing.names import HINTS, unit_in
 from plants.measured.instrument.missing import numbers_in
@@ -83,7 +83,7 @@ def _reader(path: Path) -> tuple[Callable[[Path], list], bool]:  # type: ignore[
     if suffix == ".tdms":
         return read_tdms, True
     if suffix in HDF5:
-        return (lambda p: apart("plants.measured.formats.hdf5", "read_hdf5", p)), True
+        return (lambda p: apart("plants.measured.formats.binary.hdf5", "read_hdf5", p)), True
     if suffix in TABLES:
         return _of_table, True
     if suffix in TEXTS:

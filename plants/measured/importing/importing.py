@@ -12,7 +12,7 @@ import tomlkit
 
 from plants.errors import InputError
 from plants.files import file_name, replaced_folder, write_atomically
-from plants.measured.campaign import FILE
+from plants.measured.campaigns.campaign import FILE
 from plants.measured.formats.channel import LoggedChannel
 from plants.measured.importing.channels import Log, listed, read_log
 from plants.measured.importing.columns_table import columns_table

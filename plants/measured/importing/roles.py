@@ -12,12 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from plants.errors import InputError
+from plants.measured.fitting.noise import noise_floor
 from plants.measured.formats.cells import shorten
 from plants.measured.formats.channel import Array, LoggedChannel
 from plants.measured.formats.units import KINDS, factor, quantity
 from plants.measured.importing.names import HINTS, LENGTHS
 from plants.measured.importing.orientation import orientations
-from plants.measured.noise import noise_floor
 
 ROLES = {
     "reference": "reference_deg", "command": "command_V", "pressure": "pressure_kPa", "angle": "angle_deg",

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.errors import InputError
+from plants.measured.campaigns.read_table import GAP, SHORT_GAP
 from plants.measured.formats.channel import Array, LoggedChannel
 from plants.measured.importing.channels import Log
 from plants.measured.importing.roles import Role
 from plants.measured.instrument.missing import FILLED
-from plants.measured.read_table import GAP, SHORT_GAP
 
 REST = 2.0
 """Time [s] for which the command stands at where it began, that a run may end there."""

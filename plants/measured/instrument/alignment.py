@@ -12,10 +12,10 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.campaign import Campaign
+from plants.measured.campaigns.campaign import Campaign
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.noise import resolution
 from plants.measured.guess.rough_models import ROWS, lagged, loop_guess, static_guess
-from plants.measured.noise import resolution
-from plants.measured.recording import Recording
 
 Array = NDArray[np.float64]
 LONGEST = 0.6

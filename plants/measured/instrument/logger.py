@@ -14,7 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.campaign import Campaign
+from plants.measured.campaigns.campaign import Campaign
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.noise import noise_floor, resolution
 from plants.measured.instrument.alignment import delay_between, in_step
 from plants.measured.instrument.missing import lines_between, spikes
 from plants.measured.instrument.offsets import offsets_between
@@ -22,8 +24,6 @@ from plants.measured.instrument.remark import Habit, Remark
 from plants.measured.instrument.renewals import interval, renewals
 from plants.measured.instrument.saturation import REST_ROWS, ranged
 from plants.measured.instrument.single_sine import only_sines
-from plants.measured.noise import noise_floor, resolution
-from plants.measured.recording import Recording
 from plants.rig import Zero
 
 Array = NDArray[np.float64]

@@ -10,8 +10,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.blocks import judged_blocks, lower
-from plants.measured.campaign import Campaign
+from plants.measured.campaigns.campaign import Campaign
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.blocks import judged_blocks, lower
+from plants.measured.fitting.noise import noise_floor, resolution
 from plants.measured.guess.regressors import Regressors, left_by, smooth_pressure
 from plants.measured.guess.rough_models import (
     JOINT_LAGS,
@@ -22,8 +24,6 @@ from plants.measured.guess.rough_models import (
     median_step,
     recorded,
 )  # fmt: skip
-from plants.measured.noise import noise_floor, resolution
-from plants.measured.recording import Recording
 
 Array = NDArray[np.float64]
 FIRST, STILL, RESTS = 3, 0.005, 1.0

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.noise import resolution
-from plants.measured.recording import HELD
+from plants.measured.campaigns.recording import HELD
+from plants.measured.fitting.noise import resolution
 
 Array = NDArray[np.float64]
 JUMPS = 2.5

@@ -1,7 +1,7 @@
 """Angle sensors that saturate: what they show between two ends only, and where those are.
 
 Rows at an end tell that the true angle is not within it, and no more: a simulation is compared as such a
-sensor reads it (`plants.measured.playback`).
+sensor reads it (`plants.measured.campaigns.playback`).
 """
 
 from collections.abc import Callable
@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.errors import InputError
-from plants.measured.campaign import Campaign
+from plants.measured.campaigns.campaign import Campaign
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.noise import noise_floor, resolution
 from plants.measured.instrument.remark import Habit, Remark
-from plants.measured.noise import noise_floor, resolution
-from plants.measured.recording import Recording
 
 Array = NDArray[np.float64]
 Range = tuple[float, float]

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from plants.measured.recording import Recording
+from plants.measured.campaigns.recording import Recording
 
 SINGLE = 0.7
 """Share of a command's power in one line from which on it is a single sine, or a wave of that period."""

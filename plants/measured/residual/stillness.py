@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.noise import is_coloured, noise_of
-from plants.measured.recording import Recording
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.noise import is_coloured, noise_of
 from plants.measured.residual.checks.periodic import harmonic, line_in, spectrum_of
 from plants.measured.residual.series.background import LONGEST_MEMORY, background, first_order, positive_parts
 from plants.measured.residual.series.joined import FEWEST, Joined, join

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.begin import Begin, first_rows, measured
-from plants.measured.campaign import Campaign
-from plants.measured.fit import Fit
-from plants.measured.playback import Playback
-from plants.measured.recording import Recording
+from plants.measured.campaigns.begin import Begin, first_rows, measured
+from plants.measured.campaigns.campaign import Campaign
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.fit import Fit
+from plants.measured.fitting.stage import Stage, begun
 from plants.measured.residual.series.denoised import denoised
-from plants.measured.stage import Stage, begun
 from plants.measured.trace.law import LawChoice
 from plants.measured.trace.revision.size import MATTERS, span
 from plants.measured.trace.search.candidate import Candidate

@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.hysteresis import LAWS
-from plants.measured.begin import Begin
-from plants.measured.campaign import Campaign
-from plants.measured.determined import remembered
-from plants.measured.fit import Fit
+from plants.measured.campaigns.begin import Begin
+from plants.measured.campaigns.campaign import Campaign
+from plants.measured.campaigns.playback import Playback
+from plants.measured.fitting.determined import remembered
+from plants.measured.fitting.fit import Fit
+from plants.measured.fitting.stage import Stage
 from plants.measured.guess.regressors import smooth_pressure
 from plants.measured.guess.rig import guessed_set
-from plants.measured.playback import Playback
-from plants.measured.stage import Stage
 from plants.measured.trace.search.candidate import Candidate
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.start import Start

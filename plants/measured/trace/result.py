@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from plants.effects.wrist.learnt_block import LearntBlock
-from plants.measured.campaign import Campaign
-from plants.measured.fit import Fit
-from plants.measured.free_run import FreeRun
+from plants.measured.campaigns.campaign import Campaign
+from plants.measured.fitting.fit import Fit
+from plants.measured.fitting.free_run import FreeRun
+from plants.measured.fitting.stage import Stage
 from plants.measured.instrument.remark import Remark
 from plants.measured.residual.examine import Examination
-from plants.measured.stage import Stage
 from plants.measured.trace.law import LawChoice
 from plants.measured.trace.revision.size import explained_share
 from plants.measured.trace.search.candidate import Candidate

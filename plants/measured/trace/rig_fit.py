@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from plants.measured.campaign import Campaign
-from plants.measured.fit import Fit, fit_campaign
+from plants.measured.campaigns.campaign import Campaign
+from plants.measured.fitting.fit import Fit, fit_campaign
 from plants.measured.trace.declared import stages_of
 from plants.measured.trace.law import LawChoice, law_of_rig
 from plants.measured.trace.stages.between_rows import with_commands
@@ -46,7 +46,7 @@ def fit_rig(
     where not given `STARTS` from a set that somebody made, one from a guess, which is near already.  Where
     the command did something else between rows than is taken for granted it is fitted again with that.
 
-    Raises InputError as `plants.measured.fit.fit_campaign` does.
+    Raises InputError as `plants.measured.fitting.fit.fit_campaign` does.
     """
     found = _fitted(starting(campaign, given), starts, seed, progress)
     timed = with_commands(found.start, found.model)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from plants.measured.campaign import Campaign
+from plants.measured.campaigns.campaign import Campaign
 from plants.measured.guess.rig import guessed_set
 from plants.measured.instrument.logger import corrected
 from plants.measured.instrument.remark import Remark, angle_delay_of, zero_of

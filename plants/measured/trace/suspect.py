@@ -4,10 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.errors import InputError
-from plants.measured.begin import measured
-from plants.measured.campaign import Campaign
+from plants.measured.campaigns.begin import measured
+from plants.measured.campaigns.campaign import Campaign
+from plants.measured.campaigns.recording import Recording
 from plants.measured.instrument.saturation import stays_at
-from plants.measured.recording import Recording
 from plants.measured.residual.series.joined import FEWEST
 
 Array = NDArray[np.float64]

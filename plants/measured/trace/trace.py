@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.campaign import Campaign
-from plants.measured.fit import Fit, fit_campaign, on_held_out
-from plants.measured.stage import Stage
+from plants.measured.campaigns.campaign import Campaign
+from plants.measured.fitting.fit import Fit, fit_campaign, on_held_out
+from plants.measured.fitting.stage import Stage
 from plants.measured.trace.declared import LOWER, base_fit, declared_model, stages_of
 from plants.measured.trace.law import LawChoice, law_of_rig
 from plants.measured.trace.result import StageTrace, Trace

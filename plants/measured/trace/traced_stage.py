@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from plants.measured.fit import Fit
+from plants.measured.fitting.fit import Fit
 from plants.measured.trace.judge import explained, many, not_logged, unexcited
 from plants.measured.trace.result import StageTrace
 from plants.measured.trace.search.candidate import Candidate

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from plants.measured.noise import noise_floor
+from plants.measured.fitting.noise import noise_floor
 from plants.measured.trace.result import StageTrace
 from plants.measured.trace.stages.model import Model
 

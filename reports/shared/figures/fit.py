@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from plants.measured.fit import Fit
-from plants.measured.free_run import FreeRun
+from plants.measured.fitting.fit import Fit
+from plants.measured.fitting.free_run import FreeRun
 from plants.measured.instrument.remark import habits
 from plants.measured.trace.law import LawChoice
 from plants.measured.trace.rig_fit import RigFit

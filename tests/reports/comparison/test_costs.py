@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from design.studies.study import Question
-from reports.comparison.contest import main_table
+from reports.comparison.contest.table import main_table
 from reports.comparison.costs import break_even_table, break_even_words, ledger_table, ledger_words
 from reports.comparison.words import LATE, on_others, summary
 from reports.shared.tables import number

@@ -14,7 +14,7 @@ from design.synthesis.requirements import Limits
 from plants import InputError, built_in
 from plants.effects import DeadTime
 from plants.files import json_text
-from reports.comparison.contest_words import sentences
+from reports.comparison.contest.words import sentences
 from reports.comparison.costs import break_even_words, ledger_words
 from reports.comparison.designs import designs
 from reports.comparison.page import comparison_page, write_comparison

@@ -7,8 +7,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.noise import resolution
-from plants.measured.recording import Recording
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.noise import resolution
 
 Array = NDArray[np.float64]
 RemainderStage = Literal["regulator", "wrist"]

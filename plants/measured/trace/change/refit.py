@@ -5,8 +5,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from plants.errors import InputError
-from plants.measured.campaign import Campaign
-from plants.measured.fit import fit_campaign
+from plants.measured.campaigns.campaign import Campaign
+from plants.measured.fitting.fit import fit_campaign
 from plants.measured.instrument.logger import corrected, counted_from
 from plants.measured.instrument.remark import Remark, zero_of
 from plants.measured.trace.change.two_steps import std_errors

@@ -11,7 +11,7 @@ from math import floor, log10
 import numpy as np
 
 from plants.equilibrium import at_pressure, at_rest, obstacle
-from plants.measured.campaign import Campaign
+from plants.measured.campaigns.campaign import Campaign
 from plants.measured.guess.rig import guessed_rig, with_step
 from plants.measured.guess.rough_models import extent
 from plants.measured.instrument.logger import counted_from

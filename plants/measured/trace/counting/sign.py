@@ -4,7 +4,7 @@ with the pressure."""
 import numpy as np
 
 from plants.errors import InputError
-from plants.measured.campaign import Campaign
+from plants.measured.campaigns.campaign import Campaign
 from plants.measured.guess.rough_models import first_order, recorded
 from plants.measured.instrument.logger import counted_from
 from plants.measured.instrument.remark import Remark

@@ -14,18 +14,18 @@ from numpy.typing import NDArray
 
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.regulator.fill_exhaust import PressureDependentRates
-from plants.measured.begin import Begin, first_rows
-from plants.measured.campaign import Campaign
-from plants.measured.estimate import corner_of, minimise, uncertainty
+from plants.measured.campaigns.begin import Begin, first_rows
+from plants.measured.campaigns.campaign import Campaign
+from plants.measured.campaigns.playback import Playback
+from plants.measured.fitting.estimate import corner_of, minimise, uncertainty
+from plants.measured.fitting.problem import FitProblem
+from plants.measured.fitting.stage import Stage
 from plants.measured.guess.rig import guessed_set
 from plants.measured.guess.rough_models import first_order, recorded
 from plants.measured.instrument.logger import counted_from
 from plants.measured.instrument.remark import Remark
 from plants.measured.instrument.single_sine import only_sines
-from plants.measured.playback import Playback
-from plants.measured.problem import FitProblem
 from plants.measured.residual.stillness import noise_of_campaign
-from plants.measured.stage import Stage
 from plants.measured.trace.stages.model import Model
 from plants.rig import Zero
 
@@ -43,8 +43,9 @@ CERTAIN = 3.0
 
 @dataclass(frozen=True)
 class FromZero:
-    """What a fit of the regulator minimises where the sensor's zero is open, for `plants.measured.estimate`:
-    vectors are those of `problem`, then the pressure [kPa] that is measured where the law's is zero."""
+    """What a fit of the regulator minimises where the sensor's zero is open, for
+    `plants.measured.fitting.estimate`: vectors are those of `problem`, then the pressure [kPa] that is
+    measured where the law's is zero."""
 
     problem: FitProblem
 

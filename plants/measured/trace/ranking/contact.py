@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.noise import noise_floor
-from plants.measured.recording import Recording
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.noise import noise_floor
 
 Array = NDArray[np.float64]
 

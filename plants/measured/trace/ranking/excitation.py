@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
 from plants.measured.instrument.single_sine import line
-from plants.measured.playback import Playback
-from plants.measured.recording import Recording
 from plants.measured.trace.ranking.contact import pressed_beyond
 
 Array = NDArray[np.float64]

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.stage import Form, Stage
+from plants.measured.fitting.stage import Form, Stage
 from plants.measured.trace.stages.model import Model
 from plants.rig import Rig
 

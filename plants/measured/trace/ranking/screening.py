@@ -15,8 +15,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.problem import WILD
-from plants.measured.stage import Form
+from plants.measured.fitting.problem import WILD
+from plants.measured.fitting.stage import Form
 from plants.measured.trace.ranking.proposals import trials
 from plants.measured.trace.stages.model import Model
 from plants.rig import Rig, built_in_rig

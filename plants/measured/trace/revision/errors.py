@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.begin import measured
-from plants.measured.fit import CHANNELS
-from plants.measured.free_run import FreeRun, squares
+from plants.measured.campaigns.begin import measured
+from plants.measured.fitting.fit import CHANNELS
+from plants.measured.fitting.free_run import FreeRun, squares
 
 Array = NDArray[np.float64]
 BOOTSTRAP = 400

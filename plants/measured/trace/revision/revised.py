@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 
 from plants.effects.wrist.learnt_block import LearntBlock
-from plants.measured.begin import Begin, like_fitted
-from plants.measured.campaign import Campaign
-from plants.measured.estimate import EstimateErrors, corner_of, uncertainty
-from plants.measured.fit import CHANNELS, Fit
-from plants.measured.free_run import FreeRun, rmse
+from plants.measured.campaigns.begin import Begin, like_fitted
+from plants.measured.campaigns.campaign import Campaign
+from plants.measured.campaigns.playback import Playback
+from plants.measured.fitting.estimate import EstimateErrors, corner_of, uncertainty
+from plants.measured.fitting.fit import CHANNELS, Fit
+from plants.measured.fitting.free_run import FreeRun, rmse
+from plants.measured.fitting.stage import begun
 from plants.measured.instrument.remark import Remark
-from plants.measured.playback import Playback
-from plants.measured.stage import begun
 from plants.measured.trace.counting.middle import with_reachable_step
 from plants.measured.trace.declared import begin_of
 from plants.measured.trace.judge import many

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.effects.wrist.remainder import SHOWS
-from plants.measured.begin import measured
-from plants.measured.free_run import FreeRun, squares
+from plants.measured.campaigns.begin import measured
+from plants.measured.fitting.free_run import FreeRun, squares
 from plants.measured.trace.revision.uncertainty_weight import uncertainty_weight
 from plants.parameters.remainder import BANDS, CHANNELS, RemainderSize
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.blocks import lower
+from plants.measured.fitting.blocks import lower
 from plants.measured.residual.examine import Examination, examine
 from plants.measured.trace.search.likelihood import log_likelihood
 from plants.measured.trace.stages.model import Model

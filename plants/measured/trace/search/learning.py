@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from plants.effects.wrist.learnt_block import LearntBlock
-from plants.measured.blocks import lower
-from plants.measured.estimate import jacobian
+from plants.measured.fitting.blocks import lower
+from plants.measured.fitting.estimate import jacobian
 from plants.measured.trace.search.candidate import FOLDS, PARTIAL_FIT, Candidate
 from plants.measured.trace.search.worth import SHARE
 from plants.measured.trace.stages.model import Model

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plants.measured.estimate import corner_of, uncertainty
+from plants.measured.fitting.estimate import corner_of, uncertainty
 from plants.measured.trace.search.candidate import Candidate
 from plants.measured.trace.stages.model import Model
 

@@ -14,13 +14,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.begin import first_begin
-from plants.measured.blocks import lower
+from plants.measured.campaigns.begin import first_begin
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.blocks import lower
+from plants.measured.fitting.stage import Stage
 from plants.measured.instrument.remark import Remark
-from plants.measured.playback import Playback
-from plants.measured.recording import Recording
 from plants.measured.residual.stillness import noise_of_campaign
-from plants.measured.stage import Stage
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.start import Start
 from plants.wrist import Wrist

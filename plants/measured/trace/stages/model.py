@@ -7,9 +7,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.estimate import jacobian, minimise
-from plants.measured.problem import FitProblem
-from plants.measured.stage import Form, Stage
+from plants.measured.fitting.estimate import jacobian, minimise
+from plants.measured.fitting.problem import FitProblem
+from plants.measured.fitting.stage import Form, Stage
 from plants.parameters.quantities import ParameterSet
 from plants.wrist import Wrist
 

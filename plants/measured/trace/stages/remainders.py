@@ -1,7 +1,7 @@
 """What a model leaves of its channel, with all that it may depend on."""
 
+from plants.measured.fitting.stage import begun
 from plants.measured.residual.series.remainder import Remainder, variables
-from plants.measured.stage import begun
 from plants.measured.trace.stages.model import Model
 
 

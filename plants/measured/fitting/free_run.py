@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.begin import measured
-from plants.measured.recording import Recording
+from plants.measured.campaigns.begin import measured
+from plants.measured.campaigns.recording import Recording
 
 Array = NDArray[np.float64]
 

@@ -20,10 +20,10 @@ from plants.effects.effect import Around, Effect
 from plants.equilibrium import beside, effects_at_rest, static_angle
 from plants.kernel.batches import in_turn_or_side_by_side
 from plants.kernel.templates import LANES
-from plants.measured.begin import Begin, measured
-from plants.measured.blocks import blocks, judged_blocks
-from plants.measured.playback import Playback
-from plants.measured.recording import Recording
+from plants.measured.campaigns.begin import Begin, measured
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.blocks import blocks, judged_blocks
 from plants.parameters.quantities import REGULATOR_NAMES
 from plants.rig import Rig
 from plants.simulation.open_loop import driven

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.recording import Recording
+from plants.measured.campaigns.recording import Recording
 from plants.simulation.open_loop import open_loop, pressed
 from plants.wrist import SAMPLE_TIME, State, Wrist
 

@@ -45,7 +45,7 @@ def command(
     json: JsonOption = None,
 ) -> None:
     from plants.files import write_atomically
-    from plants.measured.campaign import load_campaign
+    from plants.measured.campaigns.campaign import load_campaign
     from plants.measured.trace.plan import plan, rival, rivals_of
     from plants.measured.trace.trace import trace_campaign
     from reports.shared.figures.style import save

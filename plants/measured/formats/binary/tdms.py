@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from plants.measured.formats.binary.extras import needed
 from plants.measured.formats.channel import LoggedSeries, numeric
-from plants.measured.formats.extras import needed
 
 UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 """Properties that tell a unit, in the order of preference."""

@@ -18,7 +18,7 @@ from plants.errors import InputError
 PATIENCE = 300.0
 """Time after which a reader that says nothing is given up [s]."""
 
-LINES = "import sys; sys.path[:] = {path!r}; from plants.measured.formats.apart import serve; serve()"
+LINES = "import sys; sys.path[:] = {path!r}; from plants.measured.formats.binary.apart import serve; serve()"
 
 _worker: tuple[int, subprocess.Popen[bytes]] | None = None
 """The process that made the worker, and the worker: a forked process must not share its pipes."""

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
+from plants.measured.formats.binary.extras import needed
 from plants.measured.formats.channel import LoggedChannel, numeric
-from plants.measured.formats.extras import needed
 
 
 def read_mdf(path: Path) -> list[LoggedChannel]:

@@ -6,9 +6,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.begin import Begin, same_places
-from plants.measured.estimate import Estimate, estimate
-from plants.measured.problem import FitProblem
+from plants.measured.campaigns.begin import Begin, same_places
+from plants.measured.fitting.estimate import Estimate, estimate
+from plants.measured.fitting.problem import FitProblem
 from plants.parameters.quantities import ParameterSet
 
 Array = NDArray[np.float64]

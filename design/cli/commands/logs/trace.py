@@ -26,7 +26,7 @@ from design.cli.terminal.screen import Sheet, console, progress
 if TYPE_CHECKING:
     from design.studies.check.campaigns import CampaignChange
     from design.synthesis.retune import Control
-    from plants.measured.campaign import Campaign
+    from plants.measured.campaigns.campaign import Campaign
     from plants.measured.trace.result import Named, Trace
     from reports.shared.html import Made
 
@@ -73,7 +73,7 @@ def command(
     ] = None,
     jobs: JobsOption = None,
 ) -> None:
-    from plants.measured.campaign import load_campaign
+    from plants.measured.campaigns.campaign import load_campaign
     from plants.measured.trace.trace import trace_campaign
     from plants.parameters.files import dump
     from reports.trace.control_words import control_sentence
@@ -127,7 +127,7 @@ def _retuned(trace: "Trace", seed: int, jobs: int | None) -> "Control | None":
 def _later(old: "Campaign", new: Path, plant: Path | None, of_one: Mapping[str, object]) -> "Campaign":
     """The later of two campaigns; InputError where they cannot be compared, or options are of one alone."""
     from plants.errors import InputError
-    from plants.measured.campaign import load_campaign
+    from plants.measured.campaigns.campaign import load_campaign
     from plants.measured.trace.change.refit import check_comparable
 
     for option, asked in of_one.items():

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from plants.errors import InputError, InputWarning
+from plants.measured.campaigns.recording import Recording, Stage
 from plants.measured.formats.cells import Array, Text, first_bad, shorten
 from plants.measured.formats.columns import STANDARD, Source, turned
 from plants.measured.formats.tables import Table
 from plants.measured.instrument.missing import lines_between, with_missing
 from plants.measured.instrument.rows import mended
-from plants.measured.recording import Recording, Stage
 from plants.rig import Rig
 
 GAP = 2.5

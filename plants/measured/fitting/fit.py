@@ -15,16 +15,16 @@ from numpy.typing import NDArray
 
 from plants.errors import InputError, InputWarning
 from plants.hysteresis import with_values
-from plants.measured.begin import Begin, at_rest, first_begin, like_fitted, measured
-from plants.measured.campaign import Campaign
-from plants.measured.determined import estimate_determined
-from plants.measured.estimate import Estimate
-from plants.measured.free_run import FreeRun, rmse
-from plants.measured.playback import Playback
-from plants.measured.problem import FitProblem
-from plants.measured.recording import Recording
+from plants.measured.campaigns.begin import Begin, at_rest, first_begin, like_fitted, measured
+from plants.measured.campaigns.campaign import Campaign
+from plants.measured.campaigns.playback import Playback
+from plants.measured.campaigns.recording import Recording
+from plants.measured.fitting.determined import estimate_determined
+from plants.measured.fitting.estimate import Estimate
+from plants.measured.fitting.free_run import FreeRun, rmse
+from plants.measured.fitting.problem import FitProblem
+from plants.measured.fitting.stage import Stage
 from plants.measured.residual.stillness import noise_of_campaign
-from plants.measured.stage import Stage
 from plants.parameters.correlation import ParameterCorrelation, all_pairs
 from plants.parameters.quantities import REGULATOR_NAMES, ParameterSet, loop_names
 from plants.wrist import Wrist

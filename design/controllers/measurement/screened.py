@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from design.controllers.controller import Controller, Measured, remembers
-from design.controllers.plausible import Channel, LastBelieved, SensorLimits, believed
+from design.controllers.measurement.plausible import Channel, LastBelieved, SensorLimits, believed
 from plants.kernel import pytrees
 from plants.wrist import SAMPLE_TIME, Wrist
 

@@ -45,7 +45,7 @@ def command(
     jobs: JobsOption = None,
 ) -> None:
     from design.studies.check.check import check_log
-    from plants.measured.campaign import load_recording
+    from plants.measured.campaigns.campaign import load_recording
     from reports.check.page import write_check
     from reports.check.record import check_record
     from reports.check.words import title
@@ -69,7 +69,7 @@ def command(
 
 def _columns(log: Path) -> Any:
     """The ``[columns]`` of the campaign that a log lies in; None where it lies in none."""
-    from plants.measured.campaign import FILE
+    from plants.measured.campaigns.campaign import FILE
     from plants.toml import read_toml
 
     declared = log.parent / FILE

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.hysteresis import HysteresisLaw
-from plants.measured.recording import Recording
+from plants.measured.campaigns.recording import Recording
 from plants.rig import Rig
 from plants.wrist import State
 

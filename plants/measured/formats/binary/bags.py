@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from plants.measured.formats.binary.extras import needed
 from plants.measured.formats.channel import LoggedChannel
-from plants.measured.formats.extras import needed
 
 LONGEST = 16
 """Elements up to which an array in a message makes channels: a point cloud is none."""

@@ -3,7 +3,7 @@
 from design.contest.plants import RIGS
 from design.contest.scores import BOTH, Contest, Score
 from design.contest.statistics import FEWEST
-from reports.comparison.contest import is_main
+from reports.comparison.contest.table import is_main
 from reports.shared.names import name_of
 
 

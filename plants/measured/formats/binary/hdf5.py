@@ -16,7 +16,7 @@ def read_hdf5(path: Path) -> list[list[LoggedSeries]]:
     """The series of each group of a file: of datasets with one dimension, of the columns of those with two,
     and of the fields of tables.
 
-    Runs apart (`plants.measured.formats.apart`): a damaged file may end the process that reads it.
+    Runs apart (`plants.measured.formats.binary.apart`): a damaged file may end the process that reads it.
     """
     import h5py
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.measured.begin import Begin, measured
-from plants.measured.playback import Playback
-from plants.measured.stage import Form, Stage
+from plants.measured.campaigns.begin import Begin, measured
+from plants.measured.campaigns.playback import Playback
+from plants.measured.fitting.stage import Form, Stage
 from plants.parameters.quantities import ParameterSet
 from plants.wrist import Wrist
 
@@ -29,7 +29,7 @@ def block_length(playbacks: Sequence[Playback]) -> float:
 
 @dataclass(frozen=True)
 class FitProblem:
-    """Residuals of a stage with some effects, for `plants.measured.estimate`; in units of the noise.
+    """Residuals of a stage with some effects, for `plants.measured.fitting.estimate`; in units of the noise.
 
     A vector holds the parameters in `names`, then of each recording what is `free` of its start
     (``pressure``, ``angle`` or both).  Everything else is as in `values` and in the stage's begins.  rows:

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from plants.errors import InputError
-from plants.measured.formats.apart import apart
+from plants.measured.formats.binary.apart import apart
 from plants.measured.formats.cells import Array, Column, one_line, shorten
 
 READABLE = {

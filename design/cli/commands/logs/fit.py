@@ -21,7 +21,7 @@ from design.cli.places import check_places
 from design.cli.terminal.screen import Sheet, console, progress
 
 if TYPE_CHECKING:
-    from plants.measured.fit import Fit
+    from plants.measured.fitting.fit import Fit
     from plants.measured.trace.rig_fit import RigFit
 
 NAME = "fit"
@@ -47,7 +47,7 @@ def command(
     json: JsonOption = None,
     out: OutOption = None,
 ) -> None:
-    from plants.measured.campaign import load_campaign
+    from plants.measured.campaigns.campaign import load_campaign
     from plants.measured.trace.rig_fit import fit_rig
     from plants.parameters.files import dump
     from reports.shared.figures.fit import fit_record, start_record

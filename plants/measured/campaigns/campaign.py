@@ -10,12 +10,12 @@ from typing import Any, Literal
 import numpy as np
 
 from plants.errors import InputError, InputWarning
-from plants.measured.draft import draft
+from plants.measured.campaigns.draft import draft
+from plants.measured.campaigns.read_table import RADIANS, from_table, required
+from plants.measured.campaigns.recording import Recording, Stage
 from plants.measured.formats.columns import Source, parse_columns
 from plants.measured.formats.tables import Table, read_table
 from plants.measured.instrument.stated import StatedHabits, parse_logger
-from plants.measured.read_table import RADIANS, from_table, required
-from plants.measured.recording import Recording, Stage
 from plants.rig import Rig, built_in_rig
 from plants.toml import check_keys, is_number, parse_toml
 

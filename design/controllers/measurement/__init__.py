@@ -1,0 +1,1 @@
+"""What a controller makes of a measurement: implausible samples, and the memory of the plant."""

@@ -1,0 +1,1 @@
+"""Campaigns: recordings of a rig, read, begun and played back."""

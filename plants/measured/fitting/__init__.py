@@ -1,0 +1,1 @@
+"""Fitting a model to recordings: the problem, its solution, and what the data determines."""

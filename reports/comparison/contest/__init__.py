@@ -1,0 +1,1 @@
+"""The contest: each design on perturbed plants."""
