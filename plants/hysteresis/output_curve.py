@@ -1,5 +1,6 @@
 """A rising curve of five straight pieces, the middle one of slope 1, which bends twice on either side."""
 
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,6 +27,23 @@ class OutputCurve(NamedTuple):
     b1: Number = 1.0
     c1: Number = 1.0
     c2: Number = 1.0
+
+    @property
+    def slopes(self) -> tuple[Number, ...]:
+        """Of the pieces, the lowest first."""
+        return self.b2, self.b1, 1.0, self.c1, self.c2
+
+    def slopes_between(self, low: float, high: float) -> list[float]:
+        """Of the pieces that z reaches between two values, both ends of a piece being of it.
+
+        >>> OutputCurve(10.0, b1=0.5, c1=2.0).slopes_between(-5.0, 12.0)
+        [1.0, 2.0]
+        """
+        s = float(self.span)
+        knots = (-np.inf, -2.0 * s, -s, s, 2.0 * s, np.inf)
+        return [
+            float(m) for m, (a, b) in zip(self.slopes, pairwise(knots), strict=True) if a <= high and b >= low
+        ]
 
     def value(self, z: Number) -> Number:
         """The curve at z, both in the unit of the span."""

@@ -13,14 +13,11 @@ muscles and piezo stages uses (Kuhnen, European J. Control 9 (2003) 407, doi 10.
 Four straight segments with equal slopes are the special case of one play and a straight curve: s = v0,
 a = v0 + v1, w = v1 reach.  Only the initial curve differs: here it has the slope v0, there it has none.
 
-The exact inverse.  Plays of one input are ordered, |p_i - p_j| <= |r_i - r_j|, so that on a monotone move
-they engage one after the other, the smallest threshold first, and u(x) is convex on the way up and concave on
-the way down.  The pressure is then the least (largest) of the n + 1 straight pieces', in closed form.
+The inverse is exact, and in closed form: that of the curve, then that of the `sum_of_plays`.
 """
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from itertools import accumulate, pairwise
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -30,14 +27,12 @@ from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Role, Side
 from plants.hysteresis.output_curve import OutputCurve
 from plants.hysteresis.play import kept, play
 from plants.hysteresis.rough_loop import RoughCurve, RoughLoop
+from plants.hysteresis.sum_of_plays import LEVEL, inputs_for, summed
 from plants.meanings import remembers
 from plants.parameters.spec import Kind
 from plants.rig import built_in_rig
 
 Number = Any
-
-LEVEL = 1e-30
-"""A slope below this [deg/kPa] counts as none, so that no quotient overflows."""
 
 PLAYS = 4
 """Plays of a set that does not say how many."""
@@ -180,15 +175,12 @@ class PrandtlIshlinskii(HysteresisLaw):
             return self.initial()
         return PlayMemory(angle, (self.uncurved(angle) / np.maximum(self._outer, LEVEL),) * len(self.v))
 
-    def _summed(self, x: Number, plays: Iterable[Number]) -> Number:
-        return self.v0 * x + sum(v * p for v, p in zip(self.v, plays, strict=True))
-
     def step(self, memory: PlayMemory, before: Number, after: Number, bend: Bend | None = None) -> PlayMemory:
         """Every play by itself.  A bend shifts the angle by what it does to the two outer branches, in
         proportion to where between them it lies; the slope between them follows."""
         x = after - self.rest_pressure
         plays = tuple(play(p, x, r) for p, r in zip(memory.plays, self.thresholds, strict=True))
-        h = self.curve(self._summed(x, plays))
+        h = self.curve(summed(x, self.v0, self.v, plays))
         if bend is not None:
             low, high = self.ascending(after), self.descending(after)
             share = (h - low) / np.maximum(high - low, LEVEL)
@@ -262,7 +254,7 @@ class PrandtlIshlinskii(HysteresisLaw):
         aim = self.uncurved(memory.h + shift) - self.uncurved(memory.h)
         by = aim / np.maximum(sum(self.v), LEVEL)
         plays = tuple(play(p + by, x, r) for p, r in zip(memory.plays, self.thresholds, strict=True))
-        return PlayMemory(self.curve(self._summed(x, plays)), plays)
+        return PlayMemory(self.curve(summed(x, self.v0, self.v, plays)), plays)
 
     def pressure_for(self, memory: PlayMemory, before: Number, angle: Number) -> Number:
         """The first of the pieces to get there on the way up, or on the way down.
@@ -272,22 +264,11 @@ class PrandtlIshlinskii(HysteresisLaw):
         >>> round(float(loop.step(up, 150.0, loop.pressure_for(up, 150.0, 3.0)).h), 12)
         3.0
         """
-        aim = self.uncurved(angle) - self._summed(0.0, memory.plays)
-        slopes = list(accumulate((self.v0, *self.v)))
-        ends = []
-        for sign in (1.0, -1.0):
-            corners = [p + sign * r for p, r in zip(memory.plays, self.thresholds, strict=True)]
-            offsets = accumulate(v * c for v, c in zip(self.v, corners, strict=True))
-            pieces = [
-                (aim + offset) / np.maximum(slope, LEVEL)
-                for slope, offset in zip(slopes, (0.0, *offsets), strict=True)
-            ]
-            best = pieces[0]
-            for piece in pieces[1:]:
-                best = np.minimum(best, piece) if sign > 0 else np.maximum(best, piece)
-            ends.append(self.rest_pressure + best)
+        total = self.uncurved(angle)
+        x_up, x_down = inputs_for(total, self.v0, self.v, memory.plays, self.thresholds)
+        up, down = self.rest_pressure + x_up, self.rest_pressure + x_down
         # By rounding alone a piece without a slope may lead the other way.
-        moved = np.where(angle > memory.h, np.maximum(ends[0], before), np.minimum(ends[1], before))
+        moved = np.where(angle > memory.h, np.maximum(up, before), np.minimum(down, before))
         return np.where(angle == memory.h, before, moved)
 
     def turn(self, memory: PlayMemory, before: Number, end: Number, up: Number) -> tuple[Number, Number]:
@@ -316,17 +297,11 @@ class PrandtlIshlinskii(HysteresisLaw):
             # further up than on the ascending one at the largest.
             least, most = sorted((plays(within[0], 1.0), plays(within[1], -1.0)))
             ends = [min(max(u, least), most) for u in ends]
-        s, c = float(self.span), float(self.centre)
-        knots = (-np.inf, c - 2.0 * s, c - s, c + s, c + 2.0 * s, np.inf)
-        slopes = (self.b2, self.b1, 1.0, self.c1, self.c2)
-        reached = [
-            float(m)
-            for m, (a, b) in zip(slopes, pairwise(knots), strict=True)
-            if a <= max(ends) and b >= min(ends)
-        ]
+        c = float(self.centre)
+        reached = self._about.slopes_between(min(ends) - c, max(ends) - c)
         first = float(self.v0) * min(reached)
         least, most = outer * min(reached), outer * max(reached)
-        if len(set(slopes)) == 1:
+        if len(set(self._about.slopes)) == 1:
             return {REVERSED: first, "outer branch": most}
         return {REVERSED: first, "outer branch, flattest": least, "outer branch, steepest": most}
 

@@ -7,8 +7,9 @@ from design.controllers.pi import PI
 from design.robustness.certificates.reasons import UnstableMode
 from design.robustness.certificates.sampled.lifted import Delayed, window_quadratic
 from design.robustness.certificates.sampled.lifted import gram_polynomials as gram
+from design.robustness.certificates.sampled.quadratic import best, common_quadratic
 from design.robustness.certificates.sampled.sampled_loop import certify_sampled, delayed, vertices, word_of
-from design.robustness.certificates.sampled.switched import best, common_quadratic, discrete, scaled
+from design.robustness.certificates.sampled.switched import discrete, scaled
 from design.robustness.certificates.statements import of_ladder
 from design.robustness.loop_model import LoopModel
 from design.status import Status

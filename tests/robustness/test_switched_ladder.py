@@ -4,20 +4,17 @@ import numpy as np
 import pytest
 
 from design.robustness.certificates.sampled.lifted import lifted, power, radius_bounds, ties
-from design.robustness.certificates.sampled.switched import (
-    Switched,
+from design.robustness.certificates.sampled.quadratic import (
     best,
     common_margin,
     common_quadratic,
-    continuous,
     definite,
-    discrete,
     poly_margin,
     poly_quadratic,
     rounded,
-    scaled,
     share_of_least,
 )
+from design.robustness.certificates.sampled.switched import Switched, continuous, discrete, scaled
 from design.robustness.certificates.sampled.words import search_word
 
 

@@ -7,13 +7,8 @@ import pytest
 from scipy.linalg import expm
 
 from design.robustness.certificates.sampled.lifted import radius_bounds
-from design.robustness.certificates.sampled.switched import (
-    Switched,
-    common_margin,
-    continuous,
-    discrete,
-    poly_margin,
-)
+from design.robustness.certificates.sampled.quadratic import common_margin, poly_margin
+from design.robustness.certificates.sampled.switched import Switched, continuous, discrete
 from design.robustness.certificates.sampled.words import _holder, discrete_word, necklaces, search_word
 
 GOLDEN = [np.array([[1.0, 1.0], [0.0, 1.0]]), np.array([[1.0, 0.0], [1.0, 1.0]])]

@@ -18,20 +18,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.robustness.certificates.reasons import NoneOfThisKind, NoSolver
-from design.robustness.certificates.sampled.switched import (
+from design.robustness.certificates.sampled.quadratic import (
     CONFIRMED,
     Search,
-    Switched,
     SwitchedCertificate,
     best,
     common_quadratic,
     definite,
-    discrete,
     number,
     rounded,
-    scaled,
     share_of_least,
 )
+from design.robustness.certificates.sampled.switched import Switched, discrete, scaled
 from design.robustness.certificates.sampled.words import Word, discrete_word
 from design.synthesis.convex import Unsolved, solve
 

@@ -15,14 +15,14 @@ from design.robustness.certificates.certificate import Certificate, LoopClass, S
 from design.robustness.certificates.continuous.signals import rates, slopes
 from design.robustness.certificates.reasons import UnstableMode
 from design.robustness.certificates.sampled.lifted import Delayed, lifted, window_quadratic
-from design.robustness.certificates.sampled.switched import (
+from design.robustness.certificates.sampled.quadratic import (
     Search,
     best,
     common_quadratic,
-    discrete,
     poly_quadratic,
     rounded,
 )
+from design.robustness.certificates.sampled.switched import discrete
 from design.robustness.certificates.sampled.words import Word, named, search_word
 from design.robustness.loop_model import LoopModel
 from plants.errors import InputError
