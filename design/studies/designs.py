@@ -25,6 +25,7 @@ from design.robustness.tuning.robust_mpc import tune_mpc
 from design.robustness.tuning.robust_tuning import RobustTuning, tune_robustly
 from design.synthesis.answer import LimitBroken, OutOfReach
 from design.synthesis.convex import Unsolved
+from design.synthesis.designed_plant import without
 from design.synthesis.requirements import excesses
 from design.synthesis.structure import CASCADE_PI, FORWARD_PI, forward_pi
 from design.synthesis.tuning import Region, Tuning
@@ -36,6 +37,10 @@ Tell = Callable[[str, float], None]
 FORWARD, CASCADE = FORWARD_PI.name, CASCADE_PI.name
 BARE = "PI, residual left out"
 """What a PI would be whose plant left nothing: told beside, to show what the residual costs."""
+
+
+COARSE = 12
+"""Points of the maps on which it is asked what keeps gains from holding: a tuning goes on from their best."""
 
 
 @dataclass(frozen=True)
@@ -74,10 +79,13 @@ def tuned_designs(
         found |= _lqi(required, base, seed, effort, jobs, under(LQI_NAME, 0.86))
     if required.box.remainder is not None:
         bare = replace(required, box=required.box.leaving(None))
-        tell("without what the plant leaves", 0.99)
+        tell("without the residual", 0.99)
         found[BARE] = _tuning_record(tune_robustly(bare, region, 0, seed, effort.rounds, jobs))
     holds = any(found[n]["holds"] for n in (PLAIN, TWO_DOF))
-    return {**found, "relaxed": None if holds else _would_have_to_go(required, seed, jobs, tell)}
+    return {
+        **found,
+        "relaxed": None if holds else _would_have_to_go(required, seed, effort.rounds, jobs, tell),
+    }
 
 
 def _forward(
@@ -202,24 +210,35 @@ def _searched(
     return found
 
 
-def _would_have_to_go(required: Requirement, seed: int, jobs: int | None, tell: Tell) -> str | None:
-    """The first part of the requirement without which a plain PI holds the rest, in words; None where taking
-    away one is not enough."""
-    own = required.conditions
-    without = {
+def _would_have_to_go(
+    required: Requirement, seed: int, rounds: int, jobs: int | None, tell: Tell
+) -> str | None:
+    """The first part of the requirement, or effect of the plant, without which a plain PI holds the rest, in
+    words; None where taking away one is not enough."""
+    own, plant = required.conditions, required.box.plant
+    lesser = {
         "the dead time": replace(required, conditions=replace(own, dead_time=0.0)),
         "the load": replace(required, conditions=replace(own, load=0.0)),
         "steps before the last has settled": replace(required, kinds=("step",)),
-        "the box of parameters": replace(
-            required, box=Box(required.box.plant, ()).leaving(required.box.remainder)
-        ),
-        "what the plant leaves": replace(required, box=required.box.leaving(None)),
+        "the box of parameters": replace(required, box=Box(plant, ()).leaving(required.box.remainder)),
+        "the plant's residual": replace(required, box=required.box.leaving(None)),
     }
-    for words, less in without.items():
+    lesser |= {
+        f"the plant's {e.NAME}": replace(required, box=_without(required.box, e.NAME))
+        for e in plant.effects
+        if e.DELAY is None
+    }
+    for words, less in lesser.items():
         tell(f"without {words}", 0.99)
-        if tune_robustly(less, Region.of(less.wrist, 12), 0, seed, 8, jobs).holds:
+        if tune_robustly(less, Region.of(less.wrist, COARSE), 0, seed, rounds, jobs).holds:
             return words
     return None
+
+
+def _without(box: Box, effect: str) -> Box:
+    """The box of the same plants without an effect."""
+    kept = tuple(i for i in box.intervals if i.name.split(".")[0] != effect)
+    return replace(box, plant=without(box.plant, (effect,)), intervals=kept)
 
 
 def _tuning_record(found: RobustTuning[Any]) -> dict[str, Any]:

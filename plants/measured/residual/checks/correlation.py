@@ -48,7 +48,7 @@ class Correlation:
 
 
 def correlation(joined: Joined, series: Array, variable: str, spectrum: Array) -> Correlation | None:
-    """Correlation of a series (n,) with the changes of a variable; None where it has fewer than FEWEST.
+    """Correlation of a series (n,) with the changes of a variable; None where it has FEWEST or fewer.
 
     Differences make steps and random walks white, as Box and Jenkins prescribe for the
     input.  The residual keeps its colour, and the deviation accounts for it: the
