@@ -99,6 +99,8 @@ class Effect(ABC):
     - DELAY: the parameter that is its transport delay [s], for one that delays and smooths the command alone;
     - STOPS: whether it is a stop that the joint runs into;
     - RUGGED: whether a fit of it has many minima, so that it has to be started from each of its trials;
+    - THRESHOLD: the parameter that only decides whether something happens, so that recordings tell no
+      more than an interval of it;
     - COMMON: whether nearly any pneumatic joint has some of it, so that it is looked for first, with
       others of the kind, where nothing was measured between command and angle;
     - SILENT: whether it grows from nothing once a run begins, so that a wrist rests as it does without;
@@ -119,6 +121,7 @@ class Effect(ABC):
     DELAY: ClassVar[str | None] = None
     STOPS: ClassVar[bool] = False
     RUGGED: ClassVar[bool] = False
+    THRESHOLD: ClassVar[str | None] = None
     COMMON: ClassVar[bool] = False
     SILENT: ClassVar[bool] = False
     EVENT: ClassVar[bool] = False

@@ -56,6 +56,7 @@ class _DeadBand(Effect):
     STAGE = "regulator"
     HAPPENS = "The regulator passes over small changes of the command"
     BOUND = "taken away"
+    RUGGED = True  # a latch takes a command up or does not, and a play hides in the gain and the slow rate
 
 
 class _Holding(_DeadBand):
@@ -70,6 +71,7 @@ class Latch(_Holding):
     """A change of the commanded pressure is taken up once it exceeds `width` [kPa], then in full."""
 
     FORM = "latch"
+    THRESHOLD = "width"
 
     width: Number = _width("change of the commanded pressure that is ignored")
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from plants.rig import Rig
 from plants.wrist import State
 
 Array = NDArray[np.float64]
+Number = Any
 NEAR = 5.0, 1.0
 """Pressures [kPa] and angles [deg] closer together than this are those of the same rest; of a rig in other
 units, such a share of its range and its step (`plants.rig.Rig.scaled`)."""
@@ -20,12 +22,14 @@ units, such a share of its range and its step (`plants.rig.Rig.scaled`)."""
 @dataclass(frozen=True)
 class Begin:
     """Where a recording starts that does not start at rest: pressure [kPa], angle [deg], and
-    whether the wrist is still on its virgin curve, which begins at an angle `rest` [deg]."""
+    whether the wrist is still on its virgin curve, which begins at an angle `rest` [deg]; how far the other
+    motion's pressure is from its rest, `other` [kPa]."""
 
     pressure: float
     angle: float
     virgin: bool
     rest: float = 0.0
+    other: float = 0.0
 
     @property
     def at_zero(self) -> bool:
@@ -43,6 +47,15 @@ class Begin:
         return State(self.pressure, loop.resting("inside", self.angle, self.pressure), self.angle)
 
 
+def without_shift(begin: Begin, shift: Number, rest_pressure: float, rig: Rig) -> Begin:
+    """The start that a recording would show if the other motion did not shift the angle, by `shift` [deg]: a
+    wrist at rest that it moved is on its virgin curve."""
+    angle = begin.angle - shift
+    off = float(np.median(angle)) - rig.zero.rest
+    at_rest = _near(0.0 if rig.zero.rest else begin.pressure - rest_pressure, off, rig)
+    return replace(begin, angle=angle, virgin=begin.virgin or at_rest)
+
+
 def first_rows(recording: Recording, rest_pressure: float = 0.0) -> tuple[float, float]:
     """Pressure [kPa] and angle [deg] in the first rows of a recording; where a channel was not logged the
     rest stands in for it."""
@@ -53,8 +66,9 @@ def first_rows(recording: Recording, rest_pressure: float = 0.0) -> tuple[float,
 def first_begin(recording: Recording, rest_pressure: float, rig: Rig) -> Begin:
     """The start that the first rows of a recording show; a wrist at rest is taken to be on the virgin
     curve."""
-    own = first_rows(recording, rest_pressure)
-    return Begin(*own, at_rest(recording, rest_pressure, rig), rig.zero.rest)
+    own, beside = first_rows(recording, rest_pressure), recording.other_pressure
+    other = 0.0 if beside is None else float(np.median(beside[:3])) - rig.rest_pressure
+    return Begin(*own, at_rest(recording, rest_pressure, rig), rig.zero.rest, other)
 
 
 def like_fitted(recording: Recording, rest_pressure: float, rig: Rig, fitted: Sequence[Begin]) -> Begin:

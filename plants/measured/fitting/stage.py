@@ -20,7 +20,7 @@ from plants.effects.effect import Around, Effect
 from plants.equilibrium import beside, effects_at_rest, static_angle
 from plants.kernel.batches import in_turn_or_side_by_side
 from plants.kernel.templates import LANES
-from plants.measured.campaigns.begin import Begin, measured
+from plants.measured.campaigns.begin import Begin, measured, without_shift
 from plants.measured.campaigns.playback import Playback
 from plants.measured.campaigns.recording import Recording
 from plants.measured.fitting.blocks import blocks, judged_blocks
@@ -202,11 +202,20 @@ def begun(wrist: Wrist, begin: Begin | None) -> State | None:
     """
     if begin is None or not wrist.effects:
         return None if begin is None else begin.state(wrist.hysteresis)
+    c, around = wrist.sampled(), Around(other_pressure=begin.other)
+    if begin.other and not begin.virgin:
+        at = _state(wrist, begin)
+        shift = settled(at, c, around).angle - settled(at, c, Around()).angle
+        begin = without_shift(begin, shift, float(np.median(wrist.hysteresis.rest_pressure)), wrist.rig)
     if not begin.at_zero:
         virgin = begin.on_virgin_curve(wrist.hysteresis)
         held = (begin.rest if virgin else begin.angle) - beside(wrist, begin.pressure)
         static = static_angle(wrist, held, against=False)
         begin = replace(begin, rest=static) if virgin else replace(begin, angle=static)
+    return settled(_state(wrist, begin), c, around)
+
+
+def _state(wrist: Wrist, begin: Begin) -> State:
+    """The state with the loop where a recording starts, and the effects at rest there."""
     at = begin.state(wrist.hysteresis)
-    effects = effects_at_rest(wrist, at.pressure, at.memory.h)
-    return settled(at._replace(effects=effects), wrist.sampled(), Around())
+    return at._replace(effects=effects_at_rest(wrist, at.pressure, at.memory.h))

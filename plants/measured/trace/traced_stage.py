@@ -12,7 +12,12 @@ from plants.measured.trace.search.description import smooth_curves
 from plants.measured.trace.search.learning import learn
 from plants.measured.trace.search.rounds import EffectSearch
 from plants.measured.trace.search.simplify import carried_over, from_command, simplest
-from plants.measured.trace.search.undetermined import at_neutral, without_bends, without_confounded
+from plants.measured.trace.search.undetermined import (
+    at_neutral,
+    in_their_middle,
+    without_bends,
+    without_confounded,
+)
 from plants.measured.trace.stages.model import Model
 from plants.measured.trace.stages.remainders import remainders
 
@@ -51,7 +56,9 @@ def trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: in
         found = replace(found, chosen=simplest(found.chosen))
     if not explained(found):
         found = replace(found, chosen=from_command(found.chosen))
-    found = replace(found, chosen=without_bends(without_confounded(at_neutral(found.chosen))))
+    found = replace(
+        found, chosen=without_bends(without_confounded(at_neutral(in_their_middle(found.chosen))))
+    )
     model, blind = found.chosen.model, unexcited(declared, found.rounds[0].ranking)
     borrowed = {n: why for r in found.rounds for n, why in r.borrowed.items()}
     blind = {**blind, **{n: why for n, why in (borrowed | alone).items() if n not in model.effects}}

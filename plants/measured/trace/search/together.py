@@ -23,9 +23,10 @@ declared model needs most of them before candidates can be compared."""
 LITTLE = 0.1
 """Share of the way from where an effect vanishes to its trial values that is next to none of it."""
 
-STARTS = 4
+STARTS, BRIEF = 4, 4
 """Trials that it is fitted from: those that leave least where all other parameters follow linearly, each with
-another value of the first parameter, which is the effect's size."""
+another value of the first parameter, which is the effect's size; evaluations of each, where it has more
+parameters than its size."""
 
 MOVES, SHORTER = 6, 0.6
 """How often the best is moved about at most, and how much less far each time."""
@@ -55,7 +56,9 @@ def fitted_with(model: Model, ranked: Ranked) -> Model:
     for i in np.argsort(left):
         best_of_size.setdefault(grid[i][size], grid[i])
     starts = [ranked.values, *list(best_of_size.values())[:STARTS]]
-    best = min((model.plus(ranked.form, v).fitted(4, 1e-2) for v in starts), key=lambda m: m.chi2)
+    # Of a size alone whole fits are quick, and tell a valley that is narrow from one that is deep.
+    first = (EVALUATIONS, 1e-3) if len(ranked.form.kinds()) == 1 else (BRIEF, 1e-2)
+    best = min((model.plus(ranked.form, v).fitted(*first) for v in starts), key=lambda m: m.chi2)
     scale = 0.5
     for _ in range(MOVES):
         now = {n: best.values[f"{ranked.name}.{n}"] for n in ranked.form.kinds()}

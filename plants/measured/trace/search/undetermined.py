@@ -8,6 +8,9 @@ from plants.measured.fitting.estimate import corner_of, uncertainty
 from plants.measured.trace.search.candidate import Candidate
 from plants.measured.trace.stages.model import Model
 
+FARTHEST, TRIED = 3.0, 200
+"""Factor by which a threshold is moved at most, and values tried within."""
+
 HALVINGS = 4
 """Steps, on a logarithmic scale, in which the nearest slope is looked for."""
 
@@ -42,6 +45,33 @@ def at_neutral(now: Candidate) -> Candidate:
         moved = found.with_values({name: value})
         if moved.chi2 < allowed:
             found = moved
+    return Candidate(found) if found is not now.model else now
+
+
+def in_their_middle(now: Candidate) -> Candidate:
+    """The candidate with each threshold of an effect in the middle of the values at which the recordings are
+    simulated alike: nothing tells these apart, and no other value is wrong by less at the most.
+
+    A latch that took up a change of 4 kPa, and none of 2, is as wide as either or anything between.
+    """
+    found = now.model
+    allowed = found.chi2 * (1.0 + 1.0 / found.residual.size)
+    for form in found.forms:
+        if form.THRESHOLD is None:
+            continue
+        name = f"{form.NAME}.{form.THRESHOLD}"
+        value = found.values[name]
+        tried = value * np.geomspace(1.0 / FARTHEST, FARTHEST, TRIED)
+        stage = found.stage
+        left = (
+            stage.simulate({**found.values, name: tried}, found.forms) - stage.target[:, None]
+        ) / stage.noise
+        other = np.flatnonzero(np.mean(left**2, axis=0) > allowed)
+        below, above = other[tried[other] < value], other[tried[other] > value]
+        if len(below) and len(above):  # else no recording asked for a change that was ignored, or taken up
+            middle = 0.5 * float(tried[below[-1] + 1] + tried[above[0] - 1])
+            moved = found.with_values({name: middle})
+            found = moved if moved.chi2 < allowed else found
     return Candidate(found) if found is not now.model else now
 
 
