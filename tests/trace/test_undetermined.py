@@ -5,6 +5,7 @@ import pytest
 
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.regulator.fill_exhaust import TwoRates
+from plants.effects.regulator.regulator_deadband import Latch
 from plants.effects.wrist.creep import Creep, TwoTimeCreep
 from plants.hysteresis import PrandtlIshlinskii
 from plants.measured.campaigns.playback import Playback
@@ -13,7 +14,12 @@ from plants.measured.fitting.stage import Stage
 from plants.measured.trace.revision.revised import at_bounds
 from plants.measured.trace.search import undetermined
 from plants.measured.trace.search.candidate import Candidate
-from plants.measured.trace.search.undetermined import at_neutral, without_bends, without_confounded
+from plants.measured.trace.search.undetermined import (
+    at_neutral,
+    in_their_middle,
+    without_bends,
+    without_confounded,
+)
 from plants.measured.trace.stages.model import Model
 from plants.parameters.files import built_in
 from plants.simulation.open_loop import open_loop
@@ -154,3 +160,36 @@ def test_a_whole_effect_is_not_set_aside_here(monkeypatch):
     values = {**declared.values, "Tw": 0.14, "dead-time.delay": 0.02}
     now = Candidate(Model(stage, declared, values, (DeadTime,)).fitted())
     assert without_confounded(now) is now
+
+
+def latched(steps: list[float], tried: float) -> Candidate:
+    """The model of a recording of a regulator that ignores changes of 3 kPa, where a trial left it; steps:
+    changes of the commanded pressure [kPa] every second, from 100 kPa."""
+    declared = built_in("flexion")
+    gain, width = declared.values["gain"], "regulator-deadband.width"
+    command = np.repeat((100.0 + np.cumsum([0.0, *steps])) / gain, 1000)
+    rig = Wrist.from_values({**declared.values, width: 3.0}, (Latch,), declared.rig)
+    pressure = open_loop(rig, command).pressure[:-1:10]
+    noisy = pressure + np.random.default_rng(0).normal(0.0, 0.1, pressure.size)
+    t = 0.01 * np.arange(pressure.size)
+    playback = Playback(Recording("run", t, command[::10], pressure=noisy), declared.rig.sample_time)
+    stage = Stage("regulator", "pressure_kPa", 0.1, (playback,), ("k_fast",), declared.rig)
+    return Candidate(Model(stage, declared, {**declared.values, width: tried}, (Latch,)))
+
+
+@pytest.mark.parametrize("tried", [2.1, 3.0, 3.9])
+def test_a_threshold_is_in_the_middle_of_what_was_ignored_and_what_was_taken_up(tried):
+    """A change of 2 kPa was ignored, one of 4 was not: trials within that are all as good, and stay."""
+    found = in_their_middle(latched([20.0, -2.0, 2.0, 4.0, -30.0], tried))
+    assert found.model.values["regulator-deadband.width"] == pytest.approx(3.0, abs=0.05)
+
+
+def test_a_threshold_stays_where_no_change_was_taken_up_that_is_near_it():
+    """All that is known is that it is more than 2 kPa and less than 20."""
+    now = latched([20.0, -2.0, 2.0, -30.0], 3.0)
+    assert in_their_middle(now) is now
+
+
+def test_a_threshold_far_from_the_true_one_is_left_to_the_fit():
+    now = latched([20.0, -2.0, 2.0, 4.0, -30.0], 1.5)
+    assert in_their_middle(now).model.chi2 == pytest.approx(now.model.chi2)

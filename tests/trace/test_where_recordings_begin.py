@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from plants.effects import Coupling, Creep, QuadraticCoupling
 from plants.measured.campaigns.begin import Begin, first_begin, like_fitted, same_places
 from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.campaigns.playback import Playback
@@ -14,11 +15,13 @@ from plants.measured.fitting import determined
 from plants.measured.fitting.blocks import LEAST_BLOCKS, blocks
 from plants.measured.fitting.fit import fit_campaign
 from plants.measured.fitting.problem import FitProblem
-from plants.measured.fitting.stage import Stage
+from plants.measured.fitting.stage import Stage, begun
 from plants.measured.trace.declared import stages_of
 from plants.measured.trace.start import starting
 from plants.parameters.files import built_in
 from plants.rig import Units, Zero, built_in_rig
+from plants.simulation.open_loop import open_loop
+from plants.wrist import Wrist
 from tests.laws.second_law import LOOP
 from tests.rig.soft import CAMPAIGNS, bender, stairs
 
@@ -117,3 +120,30 @@ def test_a_short_recording_makes_blocks_enough_for_every_fold(tmp_path):
 @pytest.mark.parametrize(("rows", "many"), [(601, 6), (640, 6), (655, 7), (30, 1)])
 def test_what_is_left_at_the_end_is_a_block_only_from_half_a_block_on(rows, many):
     assert len(np.unique(blocks([0.1 * np.arange(rows)], 10.0, least=0.5))) == many
+
+
+@pytest.mark.parametrize("effects", [(Coupling(-0.03),), (QuadraticCoupling(0.02, 1.5), Creep(0.1, 2.0))])
+def test_a_rest_that_the_other_motion_moves_is_the_rest_of_the_virgin_curve(effects):
+    """It shifted the angle by 2 deg, which the loop had been begun at besides: it went twice as far."""
+    wrist = sum(effects, start=Wrist.flexion())
+    command, other = np.repeat([2.0243, 1.5, 3.0, 2.2], 1500), np.full(6000, 165.0)
+    went = open_loop(wrist, command, other_pressure=other)
+    t = 0.01 * np.arange(600)
+    log = Recording(
+        "log", t, command[::10], pressure=went.pressure[:-1:10], angle=went.angle[:-1:10],
+        other_pressure=other[::10],
+    )  # fmt: skip
+    begin = first_begin(log, float(wrist.hysteresis.rest_pressure), wrist.rig)
+    assert abs(begin.angle) > 1.5
+    assert begin.other == pytest.approx(65.0)
+    _, angle = Playback(log, 0.001).play(wrist, begun(wrist, begin))
+    np.testing.assert_allclose(angle, log.angle, atol=0.02)
+
+
+def test_a_start_between_the_branches_is_that_of_the_loop_without_the_other_motion():
+    """At 150 kPa and 16 deg, 2 of them of the other motion."""
+    wrist = Wrist.flexion() + Coupling(-0.03)
+    begin = Begin(150.0, 14.0, virgin=False, other=2.0 / 0.03)
+    at = begun(wrist, begin)
+    assert float(at.memory.h) == pytest.approx(16.0)
+    assert float(at.angle) == pytest.approx(14.0)
