@@ -103,8 +103,7 @@ class Rows:
 
     def controller(self, Kp: Any, Ki: Any) -> Complex:
         """Response [kPa/deg] of a PI, (..., 1, n) for gains of shape (..., 1, 1)."""
-        found: Complex = Kp + Ki * self.integral
-        return found
+        return np.asarray(Kp + Ki * self.integral, complex)
 
     @property
     def least(self) -> float:

@@ -20,11 +20,6 @@ SETTLING_BAND = built_in_rig().task.band
 """Half-width of the settling band of the built-in rig, as a share of the step."""
 
 
-SMALLEST = 1.0 / 3.0
-"""What is judged relative to a step is so to one of at least this share of the task's: a reference that is
-changed just as the wrist passes it would make any overshoot a large share of a tiny step."""
-
-
 class Step(NamedTuple):
     """What a response is normalised by: the angle that it starts from [deg], 1 / step [1/deg]; of one under
     way, 0 where the joint has not yet reached the reference that it is sent back to, else 1."""
@@ -271,28 +266,6 @@ class Metrics:
     def reshape(self, *shape: int) -> "Metrics":
         """The same metrics, the lanes arranged in another shape."""
         return Metrics(*(np.reshape(getattr(self, f.name), shape) for f in fields(self)))
-
-
-def scaled(m: Metrics, size: Number, task: float) -> dict[str, Number]:
-    """What limits and cost are held against, by name, of steps of sizes [deg], where a rig's task is a step
-    of `task` [deg].
-
-    A step of the rig's task is what the limits and the tuning set are made for, so others are scaled to it:
-    overshoot in percent of the step, of one of `SMALLEST` at least; steady error in percent of the task's
-    step, since how exactly an angle is held is a matter of degrees; total variation of the command of a
-    larger step as if scaled down to it (a smaller one must travel for the play of the loop all the same, and
-    is not scaled up); IAE and ITAE per degree of a step of `SMALLEST` at least, times that step.
-    """
-    smallest = SMALLEST * task
-    least = np.maximum(size, smallest)
-    return {
-        "overshoot_percent": np.nan_to_num(m.overshoot_percent * np.minimum(size / smallest, 1.0)),
-        "steady_error_percent": 100.0 * m.steady_state_error_deg / task,
-        "total_variation_V": m.total_variation_V * np.minimum(task / least, 1.0),
-        "iae_deg_s": m.iae_deg_s * task / least,
-        "itae_deg_s2": m.itae_deg_s2 * task / least,
-        "settling_time_s": m.settling_time_s,
-    }
 
 
 UNITS = {

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.controllers.controller import Controller
-from design.evaluation import metrics
-from design.evaluation.metrics import Metrics, Yardstick
+from design.evaluation.metrics import Metrics, Yardstick, of_step
+from design.evaluation.scaled import scaled
 from plants.kernel import pytrees
 from plants.simulation import periodic
 from plants.simulation.closed_loop import (
@@ -108,8 +108,8 @@ class PlayedTask:
 
     @property
     def values(self) -> dict[str, Array]:
-        """What limits and cost are held against, by name, each (lanes,), see `metrics.scaled`."""
-        return metrics.scaled(self.metrics, self.size, self.lanes.wrist.rig.task.step)
+        """What limits and cost are held against, by name, each (lanes,), see `scaled`."""
+        return scaled(self.metrics, self.size, self.lanes.wrist.rig.task.step)
 
     @property
     def pressure_travel_kPa(self) -> Array:
@@ -130,7 +130,7 @@ def step_from(
 ) -> Lanes:
     """A step to a reference [deg] at time 0, from where the wrist is, for a duration [s], begun at a time
     [s]."""
-    judge = metrics.of_step(state.angle, reference, wrist.rig)
+    judge = of_step(state.angle, reference, wrist.rig)
     return Lanes(wrist, state, ReferenceProfile((reference,)), judge, duration, begin=begin)
 
 

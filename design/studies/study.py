@@ -189,18 +189,9 @@ def study(question: Question, progress: Tell | None = None) -> Study:
     }
     cells = {m: map_steps(t) for m, t in tunings.items()}
     return Study(
-        question,
-        answers,
-        comparison,
-        broad,
-        maps,
-        times,
-        redrawn(wrists),
-        without_mpc,
-        decisions,
-        late,
+        question, answers, comparison, broad, maps, times, redrawn(wrists), without_mpc, decisions, late,
         cells,
-    )
+    )  # fmt: skip
 
 
 def _others(question: Question, motion: str, problem: Problem, tell: Tell) -> dict[str, Design | str]:

@@ -83,7 +83,7 @@ class Problem:
     """A plant, the scenarios to be tuned on, the cost and the limits.
 
     lanes: the scenarios side by side.  adverse: cases whose last step joins the scenarios in all that is
-    simulated, scaled to the task's step (`design.evaluation.metrics.scaled`); none by default.
+    simulated, scaled to the task's step (`design.evaluation.scaled.scaled`); none by default.
     Of these only steps of the task (`Case.of_task`) count for the cost.  sensor: that of the adverse cases;
     its noise is the same in each, so that gains are compared under one.  branches: where margins are judged.
     guard: shares of limits that gains must stay below them by.  screened: gains that break a limit of the

@@ -26,7 +26,7 @@ import numpy as np
 from plants.hysteresis.law import REST_PRESSURE, Bend, HysteresisLaw, Role, Side, Start
 from plants.hysteresis.output_curve import OutputCurve
 from plants.hysteresis.play import kept, play
-from plants.hysteresis.rough_loop import RoughCurve, RoughLoop
+from plants.hysteresis.rough_loop import RoughLoop
 from plants.hysteresis.sum_of_plays import LEVEL, inputs_for, summed
 from plants.meanings import remembers
 from plants.parameters.spec import Kind
@@ -126,11 +126,7 @@ class PrandtlIshlinskii(HysteresisLaw):
     @classmethod
     def guess(cls, loop: RoughLoop) -> dict[str, float]:
         """The plays, none without a weight, and the curve, its pieces equally long where it is straight."""
-        curve = loop.curve
-        if curve is None:
-            middle, span = 0.5 * (loop.low + loop.high), loop.outer * (loop.high - loop.low) / 6.0
-            about = OutputCurve(max(span, LEAST_SPAN))
-            curve = RoughCurve(1.0, loop.outer * middle, about, loop.outer * (middle - loop.rest))
+        curve = loop.curve or loop.straight(LEAST_SPAN)
         outer, zero = curve.slope * loop.outer, curve.zero
         least = LEAST_WEIGHT * outer
         plays = {f"v{i}": max(curve.slope * w, least) for i, w in enumerate(loop.weights, start=1)}
@@ -236,9 +232,8 @@ class PrandtlIshlinskii(HysteresisLaw):
         if start != "inside":
             return self._spread(angle, -1.0 if start == "line1" else 1.0, pressure)
         least, most = self.ascending(pressure) + low, self.descending(pressure) + high
-        straight = self.ascending(pressure) + (angle - least) / np.maximum(most - least, LEVEL) * (
-            self.descending(pressure) - self.ascending(pressure)
-        )
+        up, down = self.ascending(pressure), self.descending(pressure)
+        straight = up + (angle - least) / np.maximum(most - least, LEVEL) * (down - up)
         return self.recalled(straight, pressure)._replace(h=angle)
 
     def recalled(self, angle: Number, pressure: Number) -> PlayMemory:

@@ -72,6 +72,12 @@ class RoughLoop:
         """Half the width of the loop [kPa]."""
         return self.width / max(self.outer - self.inner, 1e-9)
 
+    def straight(self, least: float) -> RoughCurve:
+        """A curve without a bend, its pieces equally long within the pressures, at least so long [deg]."""
+        middle, span = 0.5 * (self.low + self.high), self.outer * (self.high - self.low) / 6.0
+        about = OutputCurve(max(span, least))
+        return RoughCurve(1.0, self.outer * middle, about, self.outer * (middle - self.rest))
+
     def at_rest(self, rest: float) -> "RoughLoop":
         """The same loop, whose angle is 0 at a pressure that is known [kPa]."""
         curve = self.curve and self.curve.through(self.curve.slope * self.outer * rest)

@@ -260,7 +260,7 @@ def worst_phrase(a: Assessment) -> str:
 
 
 def _article(words: str) -> str:
-    """Words with "a" or "an" before them.
+    """Words with their article.
 
     >>> _article("overshoot of 6 %"), _article("travel of 17 V")
     ('an overshoot of 6 %', 'a travel of 17 V')
@@ -293,10 +293,9 @@ def remarks(a: Assessment) -> list[str]:
             f"The controller has {a.other_law}, which no certificate covers: all certificates are open. "
             "Predictions and samples include it."
         )
-    if not a.left_out:
-        return said
-    return [
-        *said,
-        f"Certificates do not include the effects {', '.join(a.left_out)}: they hold for the declared wrist "
-        "with these parameters. Predictions and samples include them.",
-    ]
+    if a.left_out:
+        said.append(
+            f"Certificates do not include the effects {', '.join(a.left_out)}: they hold for the declared "
+            "wrist with these parameters. Predictions and samples include them."
+        )
+    return said

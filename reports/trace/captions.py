@@ -15,7 +15,8 @@ from reports.shared.figures.fit import LOOP_SECONDS
 from reports.shared.names import CHANNELS
 from reports.shared.tables import listed, number
 from reports.trace.fit_figures import loop_run, shown_run
-from reports.trace.words import added, depends, describe, description
+from reports.trace.residual_words import depends, describe, description
+from reports.trace.words import added
 
 TITLES = {
     "nothing-missing": "The declared model explains the recordings",

@@ -11,7 +11,7 @@ from plants.measured.trace.result import Named, StageTrace, Trace
 from reports.shared.figures.fit import correlation_record
 from reports.shared.tuning import refused
 from reports.trace.control_words import NO_LOOP
-from reports.trace.words import UNITS, describe
+from reports.trace.residual_words import UNITS, describe
 
 
 def trace_record(trace: Trace, control: Mapping[str, Any] | None = None) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from reports.shared.plant_tables import provenance
 from reports.shared.tables import Cell, Column, Group, Table, fixed, number, row, with_error
 from reports.shared.tuning import refused
 from reports.trace.control_words import limits_words
-from reports.trace.words import VARIABLES
+from reports.trace.residual_words import VARIABLES
 
 SHOWN = 10
 """Tests of a residual that a page lists; those that found most."""

@@ -3,35 +3,13 @@
 from collections.abc import Iterable, Sequence
 
 from plants.effects import EFFECTS
-from plants.measured.residual.examine import Examination
 from plants.measured.trace.result import Named, StageTrace, Trace
-from plants.measured.trace.search.description import Description
 from reports.shared.figures.fit import law_sentence
 from reports.shared.tables import fixed, listed, number
-
-UNITS = {"angle_deg": "deg", "pressure_kPa": "kPa"}
-"""Channels of an answer, and their units."""
-
-VARIABLES = {
-    "pressure_kPa": "the pressure",
-    "pressure_rate_kPa_s": "the pressure rate",
-    "direction": "the direction of motion",
-    "angle_deg": "the angle",
-    "time": "time",
-    "time_s": "time",
-    "since_reversal_s": "the time since the last reversal",
-    "work_kPa": "the path length of the pressure",
-    "command_V": "the command",
-    "other_pressure_kPa": "the other motion's pressure",
-    "reference_deg": "the set-point",
-}
-"""Variables that a residual may depend on, for people; a channel of the user's own keeps its name."""
+from reports.trace.residual_words import UNITS, channel_name, depends
 
 SLOW = 1.25
 """Noise that is this many times as large as its floor, which is taken from row to row, is slow."""
-
-BEHAVES = {"events": "jumps at times", "changing size": "changes in size", "offset": "has an offset"}
-"""What else a residual may do."""
 
 
 def summary(trace: Trace) -> list[str]:
@@ -48,7 +26,7 @@ def answer(trace: Trace) -> str:
         return "The residual has structure that no effect explains."
     channel = _logged(trace)[0]
     before, after, noise = (x[channel] for x in (trace.before, trace.after, trace.noise))
-    error, floor = f"held-out {_channel(channel)} RMSE", f"noise {_amount(noise, channel)}"
+    error, floor = f"held-out {channel_name(channel)} RMSE", f"noise {_amount(noise, channel)}"
     if trace.verdict == "nothing-missing":
         return f"Nothing is missing: {error} {_amount(before, channel)}, {floor}."
     causes = [e.name for e in trace.effects] or [f"the law {trace.revised.law.NAME}"]
@@ -81,7 +59,7 @@ def evidence(trace: Trace) -> str:
     for s in trace.stages:
         declared, chosen = _chi_squares(s)
         moved = f" to {fixed(chosen, 2)}" if s.model.forms else ""
-        said.append(f"{_channel(s.stage.channel)} {fixed(declared, 2)}{moved}")
+        said.append(f"{channel_name(s.stage.channel)} {fixed(declared, 2)}{moved}")
     rounds = [r for s in trace.stages for r in s.search.rounds]
     tried = len({name for r in rounds for c in r.candidates for name in c.model.effects})
     refitted = f"{tried or 'none'} of {len(EFFECTS)} effects {'was' if tried == 1 else 'were'} refitted"
@@ -124,8 +102,8 @@ def verdict_sentence(trace: Trace) -> str:
 def _worse(trace: Trace) -> str:
     channel = _logged(trace)[0]
     return (
-        f"The revised plant is worse on the held-out recordings: the {_channel(channel)} error rises from "
-        f"{number(trace.before[channel])} to {_amount(trace.after[channel], channel)}; use the declared "
+        f"The revised plant is worse on the held-out recordings: the {channel_name(channel)} error rises "
+        f"from {number(trace.before[channel])} to {_amount(trace.after[channel], channel)}; use the declared "
         "plant."
     )
 
@@ -177,9 +155,9 @@ def _share(share: float) -> str:
 
 def _nothing(trace: Trace) -> str:
     logged = _logged(trace)
-    left = _and(f"{_amount(trace.before[c], c)} of the {_channel(c)}" for c in logged)
+    left = _and(f"{_amount(trace.before[c], c)} of the {channel_name(c)}" for c in logged)
     noise = _and(_amount(trace.noise[c], c) for c in logged)
-    slow = [_channel(c) for c in logged if (trace.before[c] or 0.0) > SLOW * (trace.noise[c] or 0.0)]
+    slow = [channel_name(c) for c in logged if (trace.before[c] or 0.0) > SLOW * (trace.noise[c] or 0.0)]
     said = (
         f"Nothing is missing: on the held-out recordings the RMSE of the declared model is {left}, "
         f"and the noise is {noise}"
@@ -197,7 +175,7 @@ def _unexplained(trace: Trace) -> str:
     off = [w for i, s in enumerate(stages) if (w := _still(trace, s.stage.channel, i == 0))]
     on = depends(stages[0].after.depends_on)
     if len(stages) > 1:
-        on = on.replace("the residual", f"the residual of the {_channel(stages[0].stage.channel)}")
+        on = on.replace("the residual", f"the residual of the {channel_name(stages[0].stage.channel)}")
     law = trace.law is not None and trace.revised.law.NAME != trace.fit.before.law.NAME
     if (trace.effects or law) and share is not None and left is not None:
         causes = [e.name for e in trace.effects] + (
@@ -205,7 +183,7 @@ def _unexplained(trace: Trace) -> str:
         )
         explain = "explains" if len(causes) == 1 else "explain"
         head = (
-            f"{_and(causes)} {explain} {100.0 * share:.0f} % of the variance of the {_channel(channel)} "
+            f"{_and(causes)} {explain} {100.0 * share:.0f} % of the variance of the {channel_name(channel)} "
             f"error; the residual, {_share(left.share_of_range)} of the range, has structure"
         )
         return f"{head[0].upper()}{head[1:]}: {_and(off)}; {on}." if off else f"{head}; {on}."
@@ -221,7 +199,7 @@ def _still(trace: Trace, channel: str, first: bool) -> str:
     times = f" ({number(after / noise, 2)} times the noise)" if noise else ""
     where = "on the held-out recordings " if first else ""
     still = "is still" if trace.effects else "is"
-    return f"the {_channel(channel)} error {where}{still} {_amount(after, channel)}{times}"
+    return f"the {channel_name(channel)} error {where}{still} {_amount(after, channel)}{times}"
 
 
 def _falls(trace: Trace) -> str:
@@ -229,7 +207,7 @@ def _falls(trace: Trace) -> str:
     stages = {e.stage for e in trace.effects}
     channels = [c for c in _logged(trace) if c == "angle_deg" or "regulator" in stages]
     said = [
-        f"the {_channel(c)} error {'on the held-out recordings ' if i == 0 else ''}"
+        f"the {channel_name(c)} error {'on the held-out recordings ' if i == 0 else ''}"
         f"falls from {number(trace.before[c])} to {_amount(trace.after[c], c)}"
         for i, c in enumerate(channels)
     ]
@@ -246,10 +224,6 @@ def _amount(value: float | None, channel: str) -> str:
     return f"{number(value)} {UNITS[channel]}"
 
 
-def _channel(channel: str) -> str:
-    return channel.split("_")[0]
-
-
 def _happens(effects: Sequence[Named]) -> str:
     words = [EFFECTS[e.name][0].HAPPENS for e in effects]
     return _and([words[0], *(w[0].lower() + w[1:] for w in words[1:])])
@@ -262,38 +236,6 @@ def added(effects: Sequence[Named]) -> str:
 
 def _and(words: Iterable[str]) -> str:
     return listed(list(words))
-
-
-def depends(names: Sequence[str]) -> str:
-    """What a residual depends on, and how else it behaves, in words.
-
-    >>> depends(["angle_deg", "time", "events"]), depends([])
-    ('the residual depends on the angle and time, and jumps at times', 'it depends on no variable tried')
-    """
-    does = [BEHAVES.get(n, f"is {n}") for n in names if n in BEHAVES or n.startswith("periodic at")]
-    on = [VARIABLES.get(n, n) for n in names if n not in BEHAVES and not n.startswith("periodic at")]
-    said = ([f"depends on {listed(on)}"] if on else []) + does
-    if not said:
-        return "it depends on no variable tried"
-    return f"the residual {', and '.join([', '.join(said[:-1]), said[-1]] if len(said) > 1 else said)}"
-
-
-def describe(after: Examination, channel: str) -> str:
-    """The residual of a channel and what it depends on, in one sentence."""
-    times = f", {number(after.ratio)} times the noise" if after.noise > 0.0 else ""
-    size = f"{number(after.rmse)} {UNITS[channel]} residual of the {_channel(channel)}{times}"
-    return f"{size}; {depends(after.depends_on)}."
-
-
-def description(learnt: Description, channel: str) -> str:
-    """How much of the residual of a channel a description accounts for, in a sentence."""
-    curves = "smooth curves of " if len(learnt.variables) > 1 else "a smooth curve of "
-    made = curves + listed([VARIABLES.get(v, v) for v in learnt.variables])
-    accounts = "account" if len(learnt.variables) > 1 else "accounts"
-    return (
-        f"A description, not a cause: {made} {accounts} for {100 * learnt.described:.0f} % of the residual "
-        f"of the {_channel(channel)} beyond noise, on held-out blocks of time."
-    )
 
 
 def stage_title(stage: StageTrace) -> str:

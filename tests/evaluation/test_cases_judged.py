@@ -7,8 +7,9 @@ import pytest
 
 from design.controllers.pi import PI
 from design.evaluation.cases import Case, as_lanes, repeated, stack
-from design.evaluation.metrics import Metrics, scaled
+from design.evaluation.metrics import Metrics
 from design.evaluation.runner import play
+from design.evaluation.scaled import scaled
 from design.evaluation.tasks import Task
 from plants import Wrist
 

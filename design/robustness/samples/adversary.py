@@ -1,7 +1,7 @@
 """The worst case inside a box: plant, starting memory, references, dead time and load, searched for.
 
 What is maximised is the largest excess over the limits that a run shows (overshoot, steady error,
-total variation of the command, as `design.evaluation.metrics.scaled` states them) as a share of the limit;
+total variation of the command, as `design.evaluation.scaled.scaled` states them) as a share of the limit;
 where nothing is found that breaks a limit, the IAE per degree of the last step.  A found worst case is a
 lower bound of the true one: a sample, never a proof that there is none worse.
 

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.evaluation.cases import Case, as_lanes
-from design.evaluation.metrics import SMALLEST
 from design.evaluation.runner import Lanes
+from design.evaluation.scaled import SMALLEST
 from design.evaluation.scenarios import HEADROOM
 from design.evaluation.tasks import CALM, Task
 from design.robustness.box import Box

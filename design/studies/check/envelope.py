@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.evaluation.cases import as_lanes
-from design.evaluation.metrics import SMALLEST
 from design.evaluation.runner import Lanes, play
+from design.evaluation.scaled import SMALLEST
 from design.robustness.requirement import Requirement
 from design.robustness.samples.draws import CASES, NOISE, generator
 from design.studies.check.stairs import BAND, FINEST, UNITS, Stair, figures

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from design.evaluation.metrics import SMALLEST
+from design.evaluation.scaled import SMALLEST
 from plants.errors import InputError
 
 Array = NDArray[np.float64]

@@ -16,9 +16,10 @@ from reports.trace.page import draw_all, shown_channels, trace_page
 from reports.trace.parameter_figure import draw_parameters
 from reports.trace.record import trace_record
 from reports.trace.residual_figures import means, telling, thinned
+from reports.trace.residual_words import depends
 from reports.trace.search_figures import best_forms, drawn_forms
 from reports.trace.tables import decision_table, parameter_table
-from reports.trace.words import FEW, block_words, depends, evidence, summary, verdict_sentence
+from reports.trace.words import FEW, block_words, evidence, summary, verdict_sentence
 from tests.reports.html_page import Page, summary_of
 from tests.reports.report_samples import small_trace
 

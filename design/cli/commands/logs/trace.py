@@ -191,7 +191,8 @@ def _write_page(out: Path, trace: "Trace", control: "Control | None", seed: int)
 
 def lines(trace: "Trace") -> list[Any]:
     """What people read of a trace: the verdict first, then errors, effects, and what is open."""
-    from reports.trace.words import block_words, description, log_words, verdict_sentence
+    from reports.trace.residual_words import description
+    from reports.trace.words import block_words, log_words, verdict_sentence
 
     said: list[Any] = [verdict_sentence(trace), ""]
     said += ["RMS error of open-loop simulations, on the held-out recordings", _errors(trace)]
