@@ -27,7 +27,7 @@ from plants.effects.wrist.load_step import GradualLoad, LoadStep
 from plants.effects.wrist.loop_shape import CurvedTransit, OneMorePlay, SeveralPlays, SmoothLoop
 from plants.effects.wrist.rate_dependence import PowerWidening, RememberedRate, SaturatingWidening, Viscous
 from plants.effects.wrist.softening import Mullins, SofteningByWork, Warming
-from plants.effects.wrist.stick_slip import BristleFriction, FreeSlip, RubbingSlip
+from plants.effects.wrist.stick_slip import BristleFriction, FreeSlip, MaxwellSlip, RubbingSlip
 from plants.errors import InputError
 
 EFFECTS: dict[str, tuple[type[Effect], ...]] = {
@@ -46,7 +46,7 @@ EFFECTS: dict[str, tuple[type[Effect], ...]] = {
         (Creep, TwoTimeCreep, LogCreep),
         (OneMorePlay, SmoothLoop, SeveralPlays, CurvedTransit),
         (Inertia, DraggedInertia, StiffeningInertia),
-        (FreeSlip, RubbingSlip, BristleFriction),
+        (FreeSlip, RubbingSlip, BristleFriction, MaxwellSlip),
         (HardStop, GivingStop, SpringStop, PadStop, CompliantStop),
         (Drift, WarmingDrift),
         (Hum, HarmonicHum),

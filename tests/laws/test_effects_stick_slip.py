@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from plants.effects.wrist.stick_slip import BristleFriction, FreeSlip, RubbingSlip
+from plants.effects.wrist.stick_slip import SPRINGS, BristleFriction, FreeSlip, MaxwellSlip, RubbingSlip
 from tests.laws.effect_steps import DT, WRIST
 
 TW = WRIST.Tw
@@ -57,7 +57,8 @@ def test_after_a_reversal_it_stays_until_the_pull_has_turned_round():
 
 
 @pytest.mark.parametrize(
-    "effect", [RubbingSlip(1.0, 0.5, 0.2), FreeSlip(1.0, 0.3), BristleFriction(1.0, 0.5)]
+    "effect",
+    [RubbingSlip(1.0, 0.5, 0.2), FreeSlip(1.0, 0.3), BristleFriction(1.0, 0.5), MaxwellSlip(1.0, 8.0)],
 )
 def test_friction_is_the_same_in_both_directions(effect):
     """Sticking, sliding and sticking again are odd in the static angle, on the way out and back."""
@@ -103,6 +104,30 @@ def test_bristles_bend_before_the_joint_slides():
     assert ours[-1] == pytest.approx(load[-1] / 25.0, rel=0.1)
 
 
+@pytest.mark.parametrize("every", [1, 5])
+def test_springs_slip_one_after_the_other_as_their_differential_equation_says(every):
+    """Of all turning points the loop remembers, as a sum of plays of the joint's own angle (scipy)."""
+    breakaway, stiffness = 1.5, 8.0
+    most = breakaway * (2.0 * np.arange(SPRINGS) + 1.0) / SPRINGS**2
+    assert most.sum() == pytest.approx(breakaway)
+
+    def static(t):
+        return 3.0 * np.sin(2.5 * t) + 1.5 * np.sin(6.1 * t)
+
+    def rates(t, state):
+        angle, pulls = state[0], state[1:]
+        speed = (static(t) - angle - np.clip(pulls, -most, most).sum()) / TW
+        slips = (np.abs(pulls) >= most) & (pulls * speed > 0.0)
+        return np.concatenate([[speed], np.where(slips, 0.0, stiffness / SPRINGS * speed)])
+
+    time = np.arange(0.0, 4.0 + DT / 2, DT)
+    solved = solve_ivp(rates, (0.0, 4.0), np.zeros(1 + SPRINGS), t_eval=time, rtol=1e-8, max_step=2e-4).y[0]
+    ours = joint(MaxwellSlip(breakaway, stiffness), static(time[::every]), every * DT)
+    assert np.abs(ours - solved[::every]).max() < (0.003 if every == 1 else 0.02)
+    plain = solve_ivp(lambda t, y: (static(t) - y) / TW, (0.0, 4.0), [0.0], t_eval=time, rtol=1e-9).y[0]
+    assert np.abs(plain - solved).max() > 0.5  # what friction makes of it
+
+
 def test_no_friction_is_the_lag():
     angles = np.sin(0.01 * np.arange(1000))
     from plants import lag
@@ -110,5 +135,5 @@ def test_no_friction_is_the_lag():
     expected, c = [0.0], lag.sampled(TW, DT)
     for before, after in pairwise(angles):
         expected.append(float(lag.step(expected[-1], before, after, c)))
-    for effect in (FreeSlip(), RubbingSlip(), BristleFriction()):
+    for effect in (FreeSlip(), RubbingSlip(), BristleFriction(), MaxwellSlip()):
         np.testing.assert_allclose(joint(effect, angles), expected, atol=2e-5)

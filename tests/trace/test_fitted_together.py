@@ -76,3 +76,14 @@ def test_a_dead_band_is_not_left_in_a_valley_that_a_gain_makes(tmp_path):
     (found,) = trace_folder(tmp_path).effects
     assert (found.name, found.form) == ("regulator-deadband", "play")
     assert found.parameters["width"][0] == pytest.approx(3.161, abs=0.02)
+
+
+@pytest.mark.suite
+def test_springs_that_slip_one_after_the_other_are_friction_and_no_loop_shape(tmp_path):
+    """The rig has four, the library six, whose pulls are spaced otherwise."""
+    make_campaign(tmp_path, "flexion", ("stick-slip",), 911004, {"stick-slip": 3})
+    found = trace_folder(tmp_path)
+    (effect,) = found.effects
+    assert (effect.name, effect.form, found.verdict) == ("stick-slip", "Maxwell slip", "explained")
+    assert effect.parameters["breakaway"][0] == pytest.approx(1.548, rel=0.05)
+    assert found.after["angle_deg"] < 1.05 * found.noise["angle_deg"]

@@ -4,7 +4,9 @@ All friction is in degrees of the joint's own spring: the joint moves by Tw y' =
 h is the static angle.  Friction of Stribeck's kind holds against more than it takes once sliding (Armstrong-
 Helouvry, Dupont & Canudas de Wit, Automatica 30 (1994) 1083); where asperities bend before they give way
 the joint creeps along with its load while it sticks (presliding: Dahl, 1968; LuGre, Canudas de Wit et al.,
-IEEE Trans. Autom. Control 40 (1995) 419).
+IEEE Trans. Autom. Control 40 (1995) 419), and where they give way one after the other it remembers where it
+turned round (Maxwell slip: Iwan, J. Appl. Mech. 33 (1966) 893; Al-Bender, Lampaert & Swevers, IEEE Trans.
+Autom. Control 50 (2005) 1883).
 """
 
 from collections.abc import Iterator
@@ -106,6 +108,45 @@ class SampledBristles(NamedTuple):
         return self.sliding + (self.breakaway - self.sliding) * np.exp(-x * x)
 
 
+SPRINGS = 6
+"""Of Maxwell slip: what slips is smooth enough, and the state small."""
+
+
+@remembers(pulls=("deg", "pull of a spring of the friction, that which slips first the first"))
+class Springs(NamedTuple):
+    """Pulls of the springs [deg]."""
+
+    pulls: tuple[Number, ...]
+
+
+class SampledSprings(NamedTuple):
+    """Pull [deg] at which each spring slips; stiffness of each over the joint's; the lag of a joint without
+    friction."""
+
+    most: tuple[Number, ...]
+    stiffness: Number
+    lag: lag.SampledLag
+
+    def joint(
+        self, s: Springs, angle: Number, before: Number, after: Number, pressure: Number
+    ) -> tuple[Springs, Number]:
+        # Newton's method on what holds in the middle of the sample: piecewise linear, it ends within a turn
+        # of finding which springs slip.
+        free, share = lag.step(angle, before, after, self.lag), self.lag.before + self.lag.after
+        moved = free - share * sum(s.pulls)
+        for _ in range(1 + TURNS):
+            middle = self._pulled(s.pulls, 0.5 * (moved - angle))
+            sticks = sum(np.where(np.abs(p) < m, 1.0, 0.0) for p, m in zip(middle, self.most, strict=True))
+            off = moved - free + share * sum(middle)
+            moved = moved - off / (1.0 + 0.5 * share * self.stiffness * sticks)
+        return Springs(self._pulled(s.pulls, moved - angle)), moved
+
+    def _pulled(self, pulls: tuple[Number, ...], move: Number) -> tuple[Number, ...]:
+        """The pulls [deg] after the joint has moved [deg]."""
+        by = self.stiffness * move
+        return tuple(kept(p + by, -m, m) for p, m in zip(pulls, self.most, strict=True))
+
+
 _BREAKAWAY = parameter("deg", "pull at which the joint breaks away", 0.0, 20.0, 0.0, (0.4, 1.0, 2.5))
 _SLIDING = parameter("1", "friction while sliding over breakaway", 0.0, 0.98, 0.0, (0.1, 0.5))
 _AGAIN = "where the joint sticks again, as a share of the way from sliding to breakaway"
@@ -202,3 +243,22 @@ class BristleFriction(_StickSlip):
             most, self.sliding * most, 1.0 / np.asarray(self.stribeck, float), self.stiffness, wrist.Tw,
             0.5 * dt, lag.sampled(wrist.Tw, dt),
         )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class MaxwellSlip(_StickSlip):
+    """Springs of one stiffness side by side, each of which slips at a pull of its own, evenly spaced."""
+
+    FORM = "Maxwell slip"
+
+    breakaway: Number = _BREAKAWAY
+    stiffness: Number = parameter(
+        "1", "stiffness of all springs over the joint's", 0.5, 50.0, 8.0, (4.0, 10.0)
+    )
+
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Springs:
+        return Springs((0.0 * pressure,) * SPRINGS)
+
+    def sampled(self, wrist: Any, dt: float) -> SampledSprings:
+        most = tuple(self.breakaway * ((2 * i + 1) / SPRINGS**2) for i in range(SPRINGS))
+        return SampledSprings(most, self.stiffness / SPRINGS, lag.sampled(wrist.Tw, dt))
