@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from plants.effects import Coupling, Creep, QuadraticCoupling
-from plants.measured.campaigns.begin import Begin, first_begin, like_fitted, same_places
+from plants.measured.campaigns.begin import Begin, first_begin, like_fitted, same_places, without_shift
 from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.campaigns.playback import Playback
 from plants.measured.campaigns.recording import Recording
@@ -147,3 +147,12 @@ def test_a_start_between_the_branches_is_that_of_the_loop_without_the_other_moti
     at = begun(wrist, begin)
     assert float(at.memory.h) == pytest.approx(16.0)
     assert float(at.angle) == pytest.approx(14.0)
+
+
+def test_a_start_near_rest_stays_between_the_branches_where_a_fit_had_it_there():
+    """The noise of the other motion's pressure is no reason to put it on the virgin curve."""
+    wrist = Wrist.flexion() + Coupling(-0.03)
+    begin = Begin(100.5, 0.3, virgin=False, other=0.2)
+    assert without_shift(begin, -0.006, 100.0, wrist.rig) == replace(begin, angle=0.306)
+    away = Begin(100.5, -1.9, virgin=False, other=65.0)
+    assert without_shift(away, -1.95, 100.0, wrist.rig).virgin

@@ -49,11 +49,14 @@ class Begin:
 
 def without_shift(begin: Begin, shift: Number, rest_pressure: float, rig: Rig) -> Begin:
     """The start that a recording would show if the other motion did not shift the angle, by `shift` [deg]: a
-    wrist at rest that it moved is on its virgin curve."""
-    angle = begin.angle - shift
-    off = float(np.median(angle)) - rig.zero.rest
-    at_rest = _near(0.0 if rig.zero.rest else begin.pressure - rest_pressure, off, rig)
-    return replace(begin, angle=angle, virgin=begin.virgin or at_rest)
+    wrist at rest that it moved away from there is on its virgin curve."""
+    off = 0.0 if rig.zero.rest else begin.pressure - rest_pressure
+    was, angle = float(np.median(begin.angle)), begin.angle - shift
+    moved = not _near(
+        off, was - rig.zero.rest, rig
+    )  # else whether it is virgin was decided without the shift
+    rests = moved and _near(off, float(np.median(angle)) - rig.zero.rest, rig)
+    return replace(begin, angle=angle, virgin=begin.virgin or rests)
 
 
 def first_rows(recording: Recording, rest_pressure: float = 0.0) -> tuple[float, float]:
