@@ -51,11 +51,10 @@ def without_shift(begin: Begin, shift: Number, rest_pressure: float, rig: Rig) -
     """The start that a recording would show if the other motion did not shift the angle, by `shift` [deg]: a
     wrist at rest that it moved away from there is on its virgin curve."""
     off = 0.0 if rig.zero.rest else begin.pressure - rest_pressure
-    was, angle = float(np.median(begin.angle)), begin.angle - shift
-    moved = not _near(
-        off, was - rig.zero.rest, rig
-    )  # else whether it is virgin was decided without the shift
-    rests = moved and _near(off, float(np.median(angle)) - rig.zero.rest, rig)
+    angle, zero = begin.angle - shift, rig.zero.rest
+    # Of one that looks at rest as it is, whether it is on that curve was decided without the shift.
+    away = not _near(off, float(np.median(begin.angle)) - zero, rig)
+    rests = away and _near(off, float(np.median(angle)) - zero, rig)
     return replace(begin, angle=angle, virgin=begin.virgin or rests)
 
 

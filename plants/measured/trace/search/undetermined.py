@@ -50,7 +50,7 @@ def at_neutral(now: Candidate) -> Candidate:
 
 def in_their_middle(now: Candidate) -> Candidate:
     """The candidate with each threshold of an effect in the middle of the values at which the recordings are
-    simulated alike: nothing tells these apart, and no other value is wrong by less at the most.
+    simulated alike: nothing tells these apart, and the largest error that any of them may have is least there.
 
     A latch that took up a change of 4 kPa, and none of 2, is as wide as either or anything between.
     """
@@ -63,10 +63,8 @@ def in_their_middle(now: Candidate) -> Candidate:
         value = found.values[name]
         tried = value * np.geomspace(1.0 / FARTHEST, FARTHEST, TRIED)
         stage = found.stage
-        left = (
-            stage.simulate({**found.values, name: tried}, found.forms) - stage.target[:, None]
-        ) / stage.noise
-        other = np.flatnonzero(np.mean(left**2, axis=0) > allowed)
+        off = stage.simulate({**found.values, name: tried}, found.forms) - stage.target[:, None]
+        other = np.flatnonzero(np.mean((off / stage.noise) ** 2, axis=0) > allowed)
         below, above = other[tried[other] < value], other[tried[other] > value]
         if len(below) and len(above):  # else no recording asked for a change that was ignored, or taken up
             middle = 0.5 * float(tried[below[-1] + 1] + tried[above[0] - 1])
