@@ -50,7 +50,7 @@ def at_neutral(now: Candidate) -> Candidate:
 
 def in_their_middle(now: Candidate) -> Candidate:
     """The candidate with each threshold of an effect in the middle of the values at which the recordings are
-    simulated alike: nothing tells these apart, and the largest error that any of them may have is least there.
+    simulated alike: nothing tells these apart, and the largest error that one may have is least there.
 
     A latch that took up a change of 4 kPa, and none of 2, is as wide as either or anything between.
     """
