@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from plants.errors import InputWarning
-from plants.measured.campaigns.campaign import load_campaign, load_recording
+from plants.measured.campaigns.campaign import load_campaign, load_recording, shipped
+from reports.shared.html import SYNTHETIC, remark_on
 
 DECLARATION = 'axis = "flexion"\nsample_time_s = 0.01\nfit = ["steps.csv"]\nvalidate = ["sine.csv"]\n'
 TIME = np.arange(8) * 0.01
@@ -151,6 +152,15 @@ def test_the_checksum_is_of_the_contents_whatever_the_order(campaign, write_csv)
     assert load_campaign(folder).checksum != first
     write_csv("more.csv")
     assert load_campaign(folder).checksum == first
+
+
+def test_the_campaigns_that_ship_are_found_and_told_as_synthetic():
+    """Wherever the module stands that looks for them."""
+    assert [f.name for f in shipped()] == ["deviation", "flexion"]
+    flexion = load_campaign(shipped()[1])
+    assert flexion.axis == "flexion"
+    assert remark_on({"flexion": flexion.checksum[:12]}) == SYNTHETIC
+    assert remark_on({"flexion": "0" * 12}) == ""
 
 
 def test_a_long_recording_loads_fast(write_csv):

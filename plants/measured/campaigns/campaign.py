@@ -20,6 +20,9 @@ from plants.rig import Rig, built_in_rig
 from plants.toml import check_keys, is_number, parse_toml
 
 FILE = "campaign.toml"
+EXAMPLES = Path(__file__).parents[1] / "examples"
+"""Where the campaigns lie that ship with the project."""
+
 KEYS = ("axis", "stage", "start", "sample_time_s", "fit", "validate", "columns", "logger")
 
 Start = Literal["rest", "unknown"]
@@ -112,7 +115,7 @@ def load_campaign(folder: str | Path, rig: Rig | None = None) -> Campaign:
 
 def shipped() -> list[Path]:
     """Folders of the campaigns that ship with the project; their data is synthetic."""
-    return sorted(p.parent for p in (Path(__file__).parent / "examples").glob(f"*/{FILE}"))
+    return sorted(p.parent for p in EXAMPLES.glob(f"*/{FILE}"))
 
 
 def _warn_of_radians(folder: Path, recordings: Iterable[Recording]) -> None:
