@@ -13,7 +13,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from benchmarks import commands, monte_carlo, mpc, native, others, rollouts, tuner
+from benchmarks import commands, logs, monte_carlo, mpc, native, others, rollouts, tuner
 from plants.files import write_atomically
 from plants.kernel.batches import default_jobs
 
@@ -41,6 +41,7 @@ MEANING = {
     "monte_carlo.all_conditions_share_of_declared_kernel": "its rate / the declared wrist's kernel",
     **mpc.MEANING,
     **tuner.MEANING,
+    **logs.MEANING,
     "cli.help_s": "s, `wrist --help`, a process",
     "cli.second_start_s": "s, `wrist simulate`, a second process",
     "tune.warm_s": "s, `wrist tune`, a second process",
@@ -115,6 +116,7 @@ def main() -> int:
         figures |= monte_carlo.measure(options.rounds)
         figures |= mpc.measure(OTHERS_ROUNDS)
         figures |= tuner.measure()
+        figures |= logs.measure(OTHERS_ROUNDS)
     except native.NoCompiler as missing:
         print(missing, file=sys.stderr)
         return 2

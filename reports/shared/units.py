@@ -1,24 +1,28 @@
-"""Units of the rig that is shown.  Words and labels are written in those of the built-in rig, deg, kPa and V;
-what is shown of a rig with others is translated where it leaves: a line on a terminal, a page, a figure."""
+"""Units of the rig that is shown, and what its angle is counted from.  Words and labels are written in the
+units of the built-in rig, deg, kPa and V; what is shown of a rig with others is translated where it leaves: a
+line on a terminal, a page, a figure."""
 
 import re
 from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any, TextIO
 
-from plants.rig import Rig, Units, built_in_rig
+from plants.rig import Rig, built_in_rig
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_SHOWN: ContextVar[Units | None] = ContextVar("units", default=None)
+_SHOWN: ContextVar[Rig | None] = ContextVar("rig", default=None)
+
+ANGLE = "Angle [deg]"
+"""Label of an axis of the angle."""
 
 _UNIT = re.compile(r"(?<![\w.])(degrees|degree|deg|kPa|V)(?!\w)")
 _TEXT = re.compile(r"(<(script|style)\b.*?</\2>)|(?<=>)([^<]+)(?=<)", re.DOTALL)
 
 
 def show(rig: Rig) -> None:
-    """From now on show what is shown in the units of a rig."""
-    _SHOWN.set(None if rig.units == built_in_rig().units else rig.units)
+    """From now on show what is shown in the units of a rig, and its angle as the rig's plants count it."""
+    _SHOWN.set(rig if rig.units != built_in_rig().units or rig.zero.angle else None)
 
 
 def in_units(text: str) -> str:
@@ -27,9 +31,10 @@ def in_units(text: str) -> str:
     >>> in_units("0 to 15 deg at 49.4 kPa/V")
     '0 to 15 deg at 49.4 kPa/V'
     """
-    units = _SHOWN.get()
-    if units is None:
+    rig = _SHOWN.get()
+    if rig is None:
         return text
+    units = rig.units
     to = {"degrees": units.angle, "degree": units.angle, "deg": units.angle}
     to |= {"kPa": units.pressure, "V": units.command}
     return _UNIT.sub(lambda m: to[m[1]], text)
@@ -43,13 +48,18 @@ def page_in_units(page: str) -> str:
 
 
 def relabel(figure: "Figure") -> None:
-    """Put the labels of a figure into the units of the rig that is shown."""
-    if _SHOWN.get() is None:
+    """Put the labels of a figure into the units of the rig that is shown; an axis of the angle says what it
+    is counted from, where that is not zero."""
+    rig = _SHOWN.get()
+    if rig is None:
         return
     from matplotlib.text import Text
 
     for text in figure.findobj(Text):
-        text.set_text(in_units(text.get_text()))
+        words = text.get_text()
+        if rig.zero.angle and words == ANGLE:
+            words = f"Angle from {rig.zero.angle:.4g} [deg]"
+        text.set_text(in_units(words))
 
 
 class StreamInUnits:

@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -161,19 +160,6 @@ def test_the_campaigns_that_ship_are_found_and_told_as_synthetic():
     assert flexion.axis == "flexion"
     assert remark_on({"flexion": flexion.checksum[:12]}) == SYNTHETIC
     assert remark_on({"flexion": "0" * 12}) == ""
-
-
-def test_a_long_recording_loads_fast(write_csv):
-    rows = [
-        [f"{i / 100:.4f}", f"{2 + i % 7 / 10:.4f}", f"{i % 31:.4f}", f"{i % 97:.4f}"] for i in range(14_000)
-    ]
-    path = write_csv(rows=rows)
-    best = np.inf
-    for _ in range(5):
-        start = time.process_time()
-        assert len(load_recording(path).time) == 14_000
-        best = min(best, time.process_time() - start)
-    assert best < 0.1, f"{best * 1e3:.0f} ms"
 
 
 def test_the_readers_of_rare_formats_load_when_they_are_needed():
