@@ -152,8 +152,10 @@ def test_a_joint_that_does_not_move_at_first_needs_no_effect_for_its_curve(tmp_p
     assert trace.after["angle_deg"] < 0.2 * trace.before["angle_deg"]
 
 
-@pytest.mark.parametrize(("seed", "most", "beside"), [(401, 0.75, {"softening"}), (707, 0.2, set())])
-def test_without_a_pressure_what_the_valve_does_is_named(tmp_path, seed, most, beside):
+@pytest.mark.parametrize(
+    ("seed", "most", "found", "beside"), [(401, 0.75, {"creep"}, {"softening"}), (707, 0.2, set(), {"creep"})]
+)
+def test_without_a_pressure_what_the_valve_does_is_named(tmp_path, seed, most, found, beside):
     """One effect at a time, a softening was named for it, and three quarters of the error of the declared
     model were left, or nothing was named, and three fifths.  Both joints creep; whether that is named (of
     707), and whether 401 is given a softening beside it, hangs on the rounding of the processor."""
@@ -161,10 +163,10 @@ def test_without_a_pressure_what_the_valve_does_is_named(tmp_path, seed, most, b
     drop(tmp_path, ["pressure_kPa"])
     trace = trace_campaign(load_campaign(tmp_path))
     named = {e.name for e in trace.effects}
-    assert "fill-exhaust-asymmetry" in named
-    assert named <= {"dead-time", "fill-exhaust-asymmetry", "creep", *beside}
+    found = {"fill-exhaust-asymmetry", *found}
+    assert found <= named <= {"dead-time", *found, *beside}
     assert trace.after["angle_deg"] < most * trace.before["angle_deg"]
-    assert any("No pressure was logged" in r and "fill-exhaust-asymmetry" in r for r in trace.remarks)
+    assert any("No pressure was logged" in r and all(n in r for n in found) for r in trace.remarks)
 
 
 def test_a_creep_is_not_taken_for_a_drift_of_the_sensor(tmp_path):
