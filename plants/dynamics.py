@@ -70,6 +70,8 @@ def press(
     for speed in speeds:
         share = speed * share * (1.0 + 0.5 * (1.0 - speed) * share)  # of 1 - exp(-speed k dt), to 2nd order
     after = state.pressure + share * error
+    for i, effect in c.at("chamber"):
+        after = effect(s[i], state.pressure, target, after)
     for i, effect in c.at("supply"):
         s[i], after = effect(s[i], state.pressure, after)
     return after, tuple(s)

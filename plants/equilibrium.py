@@ -128,9 +128,10 @@ def holding_command(wrist: "Wrist", pressure: Number) -> Number:
 
 
 def commanded(wrist: "Wrist", pressure: Number) -> Number:
-    """The commanded pressure [kPa] at which the regulator gives what a wrist at a pressure [kPa] loses: the
-    pressure itself, where nothing does; by bisection."""
-    if not any(e.LOSES for e in wrist.effects):
+    """The commanded pressure [kPa] at which the regulator gives what a wrist at a pressure [kPa] loses, or
+    valves let in what they let out: the pressure itself, where neither is; by bisection."""
+    regulated = all(e.REGULATES for e in wrist.effects)
+    if regulated and not any(e.LOSES for e in wrist.effects):
         return pressure
     c = wrist.sampled()
     prompt = [e for e, law in zip(wrist.effects, c.effects, strict=True) if not hasattr(law, "target")]
@@ -138,6 +139,8 @@ def commanded(wrist: "Wrist", pressure: Number) -> Number:
     still = State(pressure, None, 0.0, tuple(e.rest(wrist, pressure, 0.0) for e in prompt))
     low = pressure + 0.0 * press(still, 0.0, c)[0]
     high = low + MOST_ABOVE * (wrist.rig.pressure_range[1] - wrist.rig.pressure_range[0])
+    if not regulated:
+        low, high = (0.0 * low + wrist.regulator.gain * v for v in wrist.rig.command_range)
     for _ in range(60):
         middle = 0.5 * (low + high)
         sinks = press(still, middle / wrist.regulator.gain, c)[0] < pressure

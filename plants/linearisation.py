@@ -232,11 +232,13 @@ def responses(wrist: "Wrist", omega: Any) -> list[FrequencyResponse]:
     for part in parts:
         before, after = before * part.command, after * part.static
     speeds = _products([x.rates for x in parts])
+    flows = [(f"{rate:.3g}/s", rate) for x in parts for rate in x.flows]
+    rates = flows or list(zip(RATES, (p.k_slow, p.k_fast), strict=True))
     straight, unit = branch_slopes(wrist, pressures), wrist.rig.unit("deg/kPa")
     found = []
     for branch, slopes in slopes_with_effects(wrist, pressures, left=False).items():
-        for slope, rate, speed in product(slopes, RATES, speeds):
-            share = -np.expm1(-speed * (p.k_fast if rate == "fast" else p.k_slow) * wrist.rig.sample_time)
+        for slope, (rate, own), speed in product(slopes, rates, speeds):
+            share = -np.expm1(-speed * own * wrist.rig.sample_time)
             pressure = before * (share / (z - 1.0 + share))
             bent = "" if slopes == (straight.get(branch),) else f", slope {slope:.3g} {unit}"
             quick = rate if speed == 1.0 else f"{rate} x {speed:.3g}"

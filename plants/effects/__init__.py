@@ -11,7 +11,13 @@ from inspect import isabstract
 
 from plants.effects.effect import Around, Effect
 from plants.effects.regulator.dead_time import DeadTime, TubeDeadTime
-from plants.effects.regulator.fill_exhaust import FlowLimits, OrificeExhaust, PressureDependentRates, TwoRates
+from plants.effects.regulator.fill_exhaust import (
+    CommandedOpenings,
+    FlowLimits,
+    OrificeExhaust,
+    PressureDependentRates,
+    TwoRates,
+)
 from plants.effects.regulator.leak import LaminarLeak, PowerLeak
 from plants.effects.regulator.regulator_deadband import Latch, PlayDeadBand, ValveOverlap
 from plants.effects.regulator.supply_droop import CappedPressure, CappedTarget, LimitedFlow, SaturatingSag
@@ -35,7 +41,7 @@ EFFECTS: dict[str, tuple[type[Effect], ...]] = {
     for forms in (
         (DeadTime, TubeDeadTime),
         (Latch, PlayDeadBand, ValveOverlap),
-        (TwoRates, PressureDependentRates, OrificeExhaust, FlowLimits),
+        (TwoRates, PressureDependentRates, OrificeExhaust, FlowLimits, CommandedOpenings),
         (CappedPressure, CappedTarget, SaturatingSag, LimitedFlow),
         (LaminarLeak, PowerLeak),
         (Polynomial, Saturation, Bow, SmoothCurve),

@@ -6,6 +6,7 @@ its laws; the method's name is the port of the wrist that it acts on.  The wrist
 
     target(s, target, around)            -> s, target          commanded pressure [kPa]
     valve(s, pressure, error, around)    -> error, speed       pressure error [kPa], factor of the rate
+    chamber(s, before, target, after)    -> after              pressure [kPa], in place of the regulator's
     supply(s, before, after)             -> s, after           pressure [kPa]
     drive(s, before, after, around)      -> s, before, after   pressure that drives the loop [kPa]
     bend(s, before, after, loop, around) -> s, low, high, slope  shifts of line 1 and 2 [deg],
@@ -49,7 +50,8 @@ class Linear:
 
     command, static: frequency responses, shape of z, in the commanded pressure and in the
     static angle; joint: that from the static angle to the angle, in place of the lag's;
-    rates: factors of the regulator's rate that occur; slopes: least and largest factor
+    rates: factors of the regulator's rate that occur; flows: least and largest rate [1/s] in place of the
+    regulator's; slopes: least and largest factor
     of the slope on each side of the loop where it is changed; added: least and largest slope [deg/kPa]
     that is added on each side where one is.
     """
@@ -58,6 +60,7 @@ class Linear:
     static: Any = 1.0
     joint: Any = None
     rates: tuple[float, ...] = (1.0,)
+    flows: tuple[float, ...] = ()
     slopes: Mapping[Side, tuple[float, float]] = field(default_factory=dict)
     added: Mapping[Side, tuple[float, float]] = field(default_factory=dict)
 
@@ -107,6 +110,7 @@ class Effect(ABC):
     - EVENT: whether it happened once, in the recordings, and is no property of the rig;
     - LEARNT: whether it is a map that was learnt from a residual, without a cause;
     - LOSES: whether air is lost at rest, so that more is commanded than the pressure that is held;
+    - REGULATES: whether the pressure rests where it is commanded, but for what is lost;
     - BOUND: what the performance bound makes of it: ``kept``, where the wrist is a monotone cascade with it,
       ``taken away``, where the wrist without it goes at least as far, or None, where no bound is known.
     """
@@ -127,6 +131,7 @@ class Effect(ABC):
     EVENT: ClassVar[bool] = False
     LEARNT: ClassVar[bool] = False
     LOSES: ClassVar[bool] = False
+    REGULATES: ClassVar[bool] = True
     BOUND: ClassVar[Literal["kept", "taken away"] | None] = None
 
     @classmethod

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
-from plants.effects import EFFECTS
+from plants.effects import EFFECTS, form_of
 from plants.measured.trace.result import Named, StageTrace, Trace
 from reports.shared.figures.fit import law_sentence
 from reports.shared.tables import fixed, listed, number
@@ -225,7 +225,7 @@ def _amount(value: float | None, channel: str) -> str:
 
 
 def _happens(effects: Sequence[Named]) -> str:
-    words = [EFFECTS[e.name][0].HAPPENS for e in effects]
+    words = [form_of(e.name, e.form).HAPPENS for e in effects]
     return _and([words[0], *(w[0].lower() + w[1:] for w in words[1:])])
 
 

@@ -19,7 +19,19 @@ ROOT = Path(__file__).parents[2]
 OF_THE_COMMAND = "design.cli"
 """Told of by `wrist --help`."""
 
-PORTS = {"target", "valve", "supply", "drive", "bend", "steepen", "static", "joint", "stop", "sensor"}
+PORTS = {
+    "target",
+    "valve",
+    "chamber",
+    "supply",
+    "drive",
+    "bend",
+    "steepen",
+    "static",
+    "joint",
+    "stop",
+    "sensor",
+}
 """Laws of effects, which go by the name of their port: `plants.effects.effect` says what each one means."""
 
 QUANTITIES = {"dt", "duration", "dead_time", "period", "begin", "pressure", "angle", "command", "commands"}

@@ -1,14 +1,18 @@
 """Dead time, dead band, unequal valves and a weak supply change the pressure as they are said to."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 from scipy.signal import lfilter
 
 from plants import equilibrium
 from plants.effects import (
     CappedPressure,
     CappedTarget,
+    CommandedOpenings,
     Creep,
     DeadTime,
     FlowLimits,
@@ -26,6 +30,7 @@ from plants.effects import (
 )
 from plants.effects.effect import Around
 from plants.equilibrium import commanded, holding_command
+from plants.linearisation import responses
 from tests.laws.effect_steps import DT, ONE_RATE, WRIST, played
 
 STEPS = np.repeat([2.5, 1.0, 3.5, 3.4], 500)
@@ -129,6 +134,64 @@ def test_a_valve_that_is_open_lets_no_more_through(volts, ratio):
     ours, _, _ = played(ONE_RATE + effect, np.full(3000, volts))
     np.testing.assert_allclose(ours, solved.y[0], atol=0.05)
     assert np.abs(np.diff(ours)).max() < 0.95 * DT * k * abs(GAIN * volts - REST)  # it is limited at first
+
+
+OPENED = CommandedOpenings(5.0, 3.0, 260.0, -10.0, 0.5, 0.8)
+"""Valves that the command opens: filling from 260 kPa, exhausting to -10 kPa through an orifice."""
+
+
+def change_through(valves, command, pressure):
+    """What the docstring of the form says, [kPa/s]; command as a share of its range."""
+    out = 100.0 * max((pressure - valves.outside) / 100.0, 0.0) ** valves.exponent
+    return (
+        valves.fill * command * (valves.supply - pressure)
+        - valves.exhaust * (1.0 - valves.closes * command) * out
+    )
+
+
+@pytest.mark.parametrize("volts", [0.0, 1.0, 3.0, 4.0])
+@pytest.mark.parametrize("valves", [OPENED, replace(OPENED, exponent=1.2, closes=0.0)])
+def test_valves_opened_by_the_command_follow_their_differential_equation(valves, volts):
+    """By scipy, whatever the regulator's rates; within the last kPa before it is empty ours is linear."""
+    solved = solve_ivp(
+        lambda _t, p: [change_through(valves, volts / 4.0, p[0])], (0.0, 3.0), [REST],
+        rtol=1e-9, atol=1e-9, t_eval=np.arange(3001) * DT,
+    )  # fmt: skip
+    for wrist in (ONE_RATE, WRIST):
+        ours, _, _ = played(wrist + valves, np.full(3000, volts))
+        np.testing.assert_allclose(ours, solved.y[0], atol=0.02 if volts > 0.0 else 0.2)
+
+
+def test_linear_valves_that_exclude_each_other_are_a_first_order_lag():
+    """The command's range is 0 to 4 V, of 49.4 kPa/V."""
+    lag = CommandedOpenings(5.0, 5.0, 4.0 * GAIN, 0.0, 1.0, 1.0)
+    volts = np.repeat([3.0, 1.0, 2.5], 700)
+    np.testing.assert_allclose(played(WRIST + lag, volts)[0], played(ONE_RATE, volts)[0], atol=1e-3)
+
+
+@pytest.mark.parametrize("pressure", [30.0, 100.0, 170.0])
+def test_a_pressure_is_held_by_the_command_that_lets_in_what_goes_out(pressure):
+    wrist = WRIST + OPENED
+    command = float(holding_command(wrist, pressure))
+    held = brentq(lambda v: change_through(OPENED, v / 4.0, pressure), 0.0, 4.0)
+    assert command == pytest.approx(held, abs=1e-6)
+    assert abs(command - pressure / GAIN) > 0.02  # where a regulator would hold it
+
+
+def test_small_motions_through_valves_are_those_of_their_equilibrium():
+    """Gain and rate at the ends of the pressures and between them, by differences of the law written out."""
+    linear = OPENED.linear(WRIST, np.ones(1), DT, (40.0, 160.0))
+    rates, gains = [], []
+    for pressure in np.linspace(40.0, 160.0, 5):
+        command = brentq(lambda v, p=pressure: change_through(OPENED, v, p), 0.0, 1.0)
+        up, down = (change_through(OPENED, command, pressure + h) for h in (1e-4, -1e-4))
+        rates.append((down - up) / 2e-4)
+        more, less = (change_through(OPENED, command + h, pressure) for h in (1e-6, -1e-6))
+        gains.append((more - less) / 2e-6 / rates[-1] / (4.0 * GAIN))
+    assert linear.flows == pytest.approx((min(rates), max(rates)), rel=1e-5)
+    assert linear.slopes["ascending"] == pytest.approx((min(gains), max(gains)), rel=1e-5)
+    shown = {r.rate for r in responses(WRIST + OPENED, np.array([1.0]))}
+    assert all(rate.endswith("/s") for rate in shown)
 
 
 def test_the_pressure_ends_at_the_supply():

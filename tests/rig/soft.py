@@ -8,6 +8,7 @@ each recording.  One, a wrist of muscles, sticks and slips as well.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from math import sqrt
 from pathlib import Path
 from typing import NamedTuple
 
@@ -39,6 +40,24 @@ class Logger:
     rests: bool = False
     angle_delay: float = 0.0
     slips: int = 0
+
+
+class Switched(NamedTuple):
+    """On/off valves without a regulator: each period [s] the one to a supply is open for as large a share as
+    the command is of its range, then the one to the outside.
+
+    most [kPa/s]: what flows in at no pressure; stall [kPa]: where nothing flows in; out [kPa/s]: what flows
+    out at `stall`, with the root of the pressure; period 0: no such valves.
+    """
+
+    most: float = 0.0
+    stall: float = 1.0
+    out: float = 0.0
+    period: float = 0.0
+
+
+REGULATED = Switched()
+"""A regulator, and no such valves."""
 
 
 class Relays(NamedTuple):
@@ -74,7 +93,7 @@ class SoftRig:
     time constant [s]; lag [s]; tail: share of the pressure that follows late and its time constant [s];
     stick: distance [deg] from its equilibrium at which the joint breaks away, and at which it rests again;
     relays: in place of the plays, where there are any; swing: natural frequency [Hz] and damping ratio of the
-    joint, in place of the lag where the former is not 0.
+    joint, in place of the lag where the former is not 0; valves: in place of the regulator.
     """
 
     name: str
@@ -100,6 +119,7 @@ class SoftRig:
     stick: tuple[float, float] = (0.0, 0.0)
     relays: Relays = NONE
     swing: tuple[float, float] = (0.0, 0.0)
+    valves: Switched = REGULATED
 
     def play(self, command: Signal) -> tuple[Signal, Signal]:
         """Pressure [kPa] and angle [deg] at every ms of a command at 1 kHz."""
@@ -123,6 +143,7 @@ class SoftRig:
             command, loop, self.gain, self.bias, self.fill, self.exhaust, self.falls,
             np.array(self.thresholds), np.array(self.weights), self.origin, self.cubic, self.full, self.first,
             *self.creep, self.lag, *self.tail, *self.stick, self.relays, *self.swing,
+            self.valves, self.low, self.high,
         )  # fmt: skip
 
     def log(self, command: Signal, seed: int) -> pd.DataFrame:
@@ -170,6 +191,16 @@ class SoftRig:
 
 
 @njit
+def through_valves(p, pressure, tick, duty):
+    """Pressure [kPa] after a ms, of which the filling valve is open for a part."""
+    ticks = round(p.period / 0.001)
+    opened = min(max(duty * ticks - tick % ticks, 0.0), 1.0)
+    change = opened * p.most * (1.0 - pressure / p.stall)
+    change -= (1.0 - opened) * p.out * sqrt(max(pressure, 0.0) / p.stall)
+    return max(pressure + 0.001 * change, 0.0)
+
+
+@njit
 def _chain(
     command,
     loop,
@@ -194,12 +225,16 @@ def _chain(
     relays,
     natural,
     damping,
+    valves,
+    low,
+    high,
 ):
     """loop: what makes the command up from its first value on, behind a delay; an empty reference where the
     command is given."""
     n = len(command)
     pressure, angle = np.empty(n), np.empty(n)
     P = follows = gain * command[0] + bias
+    P = 0.0 if valves.period > 0.0 else P
     moves = True
     plays = np.zeros(len(r))
     y, v, w0 = 0.0, 0.0, 2.0 * np.pi * natural
@@ -222,8 +257,11 @@ def _chain(
         target = gain * command[i] + bias
         follows += 0.001 / tail * (target - follows)
         target += late * (follows - target)
-        rate = (fill if target > P else exhaust) / (1.0 + falls * max(P, 0.0) / 100.0)
-        P += 0.001 * rate * (target - P)
+        if valves.period > 0.0:
+            P = through_valves(valves, P, i, (command[i] - low) / (high - low))
+        else:
+            rate = (fill if target > P else exhaust) / (1.0 + falls * max(P, 0.0) / 100.0)
+            P += 0.001 * rate * (target - P)
         x = P - origin
         u = 0.0
         for j in range(len(r)):
@@ -318,6 +356,22 @@ def bender() -> SoftRig:
     )  # fmt: skip
 
 
+def finger() -> SoftRig:
+    """A finger on a vacuum pump: on/off valves under pulse-width modulation at 40 Hz, in percent."""
+    return SoftRig(
+        "finger", 0.0, 100.0, 0.0, 0.0, 0.05, 1.0, 1.0, 0.0, (0.0, 1.0, 3.0, 7.0), (0.5, 0.2, 0.15, 0.1), 0.0,
+        0.15, 80.0, 0.0, (0.08, 5.0), 0.1,
+        Logger(0.01, angle_step=0.05, pressure_step=0.05, angle_noise=0.08, pressure_noise=0.1),
+        {
+            "stairs": lambda: stairs([0, 15, 30, 45, 60, 75, 90, 75, 60, 45, 30, 15, 0], 4.0),
+            "steps": lambda: wandering(0.0, 95.0, 2.0, 70.0, 5),
+            "wave": lambda: sine(0.0, 90.0, 0.15, 60.0),
+            "check": lambda: wandering(5.0, 90.0, 1.5, 60.0, 6),
+        },
+        valves=Switched(150.0, 78.0, 220.0, 0.025),
+    )  # fmt: skip
+
+
 def climber() -> SoftRig:
     """Fitted on small steps and a slow sine, held out on large steps: what the rate far from the commanded
     pressure is, no recording to fit on says.  The pressure is renewed in every fortieth row."""
@@ -356,5 +410,6 @@ CAMPAIGNS = {
     "arm-a": (arm_a, ("large", "medium"), ("check",)),
     "arm-b": (arm_b, ("stairs", "wave"), ("check",)),
     "bender": (bender, ("stairs", "steps", "wave"), ("check",)),
+    "finger": (finger, ("stairs", "steps", "wave"), ("check",)),
 }
 """Rig, recordings to fit on and held-out ones, by name."""

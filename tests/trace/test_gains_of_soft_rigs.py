@@ -43,6 +43,19 @@ def test_steps_about_the_middle_of_the_range_of_a_bending_actuator(tmp_path):
 
 
 @pytest.mark.suite
+def test_gains_for_valves_that_the_command_opens_hold_on_the_rig(tmp_path):
+    """No regulator: the gain from the command to the pressure changes three times over the range."""
+    make, fit, validate = CAMPAIGNS["finger"]
+    make().write(tmp_path / "finger", fit, validate)
+    trace = trace_campaign(load_campaign(tmp_path / "finger"), either_way=True)
+    assert [e.form for e in trace.effects if e.stage == "regulator"] == ["valves opened by the command"]
+    tuned = tune_candidates(required_of(designed(trace.revised), Taken())).best
+    assert tuned.holds
+    seen = held(make(), tuned.final.gains, trace.revised)
+    assert seen.kept, str(seen)
+
+
+@pytest.mark.suite
 def test_what_a_late_sensor_delays_is_dead_time_of_the_loop(tmp_path):
     """A log does not tell a sensor that is late from a logger that is; a loop behind the sensor would have a
     dead time that its design did not know."""

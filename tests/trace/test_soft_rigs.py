@@ -28,6 +28,7 @@ TRUE = {
     },
     "arm-b": {"dead-time", "fill-exhaust-asymmetry", "branch-curvature", "creep", "end-stop"},
     "bender": {"dead-time", "fill-exhaust-asymmetry", "branch-curvature", "creep", "end-stop"},
+    "finger": {"dead-time", "fill-exhaust-asymmetry", "branch-curvature", "creep", "end-stop"},
 }
 """Effects that a rig has.  A joint that does not move below an angle has a stop there; one that stiffens with
 the cube of its angle may be described as curved or as meeting a soft stop.  Arm A has five plays with

@@ -4,18 +4,29 @@ Exhausting through an orifice the flow follows the pressure above the outside's,
 filling through one it follows what the supply has in hand, so that either speed
 may change with the pressure (ISO 6358; below the critical ratio the flow is
 proportional to the pressure upstream).  A valve that is fully open, or a small
-pump, lets no more through however large the error is.
+pump, lets no more through however large the error is.  Where no regulator is, and the
+command opens the valves or drives the pump, the pressure rests where as much flows in as out.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from itertools import product
+from typing import Any, NamedTuple, get_args
 
 import numpy as np
 
 from plants.effects.effect import Around, Effect, Linear, Nothing, Number, parameter
+from plants.hysteresis import Side
+from plants.rig import Rig, built_in_rig
 
 SLOWEST = 0.02
 """No valve is slower than this share of its nominal rate."""
+
+SIDES: tuple[Side, ...] = get_args(Side)
+"""Of a loop."""
+
+NEAR_EMPTY = 0.01
+"""Share of half the range of the pressure, above the outside's, below which the exhaust is linear."""
 
 
 class SampledAsymmetry(NamedTuple):
@@ -138,6 +149,7 @@ class FlowLimits(_TwoValves):
     `ratio` times as fast as filling."""
 
     FORM = "a limit of the flow each way"
+    HAPPENS = "The flow in and out is limited"
     RUGGED = True
 
     fill: Number = parameter(
@@ -160,3 +172,99 @@ class FlowLimits(_TwoValves):
             self.ratio, self.fill * dt, self.fill_change / half, self.exhaust * dt,
             self.exhaust_change / half, wrist.rig.rest_pressure,
         )  # fmt: skip
+
+
+class SampledOpenings(NamedTuple):
+    """Rates of filling and exhausting in one sample, with valves that are open; the share by which filling
+    closes the exhaust; pressures of supply and outside [kPa]; the exponent of the exhaust; half the range of
+    the pressure [kPa]; the commanded pressure [kPa] at the lowest command, and shares of the way to the
+    largest per kPa."""
+
+    fill: Number
+    exhaust: Number
+    closes: Number
+    full: Number
+    outside: Number
+    exponent: Number
+    half: Number
+    lowest: Number
+    per_kPa: Number
+
+    def chamber(self, s: Nothing, before: Number, target: Number, after: Number) -> Number:
+        opened = np.minimum(np.maximum((target - self.lowest) * self.per_kPa, 0.0), 1.0)
+        filling, exhausting = self.fill * opened, self.exhaust * (1.0 - self.closes * opened)
+        above = np.maximum(before - self.outside, 0.0) / self.half
+        # Next to the outside's pressure a power has an infinite slope, and no more can flow than there is.
+        inside = np.maximum(above, NEAR_EMPTY)
+        lost = np.minimum(exhausting * inside**self.exponent, 0.5 * inside) * np.minimum(above / inside, 1.0)
+        change = filling * np.maximum(self.full - before, 0.0) - self.half * lost
+        slope = filling + exhausting * self.exponent * inside ** (self.exponent - 1.0)
+        moved = before + change / (1.0 + 0.5 * slope)  # to second order, and stable
+        return np.where(self.fill > 0.0, moved, after)
+
+
+@dataclass(frozen=True)
+class CommandedOpenings(_TwoValves):
+    """No regulator: the command opens the filling valve, or drives a pump, and may close the exhaust.
+
+    With u the command's share of its range and H half the range of the pressure, dP/dt is
+    fill u (supply - P) - exhaust (1 - closes u) H ((P - outside) / H)^exponent; the rates of the regulator
+    have no part in it.  Linear and with `closes` 1, `exhaust` as `fill`, it is a first-order lag.
+    Where `fill` is zero the effect is absent.
+    """
+
+    FORM = "valves opened by the command"
+    HAPPENS = "The command opens the valves, and no regulator holds the pressure"
+    RUGGED = True
+    REGULATES = False
+
+    fill: Number = parameter(
+        "1/s", "rate of filling at the largest command, per difference of pressure", 0.0, 500.0, 0.0,
+        (1.0, 4.0, 15.0),
+    )  # fmt: skip
+    exhaust: Number = parameter(
+        "1/s", "rate of exhausting through the open valve", 0.0, 500.0, 0.0, (1.0, 4.0, 15.0)
+    )
+    supply: Number = parameter("kPa", "pressure at which nothing flows in", -200.0, 2000.0, 200.0)
+    outside: Number = parameter("kPa", "pressure at which nothing flows out", -400.0, 400.0, 0.0)
+    exponent: Number = parameter(
+        "1", "exponent of the pressure that drives the exhaust", 0.2, 2.0, 1.0, (0.5, 1.0)
+    )
+    closes: Number = parameter(
+        "1", "share by which the largest command closes the exhaust", 0.0, 1.0, 1.0, (0.0, 1.0)
+    )
+
+    @classmethod
+    def trials(cls, rig: Rig | None = None) -> Iterator[dict[str, float]]:
+        """The trial values, with pressures of supply and outside about the range of the rig's."""
+        low, high = (rig or built_in_rig()).pressure_range
+        for given, beyond in product(super().trials(rig), (0.03, 0.3, 1.5)):
+            full = high + beyond * (high - low)
+            yield {**given, "supply": full, "outside": low - 0.02 * (high - low)}
+
+    def sampled(self, wrist: Any, dt: float) -> SampledOpenings:
+        low, high = (wrist.regulator.gain * v for v in wrist.rig.command_range)
+        return SampledOpenings(
+            self.fill * dt, self.exhaust * dt, self.closes, self.supply, self.outside, self.exponent,
+            wrist.rig.half_range, low, 1.0 / np.maximum(high - low, 1e-9),  # a command that never changed
+        )  # fmt: skip
+
+    def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
+        """Rates and gains at both ends of the pressures and amid them, each in equilibrium: the gain goes to
+        the slopes of the loop."""
+        low, high = (float(wrist.regulator.gain * v) for v in wrist.rig.command_range)
+        held = [self._held(p, wrist.rig.half_range) for p in np.linspace(*reach, 5)]
+        rates, gains = zip(*held, strict=True)
+        within = min(gains) / (high - low), max(gains) / (high - low)
+        return Linear(flows=(min(rates), max(rates)), slopes=dict.fromkeys(SIDES, within))
+
+    def _held(self, pressure: float, half: float) -> tuple[float, float]:
+        """Rate [1/s] of small motions about a pressure [kPa] that is held, and what the command's whole range
+        would change it by [kPa], going on at that slope."""
+        above = max((pressure - float(self.outside)) / half, NEAR_EMPTY)
+        out, room = float(self.exhaust) * above ** float(self.exponent), float(self.supply) - pressure
+        opened = half * out / max(float(self.fill) * room + half * out * float(self.closes), 1e-12)
+        opened = min(max(opened, 0.0), 1.0)
+        left = 1.0 - float(self.closes) * opened
+        rate = float(self.fill) * opened + left * float(self.exponent) * out / above
+        return rate, (float(self.fill) * max(room, 0.0) + half * out * float(self.closes)) / max(rate, 1e-9)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from design.studies.check.campaigns import CONFIDENCE, CampaignChange, ParameterChange, RecordingResidual
-from plants.effects import EFFECTS
+from plants.effects import form_of
 from plants.measured.trace.result import Named
 from plants.measured.trace.search.candidate import WORTH
 from reports.shared.tables import listed, number, with_error
@@ -120,7 +120,7 @@ def summary(change: CampaignChange) -> list[str]:
         f"{number(c.allowed)})"
         for c in worst.channels if c.new
     ])  # fmt: skip
-    happens = [EFFECTS[e.name][0].HAPPENS for e in change.came]
+    happens = [form_of(e.name, e.form).HAPPENS for e in change.came]
     differ = listed([f"{p.name} {difference(p)}{_unit(p.unit)}" for p in differing(change)])
     return [
         f"Differences beyond their intervals: {differ}." if differ else f"{title(change)}.",
