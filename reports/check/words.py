@@ -7,6 +7,9 @@ from design.studies.check.stairs import Stair
 from plants.effects.wrist.remainder import ColouredRemainder
 from reports.shared.tables import listed, number
 
+LITTLE = 0.25
+"""Share of a step of the task that a residual may hide and still tell whether the plant has changed."""
+
 
 def title(check: LogCheck) -> str:
     """The answer in a line: the heading, and what the command says last."""
@@ -40,6 +43,8 @@ def departure(f: FigureCheck) -> str:
 def plant(check: LogCheck) -> str:
     """Whether the residual is that of the trace."""
     r = check.residual
+    if not r.new and tells_little(check):
+        return f"whether the plant has changed cannot be told{to_within(check)}"
     if not r.new:
         return f"the plant is unchanged since the trace{to_within(check)}"
     sizes = [
@@ -50,6 +55,12 @@ def plant(check: LogCheck) -> str:
     ]
     cause = "no single change explains it" if r.change is None else change(r.change)
     return f"the plant has changed, its residual is {listed(sizes)}: {cause}"
+
+
+def tells_little(check: LogCheck) -> bool:
+    """Whether the trace left so much of the angle that a change of the plant hides in it."""
+    allowed = [c.allowed for c in check.residual.channels if c.channel == "angle_deg"]
+    return bool(to_within(check)) and allowed[0] > LITTLE * check.plant.rig.task.step
 
 
 def to_within(check: LogCheck) -> str:

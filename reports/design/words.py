@@ -62,13 +62,23 @@ def summary(study: DesignStudy) -> list[str]:
     return [first, second, third]
 
 
+def worse_words(trace: Mapping[str, Any]) -> str:
+    """That a revised plant is further off the angle on held-out recordings than the declared one; empty where
+    it is not."""
+    before, after = (trace.get(name, {}).get("angle_deg") for name in ("before", "after"))
+    if before is None or after is None or after <= 1.0001 * before:
+        return ""
+    return f", above {number(before)} deg of the declared plant: tune that one (`wrist fit`, `wrist tune`)"
+
+
 def motion_lines(m: MotionDesign) -> list[str]:
     """What people read of a motion on the command line."""
     samples, worst, proved = (m.evidence[n] for n in ("samples", "worst_case", "proved"))
     found = [f"{m.motion}: {m.recommended}, {gains_words(m.gains)}"]
     after = m.trace["after"].get("angle_deg")
     names = listed([e["name"] for e in m.trace["effects"]]) if m.trace["effects"] else "nothing"
-    found.append(f"  trace: {m.trace['verdict']}, adds {names}; held-out error {number(after)} deg")
+    error = f"held-out error {number(after)} deg{worse_words(m.trace)}"
+    found.append(f"  trace: {m.trace['verdict']}, adds {names}; {error}")
     if counted := m.plant.rig.zero.words(m.plant.rig.units):
         found.append(f"  counted: {counted} of the log")
     if m.left_out:
@@ -90,10 +100,13 @@ def motion_lines(m: MotionDesign) -> list[str]:
         f"{worst['scenario']}"
     )
     iae = max(e["worst_iae_deg_s"] for e in (samples, worst))
-    found.append(
-        f"  worst IAE {number(iae)} deg s in samples and search, slowest settling "
-        f"{number(samples['worst_settling_s'])} s in samples"
+    slowest = samples["worst_settling_s"]
+    settles = (
+        "a sample does not settle"
+        if slowest is None or not isfinite(slowest)
+        else f"slowest settling {number(slowest)} s in samples"
     )
+    found.append(f"  worst IAE {number(iae)} deg s in samples and search, {settles}")
     found.append(
         f"  exponential stability of the sampled loop, with the longest dead time: {proved['status']}"
     )

@@ -28,7 +28,8 @@ def test_a_pressure_comes_in_kPa(entry, raw, expected):
 
 @pytest.mark.parametrize(
     ("column", "unit", "scale"),
-    [("command_V", "mV", 1e-3), ("time_s", "ms", 1e-3), ("reference_deg", "rad", 180.0 / np.pi),
+    [("command_V", "mV", 1e-3), ("command_V", "%", 1.0), ("time_s", "ms", 1e-3),
+     ("reference_deg", "rad", 180.0 / np.pi),
      ("other_pressure_kPa", "bar", 100.0), ("pressure_kPa", "hPa", 0.1), ("angle_deg", "°", 1.0)],
 )  # fmt: skip
 def test_the_units_of_a_campaign_are_those_of_an_import(column, unit, scale):

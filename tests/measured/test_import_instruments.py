@@ -73,3 +73,13 @@ def test_a_motion_in_mm_stays_in_mm(tmp_path):
     columns = {"time": STEPS.time, "u_V": STEPS.command, "pos_mm": STEPS.angle}
     roles, _ = imported(tmp_path, columns)
     assert roles["angle"][:3] == ("pos_mm", "mm", 1.0)
+
+
+def test_values_between_those_of_a_sensor_are_in_its_steps(tmp_path):
+    """Rows that come at uneven times are put on even ones; a step of 0.05 deg stays one of 0.05 deg."""
+    kept = np.arange(len(STEPS.time)) % 7 != 3
+    jitter = np.random.default_rng(3).uniform(0.0, 4e-3, len(STEPS.time))
+    time, angle = np.round(STEPS.time + jitter, 4)[kept], 0.05 * np.rint(STEPS.angle / 0.05)
+    _, found = imported(tmp_path, {"time": time, "u_V": STEPS.command[kept], "angle_deg": angle[kept]})
+    assert not np.isin(np.round(found.time, 4), np.round(time - time[0], 4)).all()
+    np.testing.assert_allclose(found.angle / 0.05, np.rint(found.angle / 0.05), atol=1e-6)

@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from design.export.catalogue import part
 from plants.errors import InputError
-from plants.measured.campaigns.campaign import load_campaign
+from plants.measured.campaigns.campaign import Campaign, load_campaign
+from plants.measured.campaigns.recording import Recording
 from plants.measured.instrument.logger import counted_from
 from plants.measured.trace.counting.sign import rising
 from plants.measured.trace.start import starting
@@ -72,3 +74,18 @@ def test_a_command_under_which_the_pressure_falls_is_refused(falling):
 
     with pytest.raises(InputError, match="the pressure falls as the command rises; map command_V with scale"):
         rising(replace(falling, fit=tuple(map(backwards, falling.fit))))
+
+
+@pytest.mark.parametrize(
+    ("deepest", "named"), [(-60.0, "pressure_kPa, which is a vacuum's,"), (60.0, "command_V")]
+)
+def test_what_is_to_be_turned_where_the_pressure_falls_is_named(deepest, named):
+    """A pump that sucks, logged as a gauge has it, and a regulator that is commanded the other way round."""
+    time = np.arange(0.0, 60.0, 0.02)
+    command = 5.0 * (1.0 - np.cos(0.3 * time))
+    drawn = lfilter([0.05], [1.0, -0.95], command) / command.max()
+    pressure = deepest * drawn if deepest < 0.0 else deepest * (1.0 - drawn)
+    recording = Recording("log", time, command, 0.5 * abs(deepest) * drawn, pressure)
+    log = Campaign("log", "finger", "wrist", "unknown", 0.02, (recording,), (recording,), "0" * 64)
+    with pytest.raises(InputError, match=f"map {named} with scale = -1"):
+        rising(log)

@@ -24,6 +24,7 @@ from reports.design.words import (
     remarks,
     summary,
     title,
+    worse_words,
 )
 
 GAINS = {"Kp": 2.89, "Ki": 7.39, "b": 1.0, "Tf": 0.0}
@@ -279,3 +280,13 @@ def test_what_the_page_counts_from_is_told():
     (said,) = (w for w in remarks(replace(good, motions=(counted,))) if "of the log" in w)
     assert "the pressure from 3 kPa, the angle from 26 deg" in said
     assert not [w for w in remarks(good) if "of the log" in w]
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"), [(2.5, 10.3, True), (2.5, 1.1, False), (None, None, False)]
+)
+def test_a_revised_plant_that_is_worse_than_the_declared_one_is_told(before, after, said):
+    told = worse_words({"before": {"angle_deg": before}, "after": {"angle_deg": after}})
+    assert told == (
+        ", above 2.5 deg of the declared plant: tune that one (`wrist fit`, `wrist tune`)" if said else ""
+    )

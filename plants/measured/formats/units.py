@@ -17,7 +17,7 @@ KINDS = {"command": "V", "pressure": "kPa", "angle": "deg", "reference": "deg", 
 """Units that a campaign is kept in."""
 
 SUCH = {
-    "command": "V or mV", "pressure": "kPa, Pa, MPa, hPa, bar, mbar or psi", "angle": "deg or rad",
+    "command": "V, mV or %", "pressure": "kPa, Pa, MPa, hPa, bar, mbar or psi", "angle": "deg or rad",
     "reference": "deg or rad", "time": "s, ms or us",
 }  # fmt: skip
 """Units of each role that an error proposes; every other that pint knows is understood."""
@@ -51,11 +51,16 @@ def quantity(unit: str) -> str | None:
 def factor(unit: str, role: str, where: str) -> float:
     """What a number in a unit is to be multiplied with, to be in that of a role.
 
-    Raises InputError for a unit that is unknown and for one of another quantity.
+    A command in percent, as a duty, is kept in percent.  Raises InputError for a unit that is unknown and for
+    one of another quantity.
 
     >>> factor("bar", "pressure", "log"), round(factor("rad", "angle", "log"), 5)
     (100.0, 57.29578)
+    >>> factor("%", "command", "log")
+    1.0
     """
+    if role == "command" and SPELLED.get(unit.strip().lower(), unit) == "percent":
+        return 1.0
     kind = quantity(unit)
     if kind is None or kind != ("angle" if role == "reference" else role):
         raise InputError(f"{where}: the unit {unit!r} is none of {role}; give one such as {SUCH[role]}")

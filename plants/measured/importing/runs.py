@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from plants.errors import InputError
 from plants.measured.campaigns.read_table import GAP, SHORT_GAP
+from plants.measured.fitting.noise import resolution
 from plants.measured.formats.channel import Array, LoggedChannel
 from plants.measured.importing.channels import Log
 from plants.measured.importing.roles import Role
@@ -53,7 +54,7 @@ def runs(log: Log, found: Mapping[str, Role], step: float) -> list[Run]:
         raise InputError(f"{log.path}: command and what is measured were not logged together for long enough")
     held = {found[r].channel for r in HELD if r in found}
     lines = {
-        c.name: _held(c, time) if c.name in held else np.interp(time, c.time, c.values)
+        c.name: _held(c, time) if c.name in held else _between(c, time)
         for c in log.channels
         if c in mapped or (c.time[0] <= time[0] and c.time[-1] >= time[-1])
     }
@@ -101,6 +102,18 @@ def _axis(mapped: Sequence[LoggedChannel], base: LoggedChannel, step: float) -> 
         return np.array(own)
     even: Array = np.arange(first, last + 0.5 * step, step, dtype=np.float64)
     return even
+
+
+def _between(channel: LoggedChannel, time: Array) -> Array:
+    """Values of a channel at some times, between its own on the line through them, in steps of its sensor:
+    others would look like those of a finer one."""
+    found: Array = np.interp(time, channel.time, channel.values)
+    known = channel.values[np.isfinite(channel.values)]
+    step = resolution(known)
+    if not step:
+        return found
+    stepped = known[0] + step * np.rint((found - known[0]) / step)
+    return np.where(np.isin(time, channel.time), found, stepped)
 
 
 def _held(channel: LoggedChannel, time: Array) -> Array:

@@ -106,10 +106,13 @@ def command(
 
 def _next(trace: "Trace", campaign: Path, save: Path | None) -> tuple[str | Path, ...]:
     """The command that makes gains of what was found: tasks go either way from zero, which a rig that bends
-    to one side does only as `wrist design` counts its angle."""
+    to one side does only as `wrist design` counts its angle.  Of a revised plant that is worse than the
+    declared one, the command that saves that one."""
     from design.synthesis.answer import bends_to_one_side
     from plants.wrist import Wrist
 
+    if trace.worse:
+        return ("fit", campaign, "--save", "declared.toml")
     aside = trace.campaign.stage == "wrist" and bends_to_one_side(Wrist.of(trace.revised))
     return ("design", campaign) if save is None or aside else ("tune", "--plant", save)
 

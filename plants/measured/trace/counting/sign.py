@@ -13,20 +13,27 @@ from plants.rig import Zero
 FOR_CERTAIN = 0.5
 """Correlation of angle and pressure, each about its mean in a recording, from which on a sign is certain."""
 
+VACUUM = 0.1
+"""Share of the deepest pressure below the outside's by which a vacuum's may lie above."""
+
 
 def rising(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     """The campaign with an angle that rises with the pressure, and whether its sign was turned for that.
 
     Raises InputError where the pressure falls as the command rises: a controller would have to turn its
-    command, which only who builds it can.
+    command, which only who builds it can; a vacuum is counted as such instead.
     """
     pressures = recorded(campaign.fit, "pressure")
     if any(np.ptp(x) > 0.0 for x, _, _ in pressures):
         seen = first_order(pressures)
         spread = float(np.std(np.concatenate([v for _, v, _ in pressures])))
         if seen.gain < 0.0 and seen.rms < (1.0 - FOR_CERTAIN**2) ** 0.5 * spread:
+            vacuum = max(float(np.max(v)) for _, v, _ in pressures) < -VACUUM * min(
+                float(np.min(v)) for _, v, _ in pressures
+            )
+            channel = "pressure_kPa, which is a vacuum's," if vacuum else "command_V"
             raise InputError(
-                f"{campaign.name}: the pressure falls as the command rises; map command_V with scale = -1, "
+                f"{campaign.name}: the pressure falls as the command rises; map {channel} with scale = -1, "
                 "or command and pressure of another channel"
             )
     if _correlation(campaign) > -FOR_CERTAIN:
