@@ -214,7 +214,7 @@ class CommandedOpenings(_TwoValves):
     """
 
     FORM = "valves opened by the command"
-    HAPPENS = "The command opens the valves, and no regulator holds the pressure"
+    HAPPENS = "The command opens the valves without a regulator of the pressure"
     RUGGED = True
     REGULATES = False
 
