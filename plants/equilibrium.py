@@ -21,6 +21,9 @@ TRIED = 40
 MOST_ABOVE = 2.0
 """By how many spans of its range at most the commanded pressure is looked for above the one that is held."""
 
+HELD = 1e-9
+"""Share of half the range of the pressure by which one that is held moves in a sample at most."""
+
 SECANTS, NEAR = 20, 1e-10
 """Steps in which a pressure and what effects add at it are brought together, and how near [deg]."""
 
@@ -129,7 +132,8 @@ def holding_command(wrist: "Wrist", pressure: Number) -> Number:
 
 def commanded(wrist: "Wrist", pressure: Number) -> Number:
     """The commanded pressure [kPa] at which the regulator gives what a wrist at a pressure [kPa] loses, or
-    valves let in what they let out: the pressure itself, where neither is; by bisection."""
+    valves let in what they let out, outside the command's range where none does: the pressure itself, where
+    neither is; by bisection."""
     regulated = all(e.REGULATES for e in wrist.effects)
     if regulated and not any(e.LOSES for e in wrist.effects):
         return pressure
@@ -145,7 +149,11 @@ def commanded(wrist: "Wrist", pressure: Number) -> Number:
         middle = 0.5 * (low + high)
         sinks = press(still, middle / wrist.regulator.gain, c)[0] < pressure
         low, high = np.where(sinks, middle, low), np.where(sinks, high, middle)
-    return high
+    if regulated:
+        return high
+    moves = press(still, high / wrist.regulator.gain, c)[0] - pressure
+    span = wrist.regulator.gain * float(np.ptp(wrist.rig.command_range))
+    return high - np.where(np.abs(moves) > HELD * wrist.rig.half_range, np.sign(moves) * span, 0.0)
 
 
 def at_pressure(wrist: "Wrist", start: Start, pressure: float) -> State:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from design.evaluation import metrics
 from design.evaluation.runner import Lanes
 from design.evaluation.tasks import CALM, Judged, Task
-from plants.equilibrium import obstacle
+from plants.equilibrium import holding_command, obstacle
 from plants.kernel import pytrees
 from plants.simulation.disturbance import BEFORE, at_rest, burdened
 from plants.simulation.reference_profile import ReferenceProfile
@@ -212,10 +212,10 @@ def unreachable(case: Case, low: float, high: float) -> float:
         return float("inf")
     if wrist.effects:
         start: Start = "line1" if plus else "line2"
-        pressure = wrist.rest(start, t.reference).pressure
+        command = holding_command(wrist, wrist.rest(start, t.reference).pressure)
     else:
         pressure = (p.ascending_pressure if plus else p.descending_pressure)(t.reference)
-    command = pressure / wrist.regulator.gain
+        command = pressure / wrist.regulator.gain
     return float(max(low - command, command - high, 0.0))
 
 

@@ -178,6 +178,15 @@ def test_a_pressure_is_held_by_the_command_that_lets_in_what_goes_out(pressure):
     assert abs(command - pressure / GAIN) > 0.02  # where a regulator would hold it
 
 
+@pytest.mark.parametrize(("pressure", "beyond"), [(-9.9, False), (220.0, False), (245.0, True)])
+def test_a_pressure_that_no_command_holds_is_held_outside_the_range(pressure, beyond):
+    """At 4 V the pressure rests where 5 (260 - P) is 60 ((P + 10) / 100)^0.5."""
+    most = brentq(lambda p: change_through(OPENED, 1.0, p), 0.0, 260.0)
+    assert 220.0 < most < 245.0
+    held = float(holding_command(WRIST + OPENED, pressure))
+    assert (not 0.0 <= held <= 4.0) == beyond
+
+
 def test_small_motions_through_valves_are_those_of_their_equilibrium():
     """Gain and rate at the ends of the pressures and between them, by differences of the law written out."""
     linear = OPENED.linear(WRIST, np.ones(1), DT, (40.0, 160.0))
