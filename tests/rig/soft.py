@@ -93,7 +93,8 @@ class SoftRig:
     time constant [s]; lag [s]; tail: share of the pressure that follows late and its time constant [s];
     stick: distance [deg] from its equilibrium at which the joint breaks away, and at which it rests again;
     relays: in place of the plays, where there are any; swing: natural frequency [Hz] and damping ratio of the
-    joint, in place of the lag where the former is not 0; valves: in place of the regulator.
+    joint, in place of the lag where the former is not 0; valves: in place of the regulator,
+    gain then that of a line along what they make of the command.
     """
 
     name: str
@@ -359,7 +360,7 @@ def bender() -> SoftRig:
 def finger() -> SoftRig:
     """A finger on a vacuum pump: on/off valves under pulse-width modulation at 40 Hz, in percent."""
     return SoftRig(
-        "finger", 0.0, 100.0, 0.0, 0.0, 0.05, 1.0, 1.0, 0.0, (0.0, 1.0, 3.0, 7.0), (0.5, 0.2, 0.15, 0.1), 0.0,
+        "finger", 0.0, 100.0, 0.73, 0.0, 0.05, 1.0, 1.0, 0.0, (0.0, 1.0, 3.0, 7.0), (0.5, 0.2, 0.15, 0.1), 0.0,
         0.15, 80.0, 0.0, (0.08, 5.0), 0.1,
         Logger(0.01, angle_step=0.05, pressure_step=0.05, angle_noise=0.08, pressure_noise=0.1),
         {
