@@ -360,8 +360,8 @@ def bender() -> SoftRig:
 def finger() -> SoftRig:
     """A finger on a vacuum pump: on/off valves under pulse-width modulation at 40 Hz, in percent."""
     return SoftRig(
-        "finger", 0.0, 100.0, 0.73, 0.0, 0.05, 1.0, 1.0, 0.0, (0.0, 1.0, 3.0, 7.0), (0.5, 0.2, 0.15, 0.1), 0.0,
-        0.15, 80.0, 0.0, (0.08, 5.0), 0.1,
+        "finger", 0.0, 100.0, 0.73, 0.0, 0.05, 1.0, 1.0, 0.0, (0.0, 1.0, 3.0, 7.0), (0.5, 0.2, 0.15, 0.1),
+        0.0, 0.15, 80.0, 0.0, (0.08, 5.0), 0.1,
         Logger(0.01, angle_step=0.05, pressure_step=0.05, angle_noise=0.08, pressure_noise=0.1),
         {
             "stairs": lambda: stairs([0, 15, 30, 45, 60, 75, 90, 75, 60, 45, 30, 15, 0], 4.0),
