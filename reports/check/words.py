@@ -43,10 +43,11 @@ def departure(f: FigureCheck) -> str:
 def plant(check: LogCheck) -> str:
     """Whether the residual is that of the trace."""
     r = check.residual
+    below = hidden(check)
     if not r.new and tells_little(check):
-        return f"whether the plant has changed cannot be told{to_within(check)}"
+        return f"whether the plant has changed by less than {below} cannot be told"
     if not r.new:
-        return f"the plant is unchanged since the trace{to_within(check)}"
+        return f"the plant is unchanged since the trace{f', to within {below}' if below else ''}"
     sizes = [
         f"{number(c.rms)} {c.channel.split('_')[1]} in the {c.channel.split('_')[0]} (expected: at most "
         f"{number(c.allowed)})"
@@ -57,20 +58,18 @@ def plant(check: LogCheck) -> str:
     return f"the plant has changed, its residual is {listed(sizes)}: {cause}"
 
 
+def hidden(check: LogCheck) -> str:
+    """Up to which error of the angle the residual of the trace hides a change; empty for a plant that leaves
+    nothing."""
+    kept = check.plant.remainder.get("angle_deg")
+    found = [c.allowed for c in check.residual.channels if c.channel == "angle_deg"]
+    return f"{number(found[0])} deg" if found and ColouredRemainder.of(kept) is not None else ""
+
+
 def tells_little(check: LogCheck) -> bool:
     """Whether the trace left so much of the angle that a change of the plant hides in it."""
     allowed = [c.allowed for c in check.residual.channels if c.channel == "angle_deg"]
-    return bool(to_within(check)) and allowed[0] > LITTLE * check.plant.rig.task.step
-
-
-def to_within(check: LogCheck) -> str:
-    """To within what a plant that leaves something of its angle is known not to have changed; empty for one
-    that leaves nothing."""
-    kept = check.plant.remainder.get("angle_deg")
-    found = [c for c in check.residual.channels if c.channel == "angle_deg"]
-    if not found or ColouredRemainder.of(kept) is None:
-        return ""
-    return f", to within {number(found[0].allowed)} deg"
+    return bool(hidden(check)) and allowed[0] > LITTLE * check.plant.rig.task.step
 
 
 def change(c: RigChange) -> str:
@@ -96,7 +95,7 @@ def remarks(check: LogCheck) -> list[str]:
         "Samples: plants of the design's box with its dead times and loads, simulated with the logged "
         f"reference. False alarms: one in {check.envelope.samples + 1} for rigs of this kind."
     ]
-    if to_within(check):
+    if hidden(check):
         left = check.residual.known("angle_deg")
         found.append(
             f"The plant is known to leave {number(left)} deg of this angle. A figure departs where it is "

@@ -91,7 +91,7 @@ def test_what_a_plant_is_known_to_leave_breaks_no_promise(wrist, designed):
     )
     found = wrist("check", log, "--design", folder, "--json", "-")
     assert found.json["verdict"] == "as promised"
-    assert "whether the plant has changed cannot be told, to within" in found.json["words"]
+    assert "unchanged since the trace, to within" in found.json["words"]
     late = log_of(worn(rig, "tube", 0.15), plant, folder / "late.csv")
     assert wrist("check", late, "--design", folder, "--json", "-").json["verdict"] == "broken"
 
