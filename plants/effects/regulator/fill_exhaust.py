@@ -250,8 +250,8 @@ class CommandedOpenings(_TwoValves):
         )  # fmt: skip
 
     def linear(self, wrist: Any, z: Any, dt: float, reach: tuple[float, float]) -> Linear:
-        """Rates and gains at both ends of the pressures and amid them, each in equilibrium: the gain goes to
-        the slopes of the loop."""
+        """Rates [1/s] and gains at both ends of the pressures [kPa] and amid them, each in equilibrium: the
+        gain goes to the slopes of the loop."""
         low, high = (float(wrist.regulator.gain * v) for v in wrist.rig.command_range)
         held = [self._held(p, wrist.rig.half_range) for p in np.linspace(*reach, 5)]
         rates, gains = zip(*held, strict=True)
