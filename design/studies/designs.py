@@ -219,14 +219,13 @@ def _would_have_to_go(
     required: Requirement, seed: int, rounds: int, jobs: int | None, tell: Tell
 ) -> str | None:
     """The first part of the requirement, or effect of the plant, without which a plain PI holds the rest, in
-    words; None where taking away one is not enough."""
+    words; None where taking away one is not enough.  What leaves out the residual is among the designs."""
     own, plant = required.conditions, required.box.plant
     lesser = {
         "the dead time": replace(required, conditions=replace(own, dead_time=0.0)),
         "the load": replace(required, conditions=replace(own, load=0.0)),
         "steps before the last has settled": replace(required, kinds=("step",)),
         "the box of parameters": replace(required, box=Box(plant, ()).leaving(required.box.remainder)),
-        RESIDUAL: replace(required, box=required.box.leaving(None)),
     }
     lesser |= {
         f"the plant's {e.NAME}": replace(required, box=_without(required.box, e.NAME))

@@ -9,8 +9,8 @@ from design.studies.check.campaigns import left_of
 from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.trace.change.refit import seen_alike
 from plants.measured.trace.trace import trace_campaign
-from tests.rig.soft import wandering
-from tests.rig.soft_random import recordings, soft_actuator
+from tests.rig.soft.commands import wandering
+from tests.rig.soft.drawn import recordings, soft_actuator
 
 
 def later(rig, folder, softer):

@@ -12,7 +12,7 @@ from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.campaigns.playback import Playback
 from plants.measured.campaigns.recording import Recording
 from plants.measured.trace.start import starting
-from tests.rig.soft import CAMPAIGNS
+from tests.rig.soft.named import CAMPAIGNS
 
 
 @pytest.fixture(scope="module")

@@ -13,11 +13,13 @@ from design.synthesis.tuning import Region, tune
 from design.synthesis.tuning_rules import baselines, reaction_curve, simc
 from plants.effects import (
     CappedPressure,
+    CommandedOpenings,
     Creep,
     DeadTime,
     GivingStop,
     HardStop,
     Inertia,
+    LaminarLeak,
     Polynomial,
     Saturation,
     TubeDeadTime,
@@ -31,7 +33,7 @@ UP = Task("virgin", 0.0, (15.0,))
 
 def needed(wrist, reference=15.0):
     """Command [V] that a long simulation needs to hold a reference, by bisection on line 1 or 2."""
-    low, high = (2.0, 6.0) if reference > 0 else (-2.0, 2.0)
+    low, high = (1.0, 6.0) if reference > 0 else (-2.0, 2.0)
     for _ in range(30):
         middle = 0.5 * (low + high)
         start = wrist.rest()
@@ -40,7 +42,13 @@ def needed(wrist, reference=15.0):
     return 0.5 * (low + high)
 
 
-@pytest.mark.parametrize("effect", [Creep(0.1, 2.0), Polynomial(-0.1, 0.05), Saturation(150.0)])
+@pytest.mark.parametrize(
+    "effect",
+    [
+        Creep(0.1, 2.0), Polynomial(-0.1, 0.05), Saturation(150.0), LaminarLeak(0.2),
+        CommandedOpenings(5.0, 3.0, 260.0, -10.0, 0.5, 0.8),
+    ],
+)  # fmt: skip
 @pytest.mark.parametrize("reference", [15.0, -15.0])
 def test_the_command_that_lacks_is_the_one_that_a_simulation_finds(effect, reference):
     w = (WRIST + effect).with_values(k_slow=5.0)

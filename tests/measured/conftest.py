@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.rig.soft import CAMPAIGNS
+from tests.rig.soft.named import CAMPAIGNS
 
 ROWS = 8
 HEADER = ("time_s", "command_V", "angle_deg", "pressure_kPa")
@@ -53,7 +53,7 @@ def campaign(tmp_path: Path, write_csv: Callable[..., Path]) -> Callable[..., Pa
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A campaign of the bending actuator of `tests.rig.soft`."""
+    """A campaign of the bending actuator of `tests.rig.soft.named`."""
     make, fit, validate = CAMPAIGNS["bender"]
     folder = tmp_path_factory.mktemp("soft") / "bender"
     make().write(folder, fit, validate)

@@ -15,8 +15,8 @@ from plants.measured.instrument.offsets import offsets_between
 from plants.measured.instrument.stated import StatedHabits
 from plants.measured.trace.start import starting
 from tests.measured.conftest import DECLARATION
-from tests.rig.soft import CAMPAIGNS
-from tests.rig.soft_random import recordings, soft_actuator
+from tests.rig.soft.drawn import recordings, soft_actuator
+from tests.rig.soft.named import CAMPAIGNS
 
 
 @pytest.fixture(scope="module")

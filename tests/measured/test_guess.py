@@ -14,7 +14,7 @@ from plants.measured.guess.rough_models import first_order, largest_error, loop_
 from plants.measured.trace.rig_fit import fit_rig
 from plants.parameters.files import dump, load
 from plants.parameters.quantities import Guessed
-from tests.rig.soft import CAMPAIGNS, climber
+from tests.rig.soft.named import CAMPAIGNS, climber
 
 
 @pytest.fixture(scope="module", params=CAMPAIGNS)

@@ -10,7 +10,7 @@ from plants.measured.instrument.logger import corrected
 from plants.measured.instrument.renewals import renewals
 from plants.measured.instrument.saturation import longest
 from plants.measured.residual.stillness import noise_of_campaign
-from tests.rig.soft import CAMPAIGNS
+from tests.rig.soft.named import CAMPAIGNS
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,8 @@ from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.campaigns.recording import Recording
 from plants.measured.instrument.logger import corrected
 from plants.measured.instrument.missing import spikes
-from tests.rig.soft import arm_b, stairs
+from tests.rig.soft.commands import stairs
+from tests.rig.soft.named import arm_b
 
 
 @pytest.fixture

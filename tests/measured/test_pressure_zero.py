@@ -1,7 +1,7 @@
 """The zero of a pressure sensor is found beside the regulator: a recording starts off rest by it.
 
-The rigs are those of `tests.rig.soft`, which share no code with the library; their bias is the pressure where
-the command is zero.
+The rigs are those of `tests.rig.soft.named`, which share no code with the library; their bias is the pressure
+where the command is zero.
 """
 
 from dataclasses import replace
@@ -12,7 +12,7 @@ import pytest
 from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.instrument.logger import corrected
 from plants.measured.trace.counting.zero import counted
-from tests.rig.soft import arm_a, bender
+from tests.rig.soft.named import arm_a, bender
 
 
 def zero(folder):
@@ -29,7 +29,7 @@ def test_the_zero_is_the_rigs_within_a_noise(tmp_path):
 
 @pytest.mark.parametrize("share", [0.006, -0.008])
 def test_an_offset_of_less_than_a_hundredth_of_the_range_is_no_leak(tmp_path, share):
-    """As the offset of *soft1300* of `tests.rig.soft_random`, for which a leak was named."""
+    """As the offset of *soft1300* of `tests.rig.soft.drawn`, for which a leak was named."""
     rig = bender()
     most = rig.gain * (rig.high - rig.low)
     replace(rig, bias=share * most).write(tmp_path, ("stairs", "steps", "wave"), ("check",))

@@ -17,7 +17,7 @@ from plants.measured.trace.suspect import check
 from plants.parameters.files import built_in
 from plants.rig import Zero
 from tests.rig.campaign import make_rig, record
-from tests.rig.soft_random import recordings, soft_actuator
+from tests.rig.soft.drawn import recordings, soft_actuator
 
 
 def saturating(time, angle, **more):

@@ -16,7 +16,7 @@ from plants.measured.trace.start import starting
 from plants.parameters.files import built_in, dump, load
 from plants.rig import Zero
 from plants.wrist import Wrist
-from tests.rig.soft import CAMPAIGNS
+from tests.rig.soft.named import CAMPAIGNS
 
 
 @pytest.fixture(scope="module")

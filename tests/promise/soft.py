@@ -29,8 +29,8 @@ from plants.wrist import Wrist
 from tests.promise.held import LATE, Held
 from tests.rig.campaign import drop
 from tests.rig.core import TICK, Controller
-from tests.rig.soft import SoftRig
-from tests.rig.soft_random import preisach_actuator, recordings, soft_actuator
+from tests.rig.soft.drawn import preisach_actuator, recordings, soft_actuator
+from tests.rig.soft.rig import SoftRig
 
 JOINTS = {"plays": soft_actuator, "preisach": preisach_actuator}
 

@@ -14,7 +14,7 @@ from plants.measured.trace.suspect import check
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.files import built_in
 from tests.rig.campaign import make_campaign
-from tests.rig.soft import climber
+from tests.rig.soft.named import climber
 from tests.trace.traces import NOTHING, trace_folder
 
 

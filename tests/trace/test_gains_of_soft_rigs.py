@@ -1,6 +1,6 @@
 """Gains that are tuned on what a trace makes of a log hold on the actuator that was logged.
 
-The actuator is of `tests.rig.soft`, which shares no code with the library; it bends to one side.
+The actuator is of `tests.rig.soft.named`, which shares no code with the library; it bends to one side.
 """
 
 from dataclasses import replace
@@ -18,7 +18,7 @@ from plants.parameters.files import dump, load
 from plants.rig import Zero
 from plants.wrist import Wrist
 from tests.promise.soft import held
-from tests.rig.soft import CAMPAIGNS
+from tests.rig.soft.named import CAMPAIGNS
 
 
 @pytest.mark.suite

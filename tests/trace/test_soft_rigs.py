@@ -1,7 +1,7 @@
 """Rigs that no parameter file describes are traced from the log alone: what is left is small, what is named
 is true, nothing is borrowed from the command.
 
-The rigs are those of `tests.rig.soft`, which share no code with the library and have other forms of the
+The rigs are those of `tests.rig.soft.named`, which share no code with the library and have other forms of the
 effects.
 """
 
@@ -13,8 +13,8 @@ from plants.measured.trace.search.worth import SHARE
 from plants.measured.trace.trace import trace_campaign
 from plants.wrist import Wrist
 from tests.rig.campaign import drop
-from tests.rig.soft import CAMPAIGNS, muscles
-from tests.rig.soft_random import preisach_actuator, recordings, soft_actuator
+from tests.rig.soft.drawn import preisach_actuator, recordings, soft_actuator
+from tests.rig.soft.named import CAMPAIGNS, muscles
 
 pytestmark = pytest.mark.suite
 TRUE = {

@@ -23,7 +23,8 @@ from plants.rig import Units, Zero, built_in_rig
 from plants.simulation.open_loop import open_loop
 from plants.wrist import Wrist
 from tests.laws.second_law import LOOP
-from tests.rig.soft import CAMPAIGNS, bender, stairs
+from tests.rig.soft.commands import stairs
+from tests.rig.soft.named import CAMPAIGNS, bender
 
 
 @pytest.fixture(scope="module")

@@ -96,6 +96,17 @@ def resolution(values: Array) -> float:
     return float(np.min(steps)) if steps.size else 0.0
 
 
+def in_steps(values: Array, of: Array) -> Array:
+    """Values that lie between those `of` a channel, in the steps of its sensor: others would look like those
+    of a finer one.
+
+    >>> in_steps(np.array([0.26, 0.44]), np.array([0.1, 0.3, 0.5])).round(3).tolist()
+    [0.3, 0.5]
+    """
+    step = resolution(of)
+    return of[0] + step * np.rint((values - of[0]) / step) if step else values
+
+
 def noise_of(recordings: list[Array]) -> float | None:
     """Noise floor of a channel over several recordings, weighted by their lengths; None for none."""
     usable = [r for r in recordings if r.size >= 8]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from plants.errors import InputError
 from plants.measured.campaigns.read_table import GAP, SHORT_GAP
-from plants.measured.fitting.noise import resolution
+from plants.measured.fitting.noise import in_steps
 from plants.measured.formats.channel import Array, LoggedChannel
 from plants.measured.importing.channels import Log
 from plants.measured.importing.roles import Role
@@ -105,15 +105,11 @@ def _axis(mapped: Sequence[LoggedChannel], base: LoggedChannel, step: float) -> 
 
 
 def _between(channel: LoggedChannel, time: Array) -> Array:
-    """Values of a channel at some times, between its own on the line through them, in steps of its sensor:
-    others would look like those of a finer one."""
+    """Values of a channel at some times, between its own on the line through them, in steps of its sensor."""
     found: Array = np.interp(time, channel.time, channel.values)
     known = channel.values[np.isfinite(channel.values)]
-    step = resolution(known)
-    if not step:
-        return found
-    stepped = known[0] + step * np.rint((found - known[0]) / step)
-    return np.where(np.isin(time, channel.time), found, stepped)
+    own = np.isin(time, channel.time)
+    return np.where(own, found, in_steps(found, known)) if known.size else found
 
 
 def _held(channel: LoggedChannel, time: Array) -> Array:

@@ -8,13 +8,14 @@ the delay leaves much less than any of the others is it one.
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plants.measured.campaigns.campaign import Campaign
 from plants.measured.campaigns.recording import Recording
-from plants.measured.fitting.noise import resolution
+from plants.measured.fitting.noise import in_steps
 from plants.measured.guess.rough_models import ROWS, lagged, loop_guess, static_guess
 
 Array = NDArray[np.float64]
@@ -122,7 +123,5 @@ def in_step(recording: Recording, channel: str, delay: float) -> Recording:
     values = getattr(recording, field)
     if values is None or delay <= 0.0 or recording.time[-1] - recording.time[0] < 2.0 * delay:
         return recording
-    moved = np.interp(recording.time + delay, recording.time, values)
-    if step := resolution(values):  # values between two would look like those of a finer sensor
-        moved = values[0] + step * np.rint((moved - values[0]) / step)
+    moved: Any = in_steps(np.interp(recording.time + delay, recording.time, values), values)
     return replace(recording, **{field: moved}).until(float(recording.time[-1] - delay) + 1e-9)

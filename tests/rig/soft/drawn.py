@@ -1,10 +1,12 @@
-"""Soft actuators drawn at random: the chain of `tests.rig.soft` with other parameters and recordings."""
+"""Soft actuators drawn at random: the chain of `tests.rig.soft.rig` with other parameters and recordings."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from tests.rig.soft import Logger, Relays, SoftRig, sine, stairs, wandering
+from tests.rig.soft.chain import Relays
+from tests.rig.soft.commands import sine, stairs, wandering
+from tests.rig.soft.rig import Logger, SoftRig
 
 RANGES = ((0.0, 5.0), (0.0, 10.0), (4.0, 20.0), (0.0, 4095.0))
 """Least and largest command: volts, milliamperes, counts."""
