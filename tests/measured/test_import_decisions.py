@@ -149,13 +149,31 @@ def test_a_log_is_cut_where_the_command_comes_home_and_at_gaps_and_not_within_a_
     assert [len(r.time) > 1000 for r in made.runs] == [True] * 3
 
 
+def test_a_camera_that_skips_frames_is_one_run_whose_rate_is_told(tmp_path):
+    rng, time = np.random.default_rng(4), 0.01 * np.arange(6000)
+    at = np.rint(np.arange(1790) * 100.0 / 30.0).astype(int)  # rows on which frames fall, 3 or 4 apart
+    frames = np.isin(np.arange(6000), np.delete(at, [400, 700, 701, 1200]))
+    command = np.repeat(rng.uniform(0.0, 4.0, 60), 100)
+    angle = np.where(frames, np.round(10.0 * np.sin(time / 3.0), 2), np.nan)
+    file = tmp_path / "random_val.csv"
+    lines = [
+        f"{t:.2f},{u:.4f},{'' if np.isnan(a) else a}" for t, u, a in zip(time, command, angle, strict=True)
+    ]
+    file.write_text("time_s,command_V,angle_deg\n" + "\n".join(lines) + "\n")
+    made = import_logs([file], {})
+    assert [len(r.time) for r in made.runs] == [frames.sum()]
+    assert made.excitation[0].word == "random steps"
+    assert round(made.logs[0].channels[1].rate, 2) == 30.0
+
+
 def test_channels_of_several_rates_meet_on_the_samples_of_the_angle(tmp_path):
     import h5py
 
-    fast = np.arange(0.0, 30.0, 0.001)
+    fast = np.arange(30_000) / 1000.0
+    held, dither = np.repeat(STEPS.command[:3000], 10), np.tile([0.1, -0.1], 15_000)
     with h5py.File(tmp_path / "log.h5", "w") as file:
         for name, time, values, unit in (
-            ("command", fast, np.interp(fast, STEPS.time, STEPS.command), "V"),
+            ("command", fast, held + dither, "V"),
             ("angle", STEPS.time[:3000], STEPS.angle[:3000], "deg"),
         ):
             group = file.create_group(name)
@@ -164,8 +182,8 @@ def test_channels_of_several_rates_meet_on_the_samples_of_the_angle(tmp_path):
     made, told = imported([tmp_path / "log.h5"], tmp_path / "c")
     assert told["sample_time_s"] == 0.01
     np.testing.assert_array_equal(made.runs[0].values["angle"], STEPS.angle[:3000])
-    # What is held is that of the sample before: within a step of 1 ms of the fast log.
-    np.testing.assert_allclose(made.runs[0].values["command"], STEPS.command[:3000], atol=0.02)
+    # A row holds what the command was on the average until the next, as the pressure follows it.
+    np.testing.assert_allclose(made.runs[0].values["command"][:-1], STEPS.command[:2999], atol=1e-9)
 
 
 @pytest.mark.slow

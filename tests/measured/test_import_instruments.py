@@ -57,6 +57,27 @@ def test_of_another_pressure_that_starts_there_it_is_asked(tmp_path):
     np.testing.assert_allclose(found.pressure, ABOVE)
 
 
+def test_a_vacuum_that_deepens_with_a_duty_in_percent_needs_no_hand(tmp_path):
+    pressure = -np.maximum(STEPS.pressure - STEPS.pressure[0], 0.0)
+    columns = {
+        "time": STEPS.time,
+        "duty_pct": 25.0 * STEPS.command,
+        "P_kPa": pressure,
+        "angle_deg": STEPS.angle,
+    }
+    roles, found = imported(tmp_path, columns)
+    assert roles["command"][1:3] == ("%", 1.0)
+    assert "a vacuum that deepens" in roles["pressure"].why
+    np.testing.assert_allclose(found.pressure, -pressure)
+
+
+def test_a_pressure_that_is_called_absolute_counts_from_vacuum_wherever_it_starts(tmp_path):
+    columns = {"time": STEPS.time, "p_abs_bar": (60.0 + ABOVE) / 100.0} | USUAL
+    roles, found = imported(tmp_path, columns)
+    assert roles["pressure"].absolute
+    np.testing.assert_allclose(found.pressure, 60.0 + ABOVE - ATMOSPHERE)
+
+
 def test_four_columns_of_a_quaternion_are_an_angle(tmp_path):
     seen = Rotation.from_rotvec(np.outer(np.radians(STEPS.angle), [0.0, 0.6, 0.8])).as_quat()
     seen[500:505] = np.nan
@@ -76,10 +97,16 @@ def test_a_motion_in_mm_stays_in_mm(tmp_path):
 
 
 def test_values_between_those_of_a_sensor_are_in_its_steps(tmp_path):
-    """Rows that come at uneven times are put on even ones; a step of 0.05 deg stays one of 0.05 deg."""
-    kept = np.arange(len(STEPS.time)) % 7 != 3
-    jitter = np.random.default_rng(3).uniform(0.0, 4e-3, len(STEPS.time))
-    time, angle = np.round(STEPS.time + jitter, 4)[kept], 0.05 * np.rint(STEPS.angle / 0.05)
-    _, found = imported(tmp_path, {"time": time, "u_V": STEPS.command[kept], "angle_deg": angle[kept]})
-    assert not np.isin(np.round(found.time, 4), np.round(time - time[0], 4)).all()
-    np.testing.assert_allclose(found.angle / 0.05, np.rint(found.angle / 0.05), atol=1e-6)
+    """A log with rows closer than those of another is put on rows as far apart; a step of 0.05 deg stays one
+    of 0.05 deg."""
+    angle = 0.05 * np.rint(STEPS.angle / 0.05)
+    slow = 0.016 * np.arange(1800)
+    at = np.searchsorted(STEPS.time, slow)
+    fast_log = {"time": STEPS.time, "u_V": STEPS.command, "angle_deg": angle}
+    slow_log = {"time": slow, "u_V": STEPS.command[at], "angle_deg": angle[at]}
+    for name, columns in (("fast", fast_log), ("slow", slow_log)):
+        pd.DataFrame(columns).to_csv(tmp_path / f"{name}.csv", index=False)
+    run = import_logs([tmp_path / "fast.csv", tmp_path / "slow.csv"], {}).runs[0]
+    assert not np.isin(np.round(run.time, 6), np.round(STEPS.time, 6)).all()
+    in_steps = run.values["angle_deg"] / 0.05
+    np.testing.assert_allclose(in_steps, np.rint(in_steps), atol=1e-6)

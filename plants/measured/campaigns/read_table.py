@@ -6,16 +6,15 @@ from collections.abc import Mapping
 import numpy as np
 
 from plants.errors import InputError, InputWarning
+from plants.measured.campaigns.decimation import for_sample_time
 from plants.measured.campaigns.recording import Recording, Stage
 from plants.measured.formats.cells import Array, Text, first_bad, shorten
+from plants.measured.formats.channel import GAP
 from plants.measured.formats.columns import STANDARD, Source, turned
 from plants.measured.formats.tables import Table
 from plants.measured.instrument.missing import lines_between, with_missing
 from plants.measured.instrument.rows import mended
 from plants.rig import Rig
-
-GAP = 2.5
-"""Steps longer than this many sample times are gaps; loggers jitter and may skip one row."""
 
 SHORT_GAP, FEW_GAPS = 25.0, 0.01
 """Sample times that a gap may last, and share of the steps that may be gaps: packets that were lost."""
@@ -84,7 +83,9 @@ def from_table(
         renewed=renewed,
         mended=counts,
     )
-    return recording if rig is None else recording.counted_from(rig.zero)
+    if rig is None:
+        return recording
+    return for_sample_time(recording.counted_from(rig.zero), rig.sample_time, rig.log_time)
 
 
 def required(stage: Stage) -> tuple[str, ...]:

@@ -6,6 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+GAP = 2.5
+"""Steps longer than this many sample times are gaps; loggers jitter and may skip one row."""
+
+SKIPPED = 1.5
+"""Steps longer than this many sample times have a sample less than others."""
 
 
 class LoggedChannel(NamedTuple):
@@ -28,6 +33,20 @@ class LoggedChannel(NamedTuple):
         0.1
         """
         return float(np.median(np.diff(self.time))) if len(self.time) > 1 else 0.0
+
+    @property
+    def rate(self) -> float:
+        """Samples in a second [Hz], skipped ones and gaps aside; 0 for fewer than two samples.
+
+        A camera of 30 Hz among rows 10 ms apart has steps of 30 and 40 ms.
+
+        >>> time = np.array([0.0, 0.03, 0.06, 0.1, 0.13, 0.16, 0.2])
+        >>> round(LoggedChannel("angle", "deg", time, time).rate, 6)
+        30.0
+        """
+        distances = np.diff(self.time)
+        usual = distances[distances < SKIPPED * self.step]
+        return 1.0 / float(np.mean(usual)) if usual.size else 0.0
 
 
 class LoggedSeries(NamedTuple):

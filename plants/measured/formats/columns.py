@@ -20,6 +20,9 @@ ROLES = {"time_s": "time", "command_V": "command", "angle_deg": "angle", "refere
 ATMOSPHERE = 101.325
 """Standard atmosphere [kPa]: what an absolute pressure is counted from."""
 
+VACUUM = 0.1
+"""Share of the deepest pressure below the air's by which a vacuum's may lie above."""
+
 
 class Source(NamedTuple):
     """Where a standard column comes from: value = scale * raw + offset, raw being the column `name`, or,
@@ -142,3 +145,12 @@ def turned(w: Array, x: Array, y: Array, z: Array) -> Array:
     along: Array = vectors @ axis
     angle[there] = along if along[np.argmax(np.abs(along))] >= 0.0 else -along
     return angle
+
+
+def is_vacuum(lowest: float, highest: float) -> bool:
+    """Whether a pressure counted from the air's stays below it.
+
+    >>> is_vacuum(-66.0, 0.4), is_vacuum(-1.0, 200.0)
+    (True, False)
+    """
+    return highest < -VACUUM * lowest

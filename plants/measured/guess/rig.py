@@ -63,7 +63,7 @@ def guessed_rig(campaign: Campaign) -> Rig:
     fresh = [r.angle[r.fresh("angle_deg")] for r in recordings if r.angle is not None]
     step = _rounded(np.ptp(extent(angles)) / 3.0) if angles else base.task.step
     middle = 0.5 * (least + most)
-    tau = _followed(campaign.fit).tau
+    tau = followed(campaign.fit).tau
     lasts = max(base.task.duration, _rounded(OF_TASK * tau))
     slower = lasts / base.task.duration
     task = replace(
@@ -104,7 +104,7 @@ def guessed_set(
     rig = guessed_rig(campaign) if rig is None else rig
     kind, logged = LAWS[law], [r for r in campaign.fit if r.pressure is not None]
     low, high = rig.pressure_range
-    seen = _followed(campaign.fit)
+    seen = followed(campaign.fit)
     if logged:
         gain = seen.gain
         drives = [r.pressure for r in campaign.fit if r.pressure is not None]
@@ -152,7 +152,7 @@ def guessed_set(
     return ParameterSet(campaign.axis, f"{campaign.axis}, guessed from its log", parameters, (), rig)
 
 
-def _followed(recordings: Sequence[Recording]) -> Lagged:
+def followed(recordings: Sequence[Recording]) -> Lagged:
     """How the pressure follows the command, or the angle where no pressure was logged."""
     return first_order(recorded(recordings, _followed_channel(recordings)))
 

@@ -203,6 +203,6 @@ def listed(channels: Iterable[LoggedChannel]) -> list[Mapping[str, str | float]]
     return [
         {
             "name": c.name, "unit": c.unit, "low": float(c.values.min()), "high": float(c.values.max()),
-            "rate_Hz": 1.0 / c.step if c.step else 0.0, "samples": len(c.values),
+            "rate_Hz": c.rate, "samples": len(c.values),
         } for c in channels
     ]  # fmt: skip

@@ -1,5 +1,6 @@
 """Which runs are fitted on and which are held out: not one excitation twice."""
 
+import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -16,6 +17,16 @@ VALIDATE = 0.34
 PER_PERIOD, CORNERS = 24, 0.85
 """Points per period at which the bends of a command are looked at, and share of all bending that the sharpest
 quarter of them holds where it moves in ramps: of a sine that is 0.38."""
+
+
+TURNS = 0.4
+"""Share of its steps at which a command turns, from which on they are random: about half-way between those of
+a staircase that goes up and down a few times and of levels drawn at random."""
+
+
+HELD_OUT = frozenset(("val", "valid", "validate", "validation", "holdout", "heldout"))
+TRAIN = frozenset(("train", "training"))
+"""Words in the name of a run that say what it is for."""
 
 
 class Excited(NamedTuple):
@@ -58,7 +69,7 @@ def excited(time: Array, command: Array) -> Excited:
     concentrated = power[max(0, line - 2) : line + 3].sum() / max(power.sum(), 1e-300)
     levels = len(np.unique(np.round(command, 6)))
     if share < 0.1:
-        word = "staircase" if levels > 8 else "steps"
+        word = "steps" if levels <= 8 else "random steps" if _turns_often(command) else "staircase"
     elif line > 1 and _bends_at_corners(time, command, float(frequencies[line])):
         word = "ramps"
     elif concentrated > 0.9 and line > 1:
@@ -68,6 +79,15 @@ def excited(time: Array, command: Array) -> Excited:
     return Excited(low, high, centre, share, jump, word)
 
 
+def _turns_often(command: Array) -> bool:
+    """Whether a command that moves in steps turns back after a good part of them: of a staircase few do, of
+    levels drawn at random two thirds (Bienaymé 1874, turning points)."""
+    held = command[:-1][np.diff(command) == 0.0]
+    ways = np.sign(np.diff(held))
+    ways = ways[ways != 0.0]
+    return bool(np.mean(ways[1:] != ways[:-1]) > TURNS)
+
+
 def _bends_at_corners(time: Array, command: Array, frequency: float) -> bool:
     """Whether a command of a frequency [Hz] bends nearly at corners alone, as a triangle or a trapezoid."""
     even = np.arange(time[0], time[-1], 1.0 / (PER_PERIOD * frequency))
@@ -75,14 +95,21 @@ def _bends_at_corners(time: Array, command: Array, frequency: float) -> bool:
     return bool(bends[: len(bends) // 4].sum() > CORNERS * bends.sum())
 
 
-def choose(asked: Sequence[Excited]) -> Chosen:
-    """Fit on the widest excitation, hold out what differs most from it within its range, about a third.
+def choose(asked: Sequence[Excited], names: Sequence[str] = ()) -> Chosen:
+    """Hold out what the names of the runs say is held out; where none does, fit on the widest excitation, and
+    hold out what differs most from it within its range, about a third.
 
     >>> staircase = Excited(0.0, 4.0, 0.02, 0.01, 0.05, "staircase")
     >>> sine = Excited(0.5, 3.5, 0.1, 1.0, 0.001, "sine")
     >>> choose([sine, sine, staircase])[:2]
     ((2,), (0, 1))
+    >>> choose([sine, sine, staircase], ["sine", "sine_val", "staircase"])[:2]
+    ((0, 2), (1,))
     """
+    named = _named_held_out(names)
+    if named:
+        fit = tuple(i for i in range(len(asked)) if i not in named)
+        return Chosen(fit, named, "those are held out whose names say so")
     if len(asked) == 1:
         return Chosen((0,), (), "one run: its first part is fitted on and the rest is held out")
     groups = _groups(asked)
@@ -111,6 +138,16 @@ def choose(asked: Sequence[Excited]) -> Chosen:
     return Chosen(
         fit, validate, f"fitted on {words[0]}, held out {words[1]}: another excitation, in a narrower range"
     )
+
+
+def _named_held_out(names: Sequence[str]) -> tuple[int, ...]:
+    """Places of the names that say of a run that it is to validate a model; none where all do or none does.
+    A test is one beside runs to train on: alone the word says nothing."""
+    words = [set(re.sub(r"([a-z])([A-Z])", r"\1 \2", n).lower().replace("_", " ").split()) for n in names]
+    words = [set().union(*(re.split(r"[^a-z]+", w) for w in own)) for own in words]
+    said = HELD_OUT | ({"test"} if any(own & TRAIN for own in words) else set())
+    found = tuple(i for i, own in enumerate(words) if own & said)
+    return found if len(found) < len(names) else ()
 
 
 def _groups(asked: Sequence[Excited]) -> list[list[int]]:

@@ -64,7 +64,9 @@ def import_logs(
         ]
     made = _named_apart(made)
     asked = tuple(excited(r.time, found["command"].factor * r.values[found["command"].channel]) for r in made)
-    return Imported(logs, found, step, tuple(made), asked, choose(asked))
+    return Imported(
+        logs, found, step, tuple(made), asked, choose(asked, [r.name.removesuffix(".csv") for r in made])
+    )
 
 
 def _named_alike(log: Log, found: Mapping[str, Role], fullest: Log) -> Log:

@@ -16,6 +16,9 @@ HINTS = {
 }
 """What names of columns look like, by the standard name; the first that matches is taken."""
 
+PERCENT = re.compile(r"(?:^|[_ .\[(])(?:pct|perc|percent)[\])]?$", re.IGNORECASE)
+"""The end of the name of a duty in percent."""
+
 LENGTHS = ("mm", "cm")
 """Units of a motion that is no rotation, which stays as it is."""
 
@@ -27,7 +30,11 @@ def unit_in(name: str) -> str:
     ('deg', 'bar', '', '', 'mm')
     >>> unit_in("millis"), unit_in("timestamp_us"), unit_in("t_micros"), unit_in("duty_cycle")
     ('millis', 'us', 'micros', '')
+    >>> unit_in("duty_pct"), unit_in("Duty (percent)")
+    ('%', '%')
     """
+    if PERCENT.search(name):
+        return "%"
     if re.fullmatch(DURATION, name.lower()):
         return name.lower()
     found = re.search(rf"[_ .]\(?\[?([A-Za-z°%]{{1,5}}|{DURATION})\]?\)?$", name)

@@ -16,8 +16,10 @@ from plants.measured.fitting.noise import noise_floor
 from plants.measured.formats.cells import shorten
 from plants.measured.formats.channel import Array, LoggedChannel
 from plants.measured.formats.units import KINDS, factor, quantity
+from plants.measured.importing.lead import lead
 from plants.measured.importing.names import HINTS, LENGTHS
 from plants.measured.importing.orientation import orientations
+from plants.measured.importing.pressure_zero import above_vacuum, counts_from_vacuum, deepens
 
 ROLES = {
     "reference": "reference_deg", "command": "command_V", "pressure": "pressure_kPa", "angle": "angle_deg",
@@ -35,8 +37,6 @@ ALIKE = 0.5
 """Likeness from which a channel without name and unit, between the command and the angle, is the pressure."""
 
 CANDIDATES = 5
-LONGEST_LEAD = 3.0
-"""Longest time [s] by which one channel is looked for in another."""
 
 RADIANS, BARS, PASCALS = 1.2, 16.0, 5000.0
 """An angle that stays below is in rad; a pressure that stays below is in bar, one that exceeds this in Pa."""
@@ -47,8 +47,8 @@ VOLTS = 48.0
 PAIRS = (("command", "pressure"), ("command", "angle"), ("pressure", "angle"), ("reference", "angle"))
 
 
-BAROMETER, ALTITUDES = "hPa", (80.0, 106.0)
-"""The unit in which pressures above vacuum are told, and what those of the air [kPa] are on the ground."""
+PERCENT = "%"
+"""The unit of a duty, which stays as it is."""
 
 CONVERTERS = (255, 1023, 4095, 16383, 65535)
 """Largest counts of usual converters."""
@@ -126,6 +126,9 @@ def roles(channels: Sequence[LoggedChannel], given: Mapping[str, tuple[str, str]
             f"{shorten(list(named))}; say --map command=NAME --map angle=NAME"
         )
     found = {r: _role(r, best[r], given.get(r), best) for r in ROLES if r in best}
+    if "pressure" in best and deepens(best["command"], best["pressure"]):
+        below, why = found["pressure"], "a vacuum that deepens as the command rises: counted below the air's"
+        found["pressure"] = below._replace(factor=-below.factor, why=f"{below.why}, {why}")
     for role, of in found.items():
         if of.channel in turning and best[role] is turning[of.channel][0]:
             names = turning[of.channel][1]
@@ -180,40 +183,6 @@ def _led(cause: LoggedChannel, effect: LoggedChannel) -> float:
     return LEADS * float(np.sign(lag)) if likeness > 0.2 else 0.0
 
 
-def lead(a: LoggedChannel, b: LoggedChannel) -> tuple[float, float]:
-    """Time [s] by which `a` moves before `b`, and how like they then move, 0 to 1.
-
-    >>> t = np.arange(4000) * 0.01
-    >>> u, late = np.sign(np.sin(t)), np.sign(np.sin(t - 0.2))
-    >>> lag, likeness = lead(LoggedChannel("u", "", t, u), LoggedChannel("p", "", t, late))
-    >>> round(lag, 2), likeness > 0.9
-    (0.2, True)
-    """
-    from scipy.signal import correlate, correlation_lags
-
-    step = max(a.step, b.step)
-    first, last = max(a.time[0], b.time[0]), min(a.time[-1], b.time[-1])
-    grid = np.arange(first, min(last, first + 30_000 * step), step)
-    if len(grid) < 16:
-        return 0.0, 0.0
-    # Rates of change, smoothed over some samples, so that noise does not count and levels do not either.
-    moved = [np.gradient(_smooth(np.interp(grid, c.time, c.values))) for c in (a, b)]
-    x, y = (m - m.mean() for m in moved)
-    size = float(np.linalg.norm(x) * np.linalg.norm(y))
-    if not size:
-        return 0.0, 0.0
-    like = np.abs(correlate(y, x, method="fft")) / size
-    lags = correlation_lags(len(y), len(x))
-    near = np.abs(lags) * step <= LONGEST_LEAD
-    at = int(np.argmax(like[near]))
-    return float(lags[near][at] * step), float(like[near][at])
-
-
-def _smooth(values: Array) -> Array:
-    kernel = np.ones(5) / 5.0
-    return np.convolve(np.pad(values, 2, mode="edge"), kernel, mode="valid")
-
-
 def _role(
     role: str, channel: LoggedChannel, given: tuple[str, str] | None, all_of: Mapping[str, LoggedChannel]
 ) -> Role:
@@ -237,16 +206,12 @@ def _role(
     wanted = "angle" if role == "reference" else role
     if given is not None and given[1] and kind != wanted:
         factor(unit, role, f"--map {role}={channel.name}")  # which raises, and says why
-    if kind == wanted:
+    if kind == wanted or (role == "command" and unit == PERCENT):
         why.append(f"unit {unit}")
         to_standard = factor(unit, role, channel.name)
-        absolute = role == "pressure" and _above_vacuum(channel, to_standard)
-        if (
-            absolute
-            and not (given and given[1])
-            and (unit == BAROMETER or re.search(r"abs", channel.name.lower()))
-        ):
-            why.append("above vacuum, as it starts at that of the air")
+        absolute = role == "pressure" and above_vacuum(channel, to_standard)
+        if absolute and not (given and given[1]) and counts_from_vacuum(channel):
+            why.append("above vacuum")
             return Role(channel.name, unit, to_standard, ", ".join(why), True)
         if absolute:
             why.append(f'starts near that of the air: add unit = "{unit}", absolute = true if above vacuum')
@@ -261,12 +226,6 @@ def _role(
     else:
         why.append(f"its unit is not told: {guessed} by its range")
     return Role(channel.name, guessed, factor(guessed, role, channel.name), ", ".join(why))
-
-
-def _above_vacuum(channel: LoggedChannel, to_kpa: float) -> bool:
-    """Whether a pressure starts at that of the air, and hardly ever goes below."""
-    first, lowest = np.median(channel.values[:3]), np.quantile(channel.values, 0.02)
-    return all(ALTITUDES[0] < to_kpa * v < ALTITUDES[1] for v in (first, lowest))
 
 
 def _instead_of_volts(channel: LoggedChannel) -> str:

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants.errors import InputError
-from plants.measured.campaigns.read_table import GAP, SHORT_GAP
+from plants.measured.campaigns.decimation import mean_held
+from plants.measured.campaigns.read_table import FEW_GAPS, SHORT_GAP
 from plants.measured.fitting.noise import in_steps
-from plants.measured.formats.channel import Array, LoggedChannel
+from plants.measured.formats.channel import GAP, Array, LoggedChannel
 from plants.measured.importing.channels import Log
 from plants.measured.importing.roles import Role
 from plants.measured.instrument.missing import FILLED
@@ -28,6 +29,9 @@ Rows = NDArray[np.bool_]
 
 HELD = ("command", "reference")
 """Roles that a computer holds between its samples; what is measured goes on in between."""
+
+AS_CLOSE = 1.02
+"""Rows are as close as the samples of a channel where their distances differ by no more than this factor."""
 
 
 @dataclass(frozen=True)
@@ -53,17 +57,23 @@ def runs(log: Log, found: Mapping[str, Role], step: float) -> list[Run]:
     if len(time) < FEWEST:
         raise InputError(f"{log.path}: command and what is measured were not logged together for long enough")
     held = {found[r].channel for r in HELD if r in found}
+    command = found["command"].channel
     lines = {
-        c.name: _held(c, time) if c.name in held else _between(c, time)
+        c.name: _mean(c, time)
+        if c.name == command
+        else _held(c, time)
+        if c.name in held
+        else _between(c, time)
         for c in log.channels
         if c in mapped or (c.time[0] <= time[0] and c.time[-1] >= time[-1])
     }
     empty = {c.name: _empty(c, time) for c in mapped if c.name not in held}
-    cuts = _gaps(mapped, time, empty) + _rests(lines[found["command"].channel], time)
+    empty = {n: lacking | _in_gaps(named[n], time) for n, lacking in empty.items()}
+    cuts = _gaps(mapped, time, empty) + _rests(lines[command], time)
     made = []
     edges = [(0, ""), *sorted(cuts), (len(time), "the log ends")]
     for (first, _), (last, why) in pairwise(edges):
-        asked = lines[found["command"].channel][first:last]
+        asked = lines[command][first:last]
         if last - first < FEWEST or time[last - 1] - time[first] < SHORTEST or not np.ptp(asked):
             continue
         part = {n: v[first:last] for n, v in lines.items()}
@@ -96,9 +106,7 @@ def _axis(mapped: Sequence[LoggedChannel], base: LoggedChannel, step: float) -> 
     same = (c for c in mapped if abs(c.step - base.step) <= 0.02 * base.step and np.all(_in(base.time, c)))
     base = max(same, key=lambda c: len(c.time))
     own = base.time[(base.time >= first) & (base.time <= last)]
-    distances = np.diff(own)
-    jumps = distances[distances < GAP * base.step]
-    if abs(base.step - step) <= 0.02 * step and len(jumps) and np.all(np.abs(jumps - step) < step):
+    if len(own) > 1 and abs(base.step - step) <= 0.02 * step:
         return np.array(own)
     even: Array = np.arange(first, last + 0.5 * step, step, dtype=np.float64)
     return even
@@ -119,6 +127,16 @@ def _held(channel: LoggedChannel, time: Array) -> Array:
     return found
 
 
+def _mean(channel: LoggedChannel, time: Array) -> Array:
+    """Mean of a channel that holds its values, from each of some times to the next; its value where its own
+    samples are no closer.  A row is short against a regulator's time constant, so that the mean acts as the
+    command does; the value that it has at the row would be late or early."""
+    lasts = np.diff(time, append=2.0 * time[-1] - time[-2])
+    if float(np.median(lasts)) < AS_CLOSE * channel.step:
+        return _held(channel, time)
+    return mean_held(channel.time, channel.values, np.append(time, time[-1] + lasts[-1]))
+
+
 def _in(time: Array, channel: LoggedChannel) -> Rows:
     """At which times [s] a channel was logged, to the digit."""
     found: Rows = np.isin(time, channel.time)
@@ -132,14 +150,26 @@ def _empty(channel: LoggedChannel, time: Array) -> Rows:
     return ~there if there.sum() == len(within) else np.zeros(len(time), bool)
 
 
+def _in_gaps(channel: LoggedChannel, time: Array) -> Rows:
+    """Rows between two samples of a channel that are a gap apart, where there is nothing to draw a line
+    through."""
+    after = np.clip(np.searchsorted(channel.time, time, side="left"), 1, len(channel.time) - 1)
+    apart = np.diff(channel.time)[after - 1] > GAP * channel.step
+    there = np.isclose(channel.time[after], time, rtol=0.0, atol=1e-9) | (time <= channel.time[0] + 1e-9)
+    lacking: Rows = apart & ~there
+    return lacking
+
+
 def _gaps(mapped: Sequence[LoggedChannel], time: Array, empty: Mapping[str, Rows]) -> list[tuple[int, str]]:
-    """Rows before which a channel was not logged for a while; empty cells of a table are left empty for
-    longer, as the reader of campaigns bridges them."""
+    """Rows before which a channel was not logged for a while.  Short gaps are left where they are few, and
+    empty cells of a table too: the reader of campaigns bridges them."""
     found = []
     for c in [*mapped, LoggedChannel("the time", "", time, time)]:
         distances = np.diff(c.time)
-        most = SHORT_GAP if c.name in empty and empty[c.name].any() else GAP
-        for i in np.flatnonzero(distances > max(most * c.step, 1e-9)):
+        gaps = np.flatnonzero(distances > max(GAP * c.step, 1e-9))
+        cells = c.name in empty and empty[c.name].any()
+        short = cells or len(gaps) <= FEW_GAPS * len(distances)
+        for i in gaps[distances[gaps] > (SHORT_GAP if short else GAP) * c.step]:
             row = int(np.searchsorted(time, c.time[i + 1] - 1e-9))
             if 0 < row < len(time):
                 found.append((row, f"{c.name} was not logged for {distances[i]:.3g} s"))

@@ -9,6 +9,7 @@ from plants.rig import Zero
 Habit = Literal[
     "held", "counted from", "far", "reversed", "offset", "resting", "saturated", "clipped", "late",
     "repeated", "swapped", "empty", "gaps", "clock", "spikes", "between", "straight",
+    "decimated",
 ]  # fmt: skip
 
 
@@ -25,9 +26,9 @@ class Remark:
     each recording), ``resting`` (exactly zero for `value` s), ``saturated`` (likewise, and never beyond),
     ``clipped`` (its sensor shows nothing beyond `value`), ``late`` (logged `value` s late), ``repeated`` and
     ``swapped`` (so many rows), ``empty`` (so many cells), ``gaps`` (so many), ``clock`` (counts from `value`
-    s), ``spikes`` (so many rows), ``between`` (so many jumps of a command between rows), ``straight`` (a
-    command that moves straight between rows `value` s apart; of commands see
-    `plants.measured.trace.stages.between_rows`).
+    s), ``decimated`` (one row every `value` s is used), ``spikes`` (so many rows), ``between`` (so many jumps
+    of a command between rows), ``straight`` (a command that moves straight between rows `value` s apart; of
+    commands see `plants.measured.trace.stages.between_rows`).
     recordings: in which, by name; stated: whether campaign.toml says so; doubtful: whether the recordings
     cannot tell it from what a rig does.
     """
@@ -121,6 +122,11 @@ class Remark:
                 return f"The time has {self.value:.0f} short gaps ({where}); the command is held over them."
             case "clock":
                 return f"The clock starts at {self.value:.10g} s ({where}); time counts from the first row."
+            case "decimated":
+                return (
+                    f"Rows are closer than the regulator's time constant needs: one every {self.value:.3g} s "
+                    f"is used, and the mean of the command in between ({where})."
+                )
             case "spikes":
                 return (
                     f"The {name} channel has {self.value:.0f} rows of spikes ({where}); they are left out, "

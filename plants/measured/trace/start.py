@@ -2,8 +2,11 @@
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from plants.measured.campaigns.campaign import Campaign
-from plants.measured.guess.rig import guessed_set
+from plants.measured.campaigns.decimation import decimated, rows_for
+from plants.measured.guess.rig import followed, guessed_set
 from plants.measured.instrument.logger import corrected
 from plants.measured.instrument.remark import Remark, angle_delay_of, zero_of
 from plants.measured.trace.counting.middle import at_rest_in_log, centred, near_zero
@@ -48,6 +51,7 @@ def starting(campaign: Campaign, given: ParameterSet | None = None, either_way: 
     if given is not None:
         rig = given.rig if late is None else replace(given.rig, angle_delay=late)
         return Start(campaign, instrument, replace(given, rig=rig), False)
+    campaign, of_rows = _decimated(campaign)
     campaign, of_sign = rising(campaign)
     campaign, of_pressure = counted(campaign)
     unmoved = at_rest_in_log(campaign)
@@ -55,6 +59,18 @@ def starting(campaign: Campaign, given: ParameterSet | None = None, either_way: 
     rest = sum((unmoved - r.value for r in of_angle), 0.0)
     if of_sign:  # the angle as it is logged
         of_angle = tuple(replace(r, value=-r.value) for r in of_angle)
-    remarks, guess = (*instrument, *of_sign, *of_pressure, *of_angle), guessed_set(campaign)
+    remarks, guess = (*instrument, *of_rows, *of_sign, *of_pressure, *of_angle), guessed_set(campaign)
     rig = replace(guess.rig, zero=replace(zero_of(remarks), rest=rest), angle_delay=late or 0.0)
     return Start(campaign, remarks, replace(guess, rig=rig), True)
+
+
+def _decimated(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
+    """The campaign without the rows that its regulator is too slow for, and the remark on them."""
+    if rows_for(campaign.recordings, np.inf) == 1:  # so that no lag need be guessed
+        return campaign, ()
+    rows = rows_for(campaign.recordings, followed(campaign.fit).tau)
+    if rows == 1:
+        return campaign, ()
+    step = campaign.sample_time * rows
+    found = replace(campaign.each(lambda r: decimated(r, rows)), sample_time=step)
+    return found, (Remark("decimated", "time_s", step, "s", campaign.names),)

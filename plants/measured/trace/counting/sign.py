@@ -5,16 +5,14 @@ import numpy as np
 
 from plants.errors import InputError
 from plants.measured.campaigns.campaign import Campaign
-from plants.measured.guess.rough_models import first_order, recorded
+from plants.measured.formats.columns import is_vacuum
+from plants.measured.guess.rough_models import extent, first_order, recorded
 from plants.measured.instrument.logger import counted_from
 from plants.measured.instrument.remark import Remark
 from plants.rig import Zero
 
 FOR_CERTAIN = 0.5
 """Correlation of angle and pressure, each about its mean in a recording, from which on a sign is certain."""
-
-VACUUM = 0.1
-"""Share of the deepest pressure below the outside's by which a vacuum's may lie above."""
 
 
 def rising(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
@@ -28,10 +26,8 @@ def rising(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
         seen = first_order(pressures)
         spread = float(np.std(np.concatenate([v for _, v, _ in pressures])))
         if seen.gain < 0.0 and seen.rms < (1.0 - FOR_CERTAIN**2) ** 0.5 * spread:
-            vacuum = max(float(np.max(v)) for _, v, _ in pressures) < -VACUUM * min(
-                float(np.min(v)) for _, v, _ in pressures
-            )
-            channel = "pressure_kPa, which is a vacuum's," if vacuum else "command_V"
+            low, high = extent([v for _, v, _ in pressures])
+            channel = "pressure_kPa, which is a vacuum's," if is_vacuum(low, high) else "command_V"
             raise InputError(
                 f"{campaign.name}: the pressure falls as the command rises; map {channel} with scale = -1, "
                 "or command and pressure of another channel"
