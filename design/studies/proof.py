@@ -49,7 +49,8 @@ def proof(wrist: Wrist, controller: PI, dead_time: float, box: Box | None = None
 
 def _record(rungs: Sequence[Certificate], model: LoopModel, dead_time: float, why: str) -> dict[str, Any]:
     """The best rung of the sampled loop with its dead time: one that covers the tasks before one that does
-    not, then the faster."""
+    not, then the faster.  Where a plant has effects that no certificate includes, the rungs are about the
+    wrist without them, and no rate is told of the plant."""
     good = [c for c in rungs if _sampled(c) and c.holds and c.dead_time == dead_time]
     best = max(good, key=lambda c: (_covers(c), _rate(c)), default=None)
     proved = best is not None and not model.left_out
@@ -62,7 +63,7 @@ def _record(rungs: Sequence[Certificate], model: LoopModel, dead_time: float, wh
     ]  # fmt: skip
     return {
         "status": (Status.PROVED if proved else Status.OPEN).value,
-        "rate_1_s": None if best is None else _rate(best),
+        "rate_1_s": None if best is None or model.left_out else _rate(best),
         "rung": None if best is None else best.rung,
         "dead_time_s": dead_time,
         "covers_task": proved and best is not None and _covers(best),

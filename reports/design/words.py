@@ -221,7 +221,7 @@ def _slopes_words(m: MotionDesign, percent: float) -> str:
     ]
     if not found:
         return ""
-    rate = found[0]["rate_1_s"]
+    rate = None if proved.get("left_out") else found[0]["rate_1_s"]
     words = "a proof of stability is open" if rate is None else (
         f"exponentially stable with rate at least {number(rate, 2)} 1/s while at most one line is met"
     )  # fmt: skip

@@ -14,7 +14,7 @@ from design.studies.shown.limits_matrix import CONDITIONS
 from design.synthesis.requirements import LIMIT_UNITS
 from reports.shared.glossary import NOT_JUDGED
 from reports.shared.html import Shown
-from reports.shared.tables import Cell, Column, Group, Table, measured, number, row
+from reports.shared.tables import Cell, Column, Group, Table, listed, measured, number, row
 
 LIMIT_NAMES = {
     "overshoot_percent": "Overshoot", "Ms": "Ms", "Mt": "Mt", "delay_margin_s": "Delay margin",
@@ -89,8 +89,11 @@ def _stability(of: CardRow) -> Cell:
 
 
 def proof_words(of: CardRow) -> str:
-    """The status of the proof for the task, and the rate; where it is open, that of smaller motions."""
+    """The status of the proof for the task, and the rate; where it is open, that of smaller motions, or the
+    effects that no certificate includes."""
     rate, status = of.proved["rate_1_s"], str(of.proved["status"])
+    if beyond := of.proved.get("left_out"):
+        return f"{status}: certificates do not include {listed(list(beyond))}"
     if rate is None:
         return status
     return f"{status}, {number(rate, 2)} 1/s" + ("" if status == "proved" else " for smaller motions")

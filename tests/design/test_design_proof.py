@@ -8,8 +8,10 @@ from design.robustness.requirement import requirement, requirement_record
 from design.studies.decision import settings
 from design.studies.proof import kept_proof, proof
 from design.studies.stages import Stages
+from plants.effects import Creep
 from plants.parameters.files import built_in
 from plants.wrist import Wrist
+from reports.shared.card import CardRow, proof_words
 
 pytestmark = pytest.mark.slow
 
@@ -36,6 +38,14 @@ def test_a_filter_of_the_angle_makes_another_loop():
         "open", "the controller has a filter of the angle, which no certificate knows",
     )  # fmt: skip
     assert {r["status"] for r in found["rungs"]} == {"open"}
+
+
+def test_of_a_plant_with_effects_that_no_certificate_includes_no_rate_is_told():
+    plant = Wrist.flexion() + Creep(0.05, 5.0)
+    found = proof(plant, TwoDofPI.of(plant, 2.0, 6.0, 0.7), 0.0)
+    assert (found["status"], found["rate_1_s"], found["left_out"]) == ("open", None, ["creep"])
+    row = CardRow("flexion", "PI", {"Kp": 2.0, "Ki": 6.0}, [], found, {})
+    assert proof_words(row) == "open: certificates do not include creep"
 
 
 @pytest.mark.suite
