@@ -11,9 +11,10 @@ from plants.measured.campaigns.recording import Recording
 from plants.measured.fitting.stage import Stage
 from plants.measured.trace.ranking.excitation import excitation
 from plants.measured.trace.search.candidate import Candidate, carries_over
-from plants.measured.trace.search.common import common_instead
+from plants.measured.trace.search.common import common_at_least, common_instead
 from plants.measured.trace.search.refits import Scope, rather_common
 from plants.measured.trace.search.simplify import carried_over
+from plants.measured.trace.search.worth import worth_it
 from plants.measured.trace.stages.model import Model
 from plants.parameters.files import built_in
 from plants.simulation.open_loop import open_loop
@@ -24,13 +25,15 @@ TIME = 0.01 * np.arange(3000)
 FAST, SLOW = (2.0 + 1.2 * np.sin(w * TIME) for w in (1.5, 0.6))
 
 
-def candidate(*effects, loads=(), rig=None, commands=(FAST, SLOW)):
-    """A model with effects, fitted to a recording of each command; loads: deg of each after 12 s."""
+def candidate(*effects, loads=(), rig=None, commands=(FAST, SLOW), sway=0.0):
+    """A model with effects, fitted to a recording of each command; loads: deg of each after 12 s; sway [deg]:
+    of a motion that nothing causes."""
     rng, found = np.random.default_rng(0), []
     wrist = Wrist.of(DECLARED) if rig is None else Wrist.of(DECLARED) + rig
     for i, command in enumerate(commands):
         angle = open_loop(wrist, np.repeat(command, 10)).angle[:-1:10]
-        angle = angle + (loads[i] * (TIME > 12.0) if loads else 0.0) + rng.normal(0.0, NOISE, TIME.size)
+        angle = angle + sway * np.sin(2.2 * TIME + i) + rng.normal(0.0, NOISE, TIME.size)
+        angle += loads[i] * (TIME > 12.0) if loads else 0.0
         found.append(Playback(Recording(f"run{i}", TIME, command, angle=angle), DECLARED.rig.sample_time))
     stage = Stage("whole", "angle_deg", NOISE, tuple(found), ("a1", "a2"), DECLARED.rig)
     values = dict(DECLARED.values)
@@ -93,6 +96,20 @@ def test_what_nearly_any_rig_has_comes_no_earlier_where_whole_recordings_do_not_
     )
     assert not carries_over(step, creep)
     assert rather_common(bare, [step, creep]) == [step, creep]
+
+
+def test_what_nearly_any_rig_has_is_added_where_whole_recordings_bear_it_out_though_little_is_explained():
+    """A rig with creep and something that no effect explains, by which most of the error is left."""
+    made = {"rig": Creep(0.2, 4.0), "sway": 0.6}
+    bare, creep = (guessed(candidate(*e, **made)) for e in ((), (Creep(0.1, 5.0),)))
+    step = guessed(candidate(LoadStep(0.5, 9.0), **made))
+    assert not worth_it(bare, creep, bare)
+    taken = common_at_least(bare, [step, creep])
+    assert taken.model.effects == ("creep",)
+    assert common_at_least(bare, [step]) is None  # few rigs have it
+    assert common_at_least(bare, [bare]) is None
+    declared = Candidate(replace(bare.model, stage=replace(bare.model.stage, form=0.0)))
+    assert common_at_least(declared, [creep]) is None  # of a law that was given
 
 
 def drifting(rig):

@@ -4,7 +4,12 @@ from collections.abc import Callable, Sequence
 
 from plants.measured.trace.ranking.excitation import excitation
 from plants.measured.trace.search.candidate import WORTH, Candidate, carries_over, falls
-from plants.measured.trace.search.common import common_effects, common_instead, only_together
+from plants.measured.trace.search.common import (
+    common_at_least,
+    common_effects,
+    common_instead,
+    only_together,
+)
 from plants.measured.trace.search.refits import Scope, freed, further, rather_common, reformed
 from plants.measured.trace.search.rounds import EffectSearch, SearchRound
 from plants.measured.trace.search.simplify import carried_over, pruned
@@ -48,6 +53,8 @@ def search(
         taken = freed(best) if best is not None and worth_it(now, best, first) else None
         if taken is None and not now.model.forms:
             taken, candidates = only_together(scope, candidates)
+        if taken is None:
+            taken = common_at_least(now, candidates)
         rounds.append(SearchRound(now, ranking, tuple(candidates), taken, borrowed))
         if taken is None:
             break

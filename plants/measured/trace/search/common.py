@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from plants.effects import EFFECTS
 from plants.measured.trace.ranking.screening import Ranked, Screen
-from plants.measured.trace.search.candidate import Candidate, tied
+from plants.measured.trace.search.candidate import Candidate, carries_over, falls, tied
 from plants.measured.trace.search.refits import FORMS, Scope, distinct, freed, further, reformed
 from plants.measured.trace.search.rounds import SearchRound
 from plants.measured.trace.search.simplify import pruned
@@ -71,3 +71,18 @@ def only_together(scope: Scope, candidates: list[Candidate]) -> tuple[Candidate 
     if pairs and explain_all(pairs[0], declared) and worth_it(declared, pairs[0], declared):
         return freed(pairs[0]), [*pairs, *candidates]
     return None, [*pairs, *candidates]
+
+
+def common_at_least(now: Candidate, candidates: Sequence[Candidate]) -> Candidate | None:
+    """The best candidate beyond a model that adds only what nearly any rig has, where the law was chosen from
+    the log and recordings left out whole are clearly better simulated with it; None for none.
+
+    Of a rig that no model describes to its noise an effect that is there takes a small share.
+    """
+    if now.model.stage.form == 0.0:
+        return None
+    for c in candidates:
+        added = set(c.model.effects) - set(now.model.effects)
+        if added and all(EFFECTS[n][0].COMMON for n in added) and falls(now, c) and carries_over(now, c):
+            return freed(c)
+    return None
