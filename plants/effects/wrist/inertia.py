@@ -180,9 +180,10 @@ class StiffeningInertia(_Inert):
 
 @dataclass(frozen=True)
 class DraggedInertia(_Inert):
-    """As `Inertia`, with a drag that grows with the square of the speed."""
+    """As `Inertia`, with a drag that goes with the square of the speed; below zero the joint is damped less
+    the faster it is, as under dry friction."""
 
-    FORM = "damping that grows with the speed"
+    FORM = "damping that changes with the speed"
 
     drag: Number = parameter("1/deg", "drag: deceleration over velocity squared", -0.05, 1.0, 0.0, (0.03,))
 

@@ -38,7 +38,7 @@ def _named_absolute(channel: LoggedChannel) -> bool:
 
 
 def deepens(command: LoggedChannel, pressure: LoggedChannel) -> bool:
-    """Whether a pressure below that of the air falls as the command rises.
+    """Whether a pressure [kPa] below that of the air falls as the command [V, %] rises.
 
     >>> t = np.arange(2000) * 0.01
     >>> duty = LoggedChannel("duty", "%", t, 50.0 + 40.0 * np.sin(t))
