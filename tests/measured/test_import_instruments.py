@@ -68,6 +68,7 @@ def test_a_vacuum_that_deepens_with_a_duty_in_percent_needs_no_hand(tmp_path):
     roles, found = imported(tmp_path, columns)
     assert roles["command"][1:3] == ("%", 1.0)
     assert "a vacuum that deepens" in roles["pressure"].why
+    assert " %, 29.9" in (tmp_path / "out/campaign.toml").read_text()
     np.testing.assert_allclose(found.pressure, -pressure)
 
 

@@ -77,7 +77,7 @@ def test_a_recording_beyond_the_range_of_the_others_is_not_held_against_a_model(
 
 def guessed(found):
     """The candidate where the law was chosen from the log."""
-    return Candidate(replace(found.model, stage=replace(found.model.stage, form=0.05)))
+    return Candidate(replace(found.model, stage=replace(found.model.stage, form=0.05, guessed=True)))
 
 
 def test_what_nearly_any_rig_has_comes_before_what_whole_recordings_bear_out_less():
@@ -108,7 +108,7 @@ def test_what_nearly_any_rig_has_is_added_where_whole_recordings_bear_it_out_tho
     assert taken.model.effects == ("creep",)
     assert common_at_least(bare, [step]) is None  # few rigs have it
     assert common_at_least(bare, [bare]) is None
-    declared = Candidate(replace(bare.model, stage=replace(bare.model.stage, form=0.0)))
+    declared = Candidate(replace(bare.model, stage=replace(bare.model.stage, guessed=False)))
     assert common_at_least(declared, [creep]) is None  # of a law that was given
 
 
@@ -136,7 +136,7 @@ def test_a_drift_that_the_data_tells_from_creep_stays():
 
 def test_what_nearly_any_rig_has_is_not_put_in_the_place_of_an_effect_under_a_law_that_was_given():
     scope, now = drifting(Creep(0.2, 4.0))
-    given = Candidate(replace(now.model, stage=replace(now.model.stage, form=0.0)))
+    given = Candidate(replace(now.model, stage=replace(now.model.stage, guessed=False)))
     assert common_instead(scope, given) is None
     creeping = guessed(candidate(Creep(0.1, 5.0), rig=Creep(0.2, 4.0), commands=(SLOW,)))
     assert common_instead(scope, creeping) is None

@@ -45,8 +45,9 @@ class Stage:
     ``whole`` (command to angle).  noise: floor of the channel.  loop: parameters of hysteresis and joint
     that are fitted; rig: whose motion was recorded.  drives: pressure
     [kPa] of every ms, for ``wrist``; free_drives: that simulated from the command, where `drives` holds what
-    was measured too.  begins: where recordings start, None at rest.  form: error of the channel that the
-    forms of a hysteresis law that was chosen from the log, and of a regulator before it, may leave.
+    was measured too.  begins: where recordings start, None at rest.  guessed: whether the rig was, from the
+    log; form: error of the channel that the forms of a hysteresis law that was chosen from the log, and of a
+    regulator before it, may leave.
     """
 
     name: Name
@@ -59,6 +60,7 @@ class Stage:
     begins: tuple[Begin, ...] | None = None
     free_drives: tuple[Array, ...] | None = None
     form: float = 0.0
+    guessed: bool = False
 
     @property
     def freely(self) -> "Stage":

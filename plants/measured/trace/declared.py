@@ -46,9 +46,9 @@ def base_fit(fit: Fit, law: LawChoice | None) -> Fit:
     return replace(fit, fitted=law.parameters, undetermined=(), begins=law.begins[law.name])
 
 
-def stages_of(campaign: Campaign, fit: Fit, chosen: bool = False) -> list[Stage]:
+def stages_of(campaign: Campaign, fit: Fit, guessed: bool = False) -> list[Stage]:
     """What can be traced of a campaign one after the other; of the fit, noise and where recordings begin.
-    chosen: whether the hysteresis law was, from the log."""
+    guessed: whether the rig was, from the log, and its hysteresis law chosen."""
 
     def made(name: str, channel: str) -> Stage:
         used = [i for i, r in enumerate(campaign.fit) if measured(r, channel) is not None]
@@ -59,8 +59,10 @@ def stages_of(campaign: Campaign, fit: Fit, chosen: bool = False) -> list[Stage]
         rig = fit.before.rig
         played = tuple(Playback(campaign.fit[i], rig.sample_time) for i in used)
         loop = loop_names(fit.fitted.parameters, campaign.start == "rest")
-        stage = Stage(name, channel, floor, played, loop, rig, None, begins)  # type: ignore[arg-type]
-        left = chosen and channel == "angle_deg"
+        stage = Stage(
+            name, channel, floor, played, loop, rig, None, begins, guessed=guessed,  # type: ignore[arg-type]
+        )  # fmt: skip
+        left = guessed and channel == "angle_deg"
         return replace(stage, form=FORM * stage.parts * span(fit.runs, channel)) if left else stage
 
     pressure = any(r.pressure is not None for r in campaign.fit)

@@ -111,7 +111,7 @@ def _first_stage(begun: Start, seed: int, tell: Callable[[str, float], None]) ->
     law = law_of_rig(begun, fit, seed)
     base = base_fit(fit, law)
     start = base.fitted if base is not fit else begun.parameters
-    stages = tuple(stages_of(campaign, base, law is not None))
+    stages = tuple(stages_of(campaign, base, begun.guessed))
     declared = declared_model(stages[0], start, base, base.fitted.values, None)
     if base is fit:
         base = fit = _once_more(campaign, start, fit, declared, seed)

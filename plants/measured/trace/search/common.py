@@ -49,7 +49,7 @@ def common_instead(scope: Scope, now: Candidate) -> SearchRound | None:
     """
     rare = [n for n in now.model.effects if not EFFECTS[n][0].COMMON]
     left = [n for n in scope.names if EFFECTS[n][0].COMMON and n not in now.model.effects]
-    if not rare or not left or now.model.stage.form == 0.0:
+    if not rare or not left or not now.model.stage.guessed:
         return None
     less = [Candidate(now.model.without(n).fitted()) for n in rare]
     found, ranking, borrowed = further(replace(scope, names=left), less, wanted=True)
@@ -79,7 +79,7 @@ def common_at_least(now: Candidate, candidates: Sequence[Candidate]) -> Candidat
 
     Of a rig that no model describes to its noise an effect that is there takes a small share.
     """
-    if now.model.stage.form == 0.0:
+    if not now.model.stage.guessed:
         return None
     for c in candidates:
         added = set(c.model.effects) - set(now.model.effects)

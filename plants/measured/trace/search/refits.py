@@ -63,7 +63,7 @@ def _common_too(
     """
     tried = {n for c in found for n in c.model.effects}
     names = [n for n in dict.fromkeys(r.name for r in shortlist(ranked)) if EFFECTS[n][0].COMMON]
-    left = [n for n in names if n not in tried] if model.stage.form > 0.0 else []
+    left = [n for n in names if n not in tried] if model.stage.guessed else []
     return [c for n in left for c in refit(model, [r for r in ranked if r.name == n], FORMS, asked)]
 
 
@@ -79,7 +79,7 @@ def rather_common(now: Candidate, candidates: Sequence[Candidate]) -> list[Candi
     def common(c: Candidate) -> bool:
         return all(EFFECTS[n][0].COMMON for n in c.model.effects if n not in now.model.effects)
 
-    if now.model.stage.form > 0.0 and not common(best):
+    if now.model.stage.guessed and not common(best):
         for c in others:
             if len(c.model.effects) <= len(best.model.effects) and common(c) and carries_over(best, c):
                 return [c, *(o for o in candidates if o is not c)]
