@@ -42,6 +42,18 @@ class Units:
         to = dict(zip(vars(written).values(), vars(self).values(), strict=True))
         return re.sub(r"[^\s/()^]+", lambda part: to.get(part[0], part[0]), unit)
 
+    def read_as(self, written: "Units") -> str:
+        """What the units of another rig stand for in a text that is written in them, in words; empty where
+        they are these.
+
+        >>> Units("counts", "kPa", "mm").read_as(Units("V", "kPa", "deg"))
+        'V stands for counts, deg for mm'
+        """
+        other = [
+            (w, own) for w, own in zip(vars(written).values(), vars(self).values(), strict=True) if w != own
+        ]
+        return ", ".join(f"{w} {'for' if i else 'stands for'} {own}" for i, (w, own) in enumerate(other))
+
 
 @dataclass(frozen=True)
 class StepTask:

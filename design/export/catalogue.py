@@ -20,9 +20,11 @@ from design.export.mpc.linear import of_linear_mpc
 from design.export.mpc.real_time import of_real_time_mpc
 from design.export.part import Part
 from design.export.parts_of import of_controller, of_hand_over, of_observer
+from design.export.rendering import cell
 from design.mpc.problem import MPCProblem, nominal, robust, weighted
 from plants.actuator.delay import LONGEST
 from plants.errors import InputError
+from plants.rig import built_in_rig
 from plants.wrist import Wrist
 
 Numbers = tuple[float, ...]
@@ -112,10 +114,13 @@ def _mpc(
 
 
 def noted(made: Part, wrist: Wrist, *notes: str) -> Part:
-    """The part with notes for people, empty ones left out, and with what its wrist's rig counts from."""
+    """The part with notes for people, empty ones left out, and with what its wrist's rig counts from, and in
+    which units."""
     words = wrist.rig.zero.words(wrist.rig.units)
     told = f"The law counts {words} of the log, the reference as the angle." if words else ""
-    return replace(made, notes=(*made.notes, *filter(None, (*notes, told))), zero=wrist.rig.zero)
+    stands = wrist.rig.units.read_as(built_in_rig().units)
+    units = f"In names, comments and this text, {cell(stands)}." if stands else ""
+    return replace(made, notes=(*made.notes, *filter(None, (*notes, told, units))), zero=wrist.rig.zero)
 
 
 STANDS_STILL = (

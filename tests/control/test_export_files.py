@@ -14,7 +14,7 @@ from design.export.fields import described
 from design.export.formats.folder import contents
 from plants import InputError, Wrist
 from plants.effects import Creep
-from plants.rig import Zero
+from plants.rig import Units, Zero
 from tests.control.c_target import CC, GAINS, OWN, WRIST, exported, needs_compiler, quick, run
 
 TEXTS = ("h", "c", "README.md")
@@ -164,3 +164,14 @@ def test_what_a_log_counts_from_another_zero_is_converted(tmp_path, zero, conver
 
 def test_a_rig_that_counts_from_zero_converts_nothing():
     assert "of_log" not in texts("pi")["h"] + texts("pi")["README.md"]
+
+
+def test_a_rig_of_other_units_says_what_those_of_the_names_stand_for():
+    rig = replace(WRIST.rig, units=Units("counts", "kPa", "<mm>"))
+    made = part("pi", "bend", replace(Wrist.flexion(), rig=rig), GAINS["pi"])
+    files = contents(made, WRIST, 50)
+    said = "V stands for counts, deg for &lt;mm&gt;"
+    assert said in " ".join(files["README.md"].split())
+    assert said in " ".join(files[f"{made.name}.h"].split())
+    plain = part("pi", "bend", Wrist.flexion(), GAINS["pi"])
+    assert not any("stands for" in note for note in plain.notes)

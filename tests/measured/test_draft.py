@@ -91,7 +91,8 @@ def test_texts_are_logs_and_others_are_left_out(tmp_path):
     (tmp_path / "README.txt").write_text("What was logged.\n")
     said, campaign = drafted(tmp_path)
     assert said["columns"] == {
-        "time_s": {"name": "millis", "scale": 0.001}, "command_V": "dac_V", "angle_deg": "pos_mm"
+        "time_s": {"name": "millis", "scale": 0.001}, "command_V": "dac_V",
+        "angle_deg": {"name": "pos_mm", "unit": "mm"},
     }  # fmt: skip
     assert said["fit"] == ["r1.txt"]
     np.testing.assert_allclose(campaign.validate[0].time, STEPS.time)

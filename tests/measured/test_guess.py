@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from plants.errors import InputError
 from plants.hysteresis import PrandtlIshlinskii
 from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.campaigns.recording import Recording
@@ -14,7 +15,8 @@ from plants.measured.guess.rough_models import first_order, largest_error, loop_
 from plants.measured.trace.rig_fit import fit_rig
 from plants.parameters.files import dump, load
 from plants.parameters.quantities import Guessed
-from tests.rig.soft.named import CAMPAIGNS, climber
+from plants.rig import built_in_rig
+from tests.rig.soft.named import CAMPAIGNS, bender, climber
 
 
 @pytest.fixture(scope="module", params=CAMPAIGNS)
@@ -155,3 +157,23 @@ def test_a_rate_that_no_recording_shows_is_not_extrapolated(tmp_path):
     assert half_way.high <= 0.55 * 32.0
     found = fit_rig(campaign).declared
     assert found.validate_rmse["pressure_kPa"] <= 0.03 * 160.0
+
+
+def test_a_guessed_rig_keeps_the_units_of_its_campaign(tmp_path):
+    """Converter counts and a motion in mm: parameters are in them, of the loop and of the regulator."""
+    bender().write(tmp_path, ("stairs",), ("check",))
+    kept = (
+        'command_V = {name = "command_V", unit = "counts"}\nangle_deg = {name = "angle_deg", unit = "mm"}\n'
+    )
+    file = tmp_path / "campaign.toml"
+    file.write_text(f"{file.read_text()}[columns]\n{kept}")
+    guess = guessed_set(load_campaign(tmp_path))
+    assert vars(guess.rig.units) == {"command": "counts", "pressure": "kPa", "angle": "mm"}
+    assert (guess.parameters["gain"].unit, guess.parameters["a1"].unit) == ("kPa/counts", "mm/kPa")
+    dump(guess, tmp_path / "rig.toml")
+    again = load(tmp_path / "rig.toml")
+    assert again.rig.units == guess.rig.units
+    assert again.values == pytest.approx(guess.values)
+    assert load_campaign(tmp_path, again.rig).units == guess.rig.units
+    with pytest.raises(InputError, match="stays in counts, but the command of the rig is in V"):
+        load_campaign(tmp_path, built_in_rig())

@@ -16,7 +16,7 @@ from plants.measured.campaigns.recording import Recording, Stage
 from plants.measured.formats.columns import Source, parse_columns
 from plants.measured.formats.tables import Table, read_table
 from plants.measured.instrument.stated import StatedHabits, parse_logger
-from plants.rig import Rig, built_in_rig
+from plants.rig import Rig, Units, built_in_rig
 from plants.toml import check_keys, is_number, parse_toml
 
 FILE = "campaign.toml"
@@ -42,7 +42,7 @@ class Campaign:
     was measured; start: whether every recording starts at rest at 100 kPa on the virgin curve;
     sample_time [s] of the log; fit: may be used to fit and to choose; validate: only ever to report
     the error; checksum: SHA-256 of campaign.toml and the recordings, the same on every machine; logger: what
-    campaign.toml says that the logger does.
+    campaign.toml says that the logger does; units: in which command, pressure and angle are kept.
     """
 
     name: str
@@ -54,6 +54,7 @@ class Campaign:
     validate: tuple[Recording, ...]
     checksum: str
     logger: StatedHabits = field(default_factory=StatedHabits)
+    units: Units = field(default_factory=lambda: built_in_rig().units)
 
     @property
     def recordings(self) -> tuple[Recording, ...]:
@@ -95,6 +96,9 @@ def load_campaign(folder: str | Path, rig: Rig | None = None) -> Campaign:
     said = parse_declaration(content, folder / FILE)
     if rig is None and said.axis in built_in_rig().motions:
         rig = built_in_rig()
+    units = _units(said.columns)
+    if rig is not None:
+        _check_units(said.columns, rig, folder / FILE)
     tables = {name: read_table(folder / name) for name in said.fit + said.validate}
     recordings = {
         name: from_table(table, _sources_in(table, said, tables), said.stage, said.sample_time, name, rig)
@@ -110,7 +114,29 @@ def load_campaign(folder: str | Path, rig: Rig | None = None) -> Campaign:
     return Campaign(
         folder.resolve().name, said.axis, said.stage, said.start, said.sample_time, fit, validate,
         _checksum(content, folder, said.fit + said.validate), said.logger,
+        units,
     )  # fmt: skip
+
+
+KEPT = {"command": "command_V", "angle": "angle_deg"}
+"""Columns that may stay in a unit of their own, by what a rig says the unit of."""
+
+
+def _units(columns: Mapping[str, Source]) -> Units:
+    """In which a campaign is kept, of which ``[columns]`` says what is in another unit than the standard."""
+    own = {what: columns[name].unit for what, name in KEPT.items() if name in columns and columns[name].unit}
+    return replace(built_in_rig().units, **own)
+
+
+def _check_units(columns: Mapping[str, Source], rig: Rig, path: Path) -> None:
+    """Refuse a column that stays in a unit which is not that of the rig."""
+    for what, name in KEPT.items():
+        own, wanted = columns[name].unit if name in columns else "", getattr(rig.units, what)
+        if own and own != wanted:
+            raise InputError(
+                f"{path}: [columns] {name} stays in {own}, but the {what} of the rig is in {wanted}; "
+                "give its scale in place of the unit"
+            )
 
 
 def shipped() -> list[Path]:

@@ -128,7 +128,7 @@ def _standard(table: Table, standard: str, source: Source) -> Array:
         where = f"{table.path}: row {table.row(i)}, column {source.name!r}"
         raise InputError(f"{where}: {problem}; correct it or cut the recording there")
     assert not isinstance(column, Text), "text has a cell that is no number"
-    return column if source == Source(source.name) else source.scale * column + source.offset
+    return column if (source.scale, source.offset) == (1.0, 0.0) else source.scale * column + source.offset
 
 
 def _orientation(table: Table, standard: str, names: tuple[str, ...]) -> Array:

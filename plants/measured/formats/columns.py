@@ -8,7 +8,7 @@ import numpy as np
 
 from plants.errors import InputError
 from plants.measured.formats.cells import Array, shorten
-from plants.measured.formats.units import KINDS, SUCH, factor
+from plants.measured.formats.units import KINDS, SUCH, factor, kept
 
 STANDARD = ("time_s", "command_V", "angle_deg", "pressure_kPa", "reference_deg", "other_pressure_kPa")
 """The names of the columns that a recording knows; the unit is in the name."""
@@ -27,12 +27,13 @@ VACUUM = 0.1
 class Source(NamedTuple):
     """Where a standard column comes from: value = scale * raw + offset, raw being the column `name`, or,
     where there is a `quaternion` (four columns w, x, y, z), the angle [deg] by which it has turned since the
-    first row, about the axis about which it turns most."""
+    first row, about the axis about which it turns most.  unit: in which it stays, "" for the standard one."""
 
     name: str
     scale: float = 1.0
     offset: float = 0.0
     quaternion: tuple[str, ...] = ()
+    unit: str = ""
 
 
 def parse_columns(entries: Any, where: str) -> dict[str, Source]:
@@ -42,7 +43,7 @@ def parse_columns(entries: Any, where: str) -> dict[str, Source]:
     Raises InputError for a name that is not standard and for an entry that makes no sense.
 
     >>> parse_columns({"angle_deg": {"name": "theta", "scale": 57.29578}}, "campaign.toml")
-    {'angle_deg': Source(name='theta', scale=57.29578, offset=0.0, quaternion=())}
+    {'angle_deg': Source(name='theta', scale=57.29578, offset=0.0, quaternion=(), unit='')}
     """
     if entries is None:
         return {}
@@ -99,7 +100,8 @@ def _converted(where: str, entry: Mapping[str, Any], role: str) -> Source:
     unit = entry.get("unit", KINDS[role])
     if not isinstance(unit, str):
         raise InputError(f"{where}: unit {unit!r} is no text; give one such as {SUCH[role]}")
-    return Source(entry["name"], factor(unit, role, where), -ATMOSPHERE if absolute else 0.0)
+    scale, offset = factor(unit, role, where), -ATMOSPHERE if absolute else 0.0
+    return Source(entry["name"], scale, offset, unit=kept(unit, role))
 
 
 def _turned(where: str, entry: Mapping[str, Any]) -> Source:

@@ -17,10 +17,21 @@ KINDS = {"command": "V", "pressure": "kPa", "angle": "deg", "reference": "deg", 
 """Units that a campaign is kept in."""
 
 SUCH = {
-    "command": "V, mV or %", "pressure": "kPa, Pa, MPa, hPa, bar, mbar or psi", "angle": "deg or rad",
-    "reference": "deg or rad", "time": "s, ms or us",
+    "command": "V, mV, % or counts", "pressure": "kPa, Pa, MPa, hPa, bar, mbar or psi",
+    "angle": "deg, rad or mm", "reference": "deg, rad or mm", "time": "s, ms or us",
 }  # fmt: skip
 """Units of each role that an error proposes; every other that pint knows is understood."""
+
+
+KEPT = {
+    "command": {"%": "%", "percent": "%", "counts": "counts", "count": "counts", "lsb": "counts"},
+    "angle": {"mm": "mm", "cm": "cm"}, "reference": {"mm": "mm", "cm": "cm"},
+}  # fmt: skip
+"""Units of each role that stay as they are, by what recorders write: of a duty, of a converter, of a motion
+that is no rotation."""
+
+AS_THEY_ARE = frozenset(name for names in KEPT.values() for name in names.values())
+"""All of them."""
 
 
 @cache
@@ -48,10 +59,19 @@ def quantity(unit: str) -> str | None:
     return "other"
 
 
+def kept(unit: str, role: str) -> str:
+    """The unit in which a role stays; "" where it is put into the standard one.
+
+    >>> kept("percent", "command"), kept("mm", "angle"), kept("mV", "command")
+    ('%', 'mm', '')
+    """
+    return KEPT.get(role, {}).get(unit.strip().lower(), "")
+
+
 def factor(unit: str, role: str, where: str) -> float:
     """What a number in a unit is to be multiplied with, to be in that of a role.
 
-    A command in percent, as a duty, is kept in percent.  Raises InputError for a unit that is unknown and for
+    A unit that is `kept` is left as it is.  Raises InputError for a unit that is unknown and for
     one of another quantity.
 
     >>> factor("bar", "pressure", "log"), round(factor("rad", "angle", "log"), 5)
@@ -59,7 +79,7 @@ def factor(unit: str, role: str, where: str) -> float:
     >>> factor("%", "command", "log")
     1.0
     """
-    if role == "command" and SPELLED.get(unit.strip().lower(), unit) == "percent":
+    if kept(unit, role):
         return 1.0
     kind = quantity(unit)
     if kind is None or kind != ("angle" if role == "reference" else role):

@@ -25,7 +25,7 @@ from plants.measured.guess.rough_models import (
     median_step,
     recorded,
 )
-from plants.parameters.quantities import Guessed, Parameter, ParameterSet, declared_kinds
+from plants.parameters.quantities import Guessed, Parameter, ParameterSet, declared_kinds, in_units
 from plants.rig import Rig, built_in_rig
 
 Array = NDArray[np.float64]
@@ -80,8 +80,8 @@ def guessed_rig(campaign: Campaign) -> Rig:
     )  # fmt: skip
     rig = replace(
         base, name=campaign.axis, title=f"Rig of {campaign.name}", motions=(campaign.axis,),
-        command_range=(low, high), pressure_range=(least, most), task=task, limits=limits,
-        sample_time=_loop_time(campaign.sample_time, tau),
+        units=campaign.units, command_range=(low, high), pressure_range=(least, most), task=task,
+        limits=limits, sample_time=_loop_time(campaign.sample_time, tau),
         log_time=campaign.sample_time, uncertainty=uncertainty,
     )  # fmt: skip
     return with_step(rig, step)
@@ -144,7 +144,7 @@ def guessed_set(
         values |= own | {"Tw": 0.1}
         bounds |= {n: (min(0.0, v), max(2.0 * v, 1.0)) for n, v in own.items()} | {"Tw": (0.005, 5.0)}
     why = Guessed(f"{campaign.name} (sha256 {campaign.checksum[:12]})")
-    kinds = declared_kinds(kind, values)
+    kinds = {n: in_units(k, rig) for n, k in declared_kinds(kind, values).items()}
     parameters = {}
     for name, known in kinds.items():
         value, (least, most) = float(values[name]), bounds[name]

@@ -14,10 +14,11 @@ from plants.errors import InputError
 from plants.files import file_name, replaced_folder, write_atomically
 from plants.measured.campaigns.campaign import FILE
 from plants.measured.formats.channel import LoggedChannel
+from plants.measured.formats.units import kept
 from plants.measured.importing.channels import Log, listed, read_log
 from plants.measured.importing.columns_table import columns_table
 from plants.measured.importing.excitation import Chosen, Excited, choose, excited
-from plants.measured.importing.roles import PERCENT, Role, roles
+from plants.measured.importing.roles import Role, roles
 from plants.measured.importing.runs import Run, runs, steps_of
 
 TIME = "time_s"
@@ -180,7 +181,7 @@ def _told(made: Imported) -> list[str]:
             )
         lines += [f"  {note}" for note in log.notes]
     lines.append("")
-    unit = PERCENT if made.roles["command"].unit == PERCENT else "V"
+    unit = kept(made.roles["command"].unit, "command") or "V"
     for run, asked in zip(made.runs, made.excitation, strict=True):
         lines.append(
             f"{run.name}: {asked.word}, {asked.low:.3g} to {asked.high:.3g} {unit}, {run.time[-1]:.4g} s; "

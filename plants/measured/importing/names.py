@@ -2,7 +2,7 @@
 
 import re
 
-from plants.measured.formats.units import quantity
+from plants.measured.formats.units import KEPT, quantity
 
 DURATION = r"(?:milli|micro|nano|m|u|µ|n)s(?:ec(?:ond)?s?)?|sec(?:ond)?s?"
 """Units of time that may be a whole name, as ``millis`` of a microcontroller."""
@@ -16,10 +16,10 @@ HINTS = {
 }
 """What names of columns look like, by the standard name; the first that matches is taken."""
 
-PERCENT = re.compile(r"(?:^|[_ .\[(])(?:pct|perc|percent)[\])]?$", re.IGNORECASE)
-"""The end of the name of a duty in percent."""
+OF_COMMAND = re.compile(r"(?:^|[_ .\[(])(?:(pct|perc|percent)|(counts|lsb))[\])]?$", re.IGNORECASE)
+"""The end of the name of a duty in percent, or of a command in counts of a converter."""
 
-LENGTHS = ("mm", "cm")
+LENGTHS = tuple(KEPT["angle"])
 """Units of a motion that is no rotation, which stays as it is."""
 
 
@@ -30,11 +30,11 @@ def unit_in(name: str) -> str:
     ('deg', 'bar', '', '', 'mm')
     >>> unit_in("millis"), unit_in("timestamp_us"), unit_in("t_micros"), unit_in("duty_cycle")
     ('millis', 'us', 'micros', '')
-    >>> unit_in("duty_pct"), unit_in("Duty (percent)")
-    ('%', '%')
+    >>> unit_in("duty_pct"), unit_in("Duty (percent)"), unit_in("DAC_counts")
+    ('%', '%', 'counts')
     """
-    if PERCENT.search(name):
-        return "%"
+    if of_command := OF_COMMAND.search(name):
+        return "%" if of_command[1] else "counts"
     if re.fullmatch(DURATION, name.lower()):
         return name.lower()
     found = re.search(rf"[_ .]\(?\[?([A-Za-z°%]{{1,5}}|{DURATION})\]?\)?$", name)

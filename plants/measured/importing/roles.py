@@ -15,7 +15,7 @@ from plants.errors import InputError
 from plants.measured.fitting.noise import noise_floor
 from plants.measured.formats.cells import shorten
 from plants.measured.formats.channel import Array, LoggedChannel
-from plants.measured.formats.units import KINDS, factor, quantity
+from plants.measured.formats.units import AS_THEY_ARE, KINDS, factor, kept, quantity
 from plants.measured.importing.lead import lead
 from plants.measured.importing.names import HINTS, LENGTHS
 from plants.measured.importing.orientation import orientations
@@ -47,9 +47,7 @@ VOLTS = 48.0
 PAIRS = (("command", "pressure"), ("command", "angle"), ("pressure", "angle"), ("reference", "angle"))
 
 
-PERCENT = "%"
-"""The unit of a duty, which stays as it is."""
-
+COUNTS = "counts"
 CONVERTERS = (255, 1023, 4095, 16383, 65535)
 """Largest counts of usual converters."""
 
@@ -82,6 +80,8 @@ class Role(NamedTuple):
             return {"quaternion": names}
         if self.absolute:
             return {"name": names[0], "unit": self.unit, "absolute": True}
+        if self.unit in AS_THEY_ARE:
+            return {"name": names[0], "unit": self.unit}
         return names[0] if self.factor == 1.0 else {"name": names[0], "scale": self.factor}
 
 
@@ -204,9 +204,13 @@ def _role(
                     why.append(f"yet follows the pressure by {-lag:.2g} s: are the two exchanged?")
     kind = quantity(unit) if unit else None
     wanted = "angle" if role == "reference" else role
-    if given is not None and given[1] and kind != wanted:
+    as_it_is = kept(unit, role)
+    if given is not None and given[1] and kind != wanted and not as_it_is:
         factor(unit, role, f"--map {role}={channel.name}")  # which raises, and says why
-    if kind == wanted or (role == "command" and unit == PERCENT):
+    if as_it_is:
+        said = f"unit {unit}" if role == "command" else f"no angle but {unit}, in which it stays"
+        return Role(channel.name, as_it_is, 1.0, ", ".join([*why, said]))
+    if kind == wanted:
         why.append(f"unit {unit}")
         to_standard = factor(unit, role, channel.name)
         absolute = role == "pressure" and above_vacuum(channel, to_standard)
@@ -216,28 +220,30 @@ def _role(
         if absolute:
             why.append(f'starts near that of the air: add unit = "{unit}", absolute = true if above vacuum')
         return Role(channel.name, unit, to_standard, ", ".join(why))
-    if wanted == "angle" and unit in LENGTHS:
-        return Role(channel.name, unit, 1.0, ", ".join([*why, f"no angle but {unit}, in which it stays"]))
     guessed, most = _unit_by_range(role, channel.values), float(np.max(np.abs(channel.values)))
-    if role == "command":
-        why.append("its unit is not told: taken for V" if not unit else f"its unit {unit} is taken for V")
-        if not unit and most > VOLTS:
-            why.append(f"though {most:.6g} is much: {_instead_of_volts(channel)}")
-    else:
+    if role != "command":
         why.append(f"its unit is not told: {guessed} by its range")
+    elif unit or most <= VOLTS:
+        why.append(f"its unit {unit} is taken for V" if unit else "its unit is not told: taken for V")
+    elif full := _full_scale(channel.values):
+        guessed = COUNTS
+        why.append(
+            "its unit is not told: taken for counts of a converter, as they are whole numbers; "
+            f'{{name = "{channel.name}", counts = {full}, full = 10.0}} says that {full} are 10 V'
+        )
+    else:
+        why.append(
+            f"its unit is not told: taken for V, though {most:.6g} is much: "
+            f'--map "command={channel.name} [mV]" gives another'
+        )
     return Role(channel.name, guessed, factor(guessed, role, channel.name), ", ".join(why))
 
 
-def _instead_of_volts(channel: LoggedChannel) -> str:
-    """What to say of a command without a unit that is hardly in V: of whole numbers, what counts are."""
-    values = channel.values
-    full = next((c for c in CONVERTERS if values.max() <= c), None)
-    if full is None or values.min() < 0.0 or np.any(values != np.round(values)):
-        return f'--map "command={channel.name} [mV]" gives another'
-    return (
-        f'where they are counts of a converter, {{name = "{channel.name}", counts = {full}, full = 10.0}} '
-        f"says that {full} are 10 V"
-    )
+def _full_scale(values: Array) -> int | None:
+    """The largest count of a converter whose counts a series may be, None for what is no counts."""
+    if values.min() < 0.0 or np.any(values != np.round(values)):
+        return None
+    return next((c for c in CONVERTERS if values.max() <= c), None)
 
 
 def _unit_by_range(role: str, values: Array) -> str:
