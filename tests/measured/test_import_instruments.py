@@ -79,6 +79,40 @@ def test_a_pressure_that_is_called_absolute_counts_from_vacuum_wherever_it_start
     np.testing.assert_allclose(found.pressure, 60.0 + ABOVE - ATMOSPHERE)
 
 
+def test_an_absolute_vacuum_that_deepens_is_counted_below_the_air(tmp_path):
+    below = np.maximum(STEPS.pressure - STEPS.pressure[0], 0.0) / 3.0
+    columns = {"time": STEPS.time, "duty_pct": 25.0 * STEPS.command, "p_kPa": 101.0 - below}
+    _, found = imported(tmp_path, columns | {"angle_deg": STEPS.angle})
+    np.testing.assert_allclose(found.pressure, below + ATMOSPHERE - 101.0, atol=1e-9)
+
+
+@pytest.mark.parametrize(("column", "per_second", "turn"), [("t_us", 1e6, 2**32), ("millis", 1e3, 2**16)])
+def test_a_counter_that_begins_again_counts_on(tmp_path, column, per_second, turn):
+    counted = (np.round(per_second * STEPS.time) + turn - 7e3) % turn
+    assert np.any(np.diff(counted) < 0.0)
+    _, found = imported(tmp_path, {column: counted} | USUAL)
+    np.testing.assert_allclose(found.time, STEPS.time, atol=1e-6)
+
+
+def test_orientations_of_all_recordings_turn_about_one_axis(tmp_path):
+    """A run that goes the other way from its start has the sign of the run that goes farthest."""
+    far = Rotation.from_rotvec(np.outer(np.radians(40.0 * np.sin(STEPS.time)), [0.0, 0.6, 0.8]))
+    near = Rotation.from_rotvec(np.outer(np.radians(-25.0 * np.sin(STEPS.time[:2000]) ** 2), [0.0, 0.6, 0.8]))
+    for name, seen in (("far", far), ("near", near)):
+        parts = dict(zip(("q_x", "q_y", "q_z", "q_w"), seen.as_quat().T, strict=True))
+        rows = slice(0, len(seen))
+        columns = {"time_s": STEPS.time[rows], "command_V": STEPS.command[rows]} | parts
+        pd.DataFrame(columns).to_csv(tmp_path / f"{name}.csv", index=False)
+    (tmp_path / "campaign.toml").write_text(
+        'axis = "bend"\nsample_time_s = 0.01\nfit = ["near.csv"]\nvalidate = ["far.csv"]\n'
+        '[columns]\nangle_deg = {quaternion = ["q_w", "q_x", "q_y", "q_z"]}\n'
+    )
+    near_run, far_run = load_campaign(tmp_path).recordings
+    way = np.sign(far_run.angle[100])
+    np.testing.assert_allclose(way * far_run.angle, 40.0 * np.sin(STEPS.time), atol=1e-6)
+    np.testing.assert_allclose(way * near_run.angle, -25.0 * np.sin(STEPS.time[:2000]) ** 2, atol=1e-6)
+
+
 def test_four_columns_of_a_quaternion_are_an_angle(tmp_path):
     seen = Rotation.from_rotvec(np.outer(np.radians(STEPS.angle), [0.0, 0.6, 0.8])).as_quat()
     seen[500:505] = np.nan

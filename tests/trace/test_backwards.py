@@ -1,14 +1,16 @@
 """No effect is named with which the loop turns back."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from plants.effects import Creep, OneMorePlay, Polynomial, SeveralPlays
+from plants.effects import Creep, MaxwellSlip, OneMorePlay, Polynomial, SeveralPlays
 from plants.equilibrium import at_pressure
 from plants.measured.campaigns.playback import Playback
 from plants.measured.campaigns.recording import Recording
 from plants.measured.fitting.stage import Stage
-from plants.measured.trace.ranking.backwards import turns_back
+from plants.measured.trace.ranking.backwards import makes_no_loop, turns_back
 from plants.measured.trace.stages.model import Model
 from plants.parameters.files import built_in
 from plants.wrist import Wrist
@@ -46,3 +48,14 @@ def test_a_simulated_reversal_says_the_same(weight):
         held = np.concatenate([np.full(20_000, 85.0), np.full(20_000, up)]) / wrist.regulator.gain
         angles.append(wrist.simulate(held, start).angle[-1])
     assert bool(angles[1] < angles[0]) is turns_back(model(OneMorePlay(weight, 2.0)))
+
+
+def test_lines_that_cross_where_friction_takes_the_whole_width_are_no_loop():
+    """As a file with them is refused."""
+    friction = MaxwellSlip(1.0, 4.0)
+    found = model(friction)
+    assert not makes_no_loop(found)
+    crossed = replace(found, values={**found.values, "w1": -0.3, "w2": 0.1, "a1": 0.33, "a2": 0.36})
+    assert makes_no_loop(crossed)
+    low, high = (crossed.values["gain"] * v for v in DECLARED.rig.command_range)
+    assert crossed.wrist.hysteresis.problem(low, high) is not None

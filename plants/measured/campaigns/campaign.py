@@ -11,7 +11,7 @@ import numpy as np
 
 from plants.errors import InputError, InputWarning
 from plants.measured.campaigns.draft import draft
-from plants.measured.campaigns.read_table import RADIANS, from_table, required
+from plants.measured.campaigns.read_table import RADIANS, from_table, on_one_axis, required
 from plants.measured.campaigns.recording import Recording, Stage
 from plants.measured.formats.columns import Source, parse_columns
 from plants.measured.formats.tables import Table, read_table
@@ -100,6 +100,7 @@ def load_campaign(folder: str | Path, rig: Rig | None = None) -> Campaign:
     if rig is not None:
         _check_units(said.columns, rig, folder / FILE)
     tables = {name: read_table(folder / name) for name in said.fit + said.validate}
+    said = replace(said, columns=on_one_axis(said.columns, tables))
     recordings = {
         name: from_table(table, _sources_in(table, said, tables), said.stage, said.sample_time, name, rig)
         for name, table in tables.items()

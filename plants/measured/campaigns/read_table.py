@@ -10,7 +10,7 @@ from plants.measured.campaigns.decimation import for_sample_time
 from plants.measured.campaigns.recording import Recording, Stage
 from plants.measured.formats.cells import Array, Text, first_bad, shorten
 from plants.measured.formats.channel import GAP
-from plants.measured.formats.columns import STANDARD, Source, turned
+from plants.measured.formats.columns import STANDARD, Source, axis_of, turned
 from plants.measured.formats.tables import Table
 from plants.measured.instrument.missing import lines_between, with_missing
 from plants.measured.instrument.rows import mended
@@ -93,6 +93,16 @@ def required(stage: Stage) -> tuple[str, ...]:
     return ("time_s", "command_V", "pressure_kPa" if stage == "regulator" else "angle_deg")
 
 
+def on_one_axis(columns: Mapping[str, Source], tables: Mapping[str, Table]) -> dict[str, Source]:
+    """The columns with one axis for the orientations of all recordings: that of the one that turns farthest,
+    so that their angles have one sign.  Raises InputError as ``from_table``."""
+    angle = columns.get("angle_deg")
+    if angle is None or not angle.quaternion:
+        return dict(columns)
+    _, axis = max((_axis_in(t, angle) for t in tables.values()), key=lambda found: found[0])
+    return {**columns, "angle_deg": angle._replace(about=axis)}
+
+
 def _sources(table: Table, mapped: Mapping[str, Source], stage: Stage) -> dict[str, Source]:
     """The sources of all columns that are there: mapped, or by their standard name."""
     own = {name: Source(name) for name in STANDARD if name in table.columns and name not in mapped}
@@ -117,7 +127,7 @@ def _standard(table: Table, standard: str, source: Source) -> Array:
     """A column in its standard unit, not a number where a measured channel lacks a cell; an error names the
     first cell that is no finite number."""
     if source.quaternion:
-        return _orientation(table, standard, source.quaternion)
+        return _orientation(table, standard, source)
     column = table.columns[source.name]
     bad = first_bad(column)
     lacking = with_missing(column) if bad is not None and standard in MEASURED else None
@@ -131,19 +141,33 @@ def _standard(table: Table, standard: str, source: Source) -> Array:
     return column if (source.scale, source.offset) == (1.0, 0.0) else source.scale * column + source.offset
 
 
-def _orientation(table: Table, standard: str, names: tuple[str, ...]) -> Array:
+def _orientation(table: Table, standard: str, source: Source) -> Array:
     """The angle [deg] that the columns of a quaternion have turned, not a number in rows that lack one."""
+    names = source.quaternion
     where = f"{table.path}: the quaternion {shorten(names)}"
     if any(n not in table.columns for n in names):
         raise InputError(f"{table.path}: lacks a column of the quaternion {shorten(names)}")
-    parts = [_standard(table, standard, Source(n)) for n in names]
+    parts = _parts(table, standard, names)
     if len({len(p) for p in parts}) > 1:
         raise InputError(f"{where} has columns of different lengths; choose four that were logged together")
-    angle = turned(*parts)
+    angle = turned(*parts, about=source.about)
     if not np.isfinite(angle).all() and with_missing(angle) is None:
         row = table.row(int(np.flatnonzero(~np.isfinite(angle))[0]))
         raise InputError(f"{where} is no orientation in row {row}; correct it or cut the recording there")
     return angle
+
+
+def _parts(table: Table, standard: str, names: tuple[str, ...]) -> list[Array]:
+    return [_standard(table, standard, Source(n)) for n in names]
+
+
+def _axis_in(table: Table, source: Source) -> tuple[float, tuple[float, ...]]:
+    """How far the quaternion of a source turns in a table [deg], and about which axis (3,): 0 and none where
+    the table lacks a column of it, or has them of different lengths."""
+    if not source.quaternion or any(n not in table.columns for n in source.quaternion):
+        return 0.0, ()
+    parts = _parts(table, "angle_deg", source.quaternion)
+    return axis_of(*parts) if len({len(p) for p in parts}) == 1 else (0.0, ())
 
 
 def _check_lengths(table: Table, sources: Mapping[str, Source], found: Mapping[str, Array]) -> None:

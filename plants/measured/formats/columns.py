@@ -27,13 +27,15 @@ VACUUM = 0.1
 class Source(NamedTuple):
     """Where a standard column comes from: value = scale * raw + offset, raw being the column `name`, or,
     where there is a `quaternion` (four columns w, x, y, z), the angle [deg] by which it has turned since the
-    first row, about the axis about which it turns most.  unit: in which it stays, "" for the standard one."""
+    first row, about the axis about which it turns most.  unit: in which it stays, "" for the standard one;
+    about: an axis on whose side that of a quaternion is."""
 
     name: str
     scale: float = 1.0
     offset: float = 0.0
     quaternion: tuple[str, ...] = ()
     unit: str = ""
+    about: tuple[float, ...] = ()
 
 
 def parse_columns(entries: Any, where: str) -> dict[str, Source]:
@@ -43,7 +45,7 @@ def parse_columns(entries: Any, where: str) -> dict[str, Source]:
     Raises InputError for a name that is not standard and for an entry that makes no sense.
 
     >>> parse_columns({"angle_deg": {"name": "theta", "scale": 57.29578}}, "campaign.toml")
-    {'angle_deg': Source(name='theta', scale=57.29578, offset=0.0, quaternion=(), unit='')}
+    {'angle_deg': Source(name='theta', scale=57.29578, offset=0.0, quaternion=(), unit='', about=())}
     """
     if entries is None:
         return {}
@@ -125,28 +127,55 @@ def _positive(where: str, entry: Mapping[str, Any], key: str) -> float:
     return float(value)
 
 
-def turned(w: Array, x: Array, y: Array, z: Array) -> Array:
+def turned(w: Array, x: Array, y: Array, z: Array, *, about: tuple[float, ...] = ()) -> Array:
     """Angle [deg] by which an orientation (quaternions of shape (n,)) has turned since its first row about
     the axis about which it turns most; not a number where a row lacks a number of it, or has four zeros,
-    which are no orientation.
+    which are no orientation.  about: an axis on whose side that one is; else it turns most upwards.
 
     >>> half = np.radians([0.0, 10.0, np.nan, 20.0]) / 2
     >>> turned(np.cos(half), np.sin(half), 0 * half, 0 * half)[1:].round(6).tolist()
     [10.0, nan, 20.0]
     """
+    there, vectors = _vectors(w, x, y, z)
+    angle: Array = np.full(len(there), np.nan)
+    if len(vectors):
+        axis = _axis(vectors)
+        angle[there] = vectors @ (axis if not about or axis @ np.array(about) >= 0.0 else -axis)
+    return angle
+
+
+def axis_of(w: Array, x: Array, y: Array, z: Array) -> tuple[float, tuple[float, ...]]:
+    """How far an orientation (quaternions of shape (n,)) turns [deg], and about which axis (3,).
+
+    >>> half = np.radians([0.0, -10.0, -20.0]) / 2
+    >>> far, axis = axis_of(np.cos(half), np.sin(half), 0 * half, 0 * half)
+    >>> round(far, 6), round(axis[0], 6)
+    (20.0, -1.0)
+    """
+    _, vectors = _vectors(w, x, y, z)
+    if not len(vectors):
+        return 0.0, ()
+    axis = _axis(vectors)
+    return float(np.max(vectors @ axis)), tuple(map(float, axis))
+
+
+def _vectors(w: Array, x: Array, y: Array, z: Array) -> tuple[Any, Array]:
+    """Rows that hold an orientation (n,), and how these have turned since the first [deg], (rows, 3)."""
     from scipy.spatial.transform import Rotation
 
     parts = np.column_stack([x, y, z, w])
     there = np.isfinite(parts).all(axis=1) & parts.any(axis=1)
-    angle: Array = np.full(len(parts), np.nan)
     if not there.any():
-        return angle
+        return there, np.empty((0, 3))
     seen = Rotation.from_quat(parts[there])
-    vectors = (seen[0].inv() * seen).as_rotvec(degrees=True)
-    axis = np.linalg.svd(vectors, full_matrices=False)[2][0]
-    along: Array = vectors @ axis
-    angle[there] = along if along[np.argmax(np.abs(along))] >= 0.0 else -along
-    return angle
+    return there, (seen[0].inv() * seen).as_rotvec(degrees=True)
+
+
+def _axis(vectors: Array) -> Array:
+    """The axis about which rotations (rows, 3) turn most, on the side to which they turn farthest."""
+    axis: Array = np.linalg.svd(vectors, full_matrices=False)[2][0]
+    along = vectors @ axis
+    return axis if along[np.argmax(np.abs(along))] >= 0.0 else -axis
 
 
 def is_vacuum(lowest: float, highest: float) -> bool:

@@ -13,7 +13,7 @@ from plants.measured.formats.binary.bags import read_bag, read_mcap
 from plants.measured.formats.binary.mdf4 import read_mdf
 from plants.measured.formats.binary.tdms import read_tdms
 from plants.measured.formats.cells import one_line, shorten
-from plants.measured.formats.channel import Array, LoggedChannel, LoggedSeries
+from plants.measured.formats.channel import GAP, Array, LoggedChannel, LoggedSeries
 from plants.measured.formats.dialect import named_unit, read_text
 from plants.measured.formats.tables import Table, read_table
 from plants.measured.formats.units import factor, quantity
@@ -23,6 +23,9 @@ from plants.measured.instrument.missing import numbers_in
 TEXTS = (".csv", ".tsv", ".txt", ".asc", ".dat")
 HDF5 = (".h5", ".hdf5", ".hdf")
 TABLES = (".mat", ".parquet", ".pq")
+
+COUNTERS = (2.0**32, 2.0**16)
+"""Numbers after which a counter of a microcontroller begins again."""
 
 MILLISECONDS, NANOSECONDS = 0.7, 1e4
 """Steps from which a time without a unit is in ms, and from which in ns."""
@@ -123,7 +126,7 @@ def _timed(
     for group in groups:
         own = time_in(group)
         for s in group:
-            if s is own:
+            if own is not None and s.name == own.name:
                 continue
             if own is not None and len(own.values) == len(s.values) and not s.step:
                 yield LoggedChannel(s.name, s.unit, _seconds(own, notes), s.values)
@@ -143,7 +146,20 @@ def _unit(named: LoggedSeries | LoggedChannel) -> str:
 
 def time_in(group: Iterable[LoggedSeries]) -> LoggedSeries | None:
     """The series of a group that counts time, None where none does."""
-    return next((s for s in group if _is_time(s)), None)
+    return next((s for s in map(_unwrapped, group) if _is_time(s)), None)
+
+
+def _unwrapped(series: LoggedSeries) -> LoggedSeries:
+    """A counter that began again from 0 as one that counts on: by 2^32 or 2^16, as ``micros()`` does, where
+    the step is then one of those beside it."""
+    steps = np.diff(series.values)
+    back = np.flatnonzero(steps < 0.0)
+    usual = float(np.median(steps)) if steps.size else 0.0
+    for turn in COUNTERS:
+        if back.size and usual > 0.0 and np.all(np.abs(steps[back] + turn - usual) < GAP * usual):
+            added = turn * np.concatenate([[0.0], np.cumsum(steps < 0.0)])
+            return series._replace(values=series.values + added)
+    return series
 
 
 def _is_time(series: LoggedSeries) -> bool:

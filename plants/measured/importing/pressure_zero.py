@@ -5,7 +5,7 @@ import re
 import numpy as np
 
 from plants.measured.formats.channel import LoggedChannel
-from plants.measured.formats.columns import is_vacuum
+from plants.measured.formats.columns import ATMOSPHERE, is_vacuum
 from plants.measured.importing.lead import lead
 
 BAROMETER, ALTITUDES = "hPa", (80.0, 106.0)
@@ -37,15 +37,30 @@ def _named_absolute(channel: LoggedChannel) -> bool:
     return bool(re.search(r"(?:^|[^a-z])abs(?:[^a-z]|$|ol)", channel.name.lower()))
 
 
-def deepens(command: LoggedChannel, pressure: LoggedChannel) -> bool:
-    """Whether a pressure [kPa] below that of the air falls as the command [V, %] rises.
+def of_air(channel: LoggedChannel, to_kpa: float) -> float:
+    """The pressure of the air in the unit of a channel of which nothing lies above it but what is below some
+    of it: where a vacuum counts from nothing; 0 for any other.
+
+    >>> t = np.arange(2000) * 0.01
+    >>> of_air(LoggedChannel("p", "kPa", t, 70.0 + 30.0 * np.cos(t)), 1.0), ATMOSPHERE
+    (101.325, 101.325)
+    """
+    low, high = (to_kpa * float(np.quantile(channel.values, q)) for q in (RARE, 1.0 - RARE))
+    whole = 0.0 < low < ALTITUDES[0] < high < ALTITUDES[1]
+    return ATMOSPHERE / to_kpa if whole else 0.0
+
+
+def deepens(command: LoggedChannel, pressure: LoggedChannel, air: float = 0.0) -> bool:
+    """Whether a pressure [kPa] below that of the air, which is told in the unit of the channel, falls as the
+    command [V, %] rises.
 
     >>> t = np.arange(2000) * 0.01
     >>> duty = LoggedChannel("duty", "%", t, 50.0 + 40.0 * np.sin(t))
     >>> deepens(duty, LoggedChannel("p", "kPa", t, -30.0 - 20.0 * np.sin(t - 0.3)))
     True
     """
-    if not is_vacuum(float(pressure.values.min()), float(pressure.values.max())):
+    lowest, highest = (float(v) - air for v in (pressure.values.min(), pressure.values.max()))
+    if not is_vacuum(lowest, highest):
         return False
     late, _ = lead(command, pressure)
     inside = pressure.time - late >= command.time[0]

@@ -15,11 +15,12 @@ from plants.errors import InputError
 from plants.measured.fitting.noise import noise_floor
 from plants.measured.formats.cells import shorten
 from plants.measured.formats.channel import Array, LoggedChannel
+from plants.measured.formats.columns import ATMOSPHERE
 from plants.measured.formats.units import AS_THEY_ARE, KINDS, factor, kept, quantity
 from plants.measured.importing.lead import lead
 from plants.measured.importing.names import HINTS, LENGTHS
 from plants.measured.importing.orientation import orientations
-from plants.measured.importing.pressure_zero import above_vacuum, counts_from_vacuum, deepens
+from plants.measured.importing.pressure_zero import above_vacuum, counts_from_vacuum, deepens, of_air
 
 ROLES = {
     "reference": "reference_deg", "command": "command_V", "pressure": "pressure_kPa", "angle": "angle_deg",
@@ -78,6 +79,8 @@ class Role(NamedTuple):
         names = [(columns or {}).get(c, c) for c in self.channels]
         if self.quaternion:
             return {"quaternion": names}
+        if self.absolute and self.factor < 0.0:
+            return {"name": names[0], "scale": self.factor, "offset": ATMOSPHERE}
         if self.absolute:
             return {"name": names[0], "unit": self.unit, "absolute": True}
         if self.unit in AS_THEY_ARE:
@@ -126,9 +129,8 @@ def roles(channels: Sequence[LoggedChannel], given: Mapping[str, tuple[str, str]
             f"{shorten(list(named))}; say --map command=NAME --map angle=NAME"
         )
     found = {r: _role(r, best[r], given.get(r), best) for r in ROLES if r in best}
-    if "pressure" in best and deepens(best["command"], best["pressure"]):
-        below, why = found["pressure"], "a vacuum that deepens as the command rises: counted below the air's"
-        found["pressure"] = below._replace(factor=-below.factor, why=f"{below.why}, {why}")
+    if "pressure" in best:
+        found["pressure"] = _of_vacuum(found["pressure"], best["command"], best["pressure"])
     for role, of in found.items():
         if of.channel in turning and best[role] is turning[of.channel][0]:
             names = turning[of.channel][1]
@@ -237,6 +239,15 @@ def _role(
             f'--map "command={channel.name} [mV]" gives another'
         )
     return Role(channel.name, guessed, factor(guessed, role, channel.name), ", ".join(why))
+
+
+def _of_vacuum(role: Role, command: LoggedChannel, pressure: LoggedChannel) -> Role:
+    """The role of a pressure, counted below that of the air where it is a vacuum that the command deepens."""
+    air = of_air(pressure, role.factor)
+    if not deepens(command, pressure, air):
+        return role
+    why = f"{role.why}, a vacuum that deepens as the command rises: counted below the air's"
+    return role._replace(factor=-role.factor, why=why, absolute=bool(air))
 
 
 def _full_scale(values: Array) -> int | None:

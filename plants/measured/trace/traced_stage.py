@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from plants.measured.fitting.fit import Fit
 from plants.measured.trace.judge import explained, many, not_logged, unexcited
+from plants.measured.trace.ranking.backwards import makes_no_loop
 from plants.measured.trace.result import StageTrace
 from plants.measured.trace.search.candidate import Candidate
 from plants.measured.trace.search.choose import search, search_from_common
@@ -88,8 +89,11 @@ def with_learnt_block(stage: StageTrace) -> StageTrace:
 
 
 def adopted(stage: StageTrace, fit: Fit) -> StageTrace:
-    """The stage, without effects where they neither explain it nor help."""
-    idle = stage.search.chosen.model.forms and not (stage.explained or helps(stage.search, fit))
+    """The stage, without effects where they neither explain it nor help, or leave no loop of a law that made
+    one without them."""
+    chosen, declared = stage.search.chosen.model, stage.search.declared.model
+    idle = chosen.forms and not (stage.explained or helps(stage.search, fit))
+    idle = idle or (makes_no_loop(chosen) and not makes_no_loop(declared))
     return stage.without_effects if idle else stage
 
 

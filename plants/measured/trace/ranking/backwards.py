@@ -1,4 +1,4 @@
-"""Loops that turn back: a joint follows its pressure, so that no branch has a negative slope.
+"""Loops that turn back, or are none: a joint follows its pressure, so that no branch has a negative slope.
 
 Plays beside a loop and curves of its branches may be fitted such that the sum falls somewhere as the pressure
 rises.  That stands in for something else, and a controller with an integrator is unstable there.
@@ -21,3 +21,11 @@ def turns_back(model: Model) -> bool:
     commanded = [wrist.regulator.gain * p.recording.command for p in stage.playbacks]
     found = slopes_with_effects(wrist, extent(stage.drives or commanded)).values()
     return min(map(min, found)) < -ROUNDING * max(map(max, found))
+
+
+def makes_no_loop(model: Model) -> bool:
+    """Whether the hysteresis law of a model, without its effects, makes no loop in the range of the command:
+    where friction beside it takes up the whole width, lines cross.  A file with such a law is refused."""
+    if model.stage.name == "regulator":
+        return False
+    return model.wrist.hysteresis.problem(*model.wrist.reach) is not None

@@ -102,6 +102,8 @@ def _turned(stage: Stage) -> Stage:
     are steps, since a ramp over a row in their place only makes them half a row late."""
 
     def turned(r: Recording) -> Recording:
+        if r.between == "held":  # as the mean of closer rows is
+            return r
         if r.commanded == "held" and np.mean(np.diff(r.command) == 0.0) > RESTS:
             return r
         return replace(r, between="straight" if r.commanded == "held" else "held", ahead=None)
