@@ -206,6 +206,16 @@ class ParameterSet:
         wide = {n: replace(p, low=kinds[n].low, high=kinds[n].high) for n, p in self.parameters.items()}
         return replace(self, parameters=wide)
 
+    def within(
+        self, bounds: Mapping[str, tuple[float, float]], values: Mapping[str, float]
+    ) -> "ParameterSet":
+        """The set with other bounds of some parameters, in their units, and starting values within them."""
+        moved = {
+            n: replace(self.parameters[n], value=min(max(values[n], low), high), low=low, high=high)
+            for n, (low, high) in bounds.items()
+        }
+        return replace(self, parameters={**self.parameters, **moved})
+
     def fitted(
         self, values: Mapping[str, float], errors: Mapping[str, float | None], data: str
     ) -> "ParameterSet":

@@ -10,7 +10,7 @@ from plants.equilibrium import at_pressure
 from plants.measured.campaigns.playback import Playback
 from plants.measured.campaigns.recording import Recording
 from plants.measured.fitting.stage import Stage
-from plants.measured.trace.ranking.backwards import makes_no_loop, turns_back
+from plants.measured.trace.ranking.backwards import makes_no_loop, turns_back, with_a_loop
 from plants.measured.trace.stages.model import Model
 from plants.parameters.files import built_in
 from plants.wrist import Wrist
@@ -59,3 +59,7 @@ def test_lines_that_cross_where_friction_takes_the_whole_width_are_no_loop():
     assert makes_no_loop(crossed)
     low, high = (crossed.values["gain"] * v for v in DECLARED.rig.command_range)
     assert crossed.wrist.hysteresis.problem(low, high) is not None
+    mended = with_a_loop(crossed)
+    assert mended.effects == ("stick-slip",)
+    assert mended.wrist.hysteresis.problem(low, high) is None
+    assert with_a_loop(found) is found

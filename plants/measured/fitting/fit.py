@@ -158,12 +158,9 @@ def fit_campaign(
     if trouble:
         _check_sign(campaign)
     if trouble and apart:
-        kept = {
-            n: replace(start.parameters[n], value=float(np.clip(values[n], *b)), low=b[0], high=b[1])
-            for n, b in loop.kept_apart(*ends).items()
-        }
+        kept = loop.kept_apart(*ends)
         if kept:
-            again = replace(start, parameters={**start.parameters, **kept})
+            again = start.within(kept, values)
             inside = fit_campaign(campaign, again, starts, seed, progress, apart=False)
             return replace(inside, before=start, no_loop=trouble)
     bounds = {n: (p.low, p.high) for n, p in start.parameters.items()}

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from plants.measured.fitting.fit import Fit
 from plants.measured.trace.judge import explained, many, not_logged, unexcited
-from plants.measured.trace.ranking.backwards import makes_no_loop
+from plants.measured.trace.ranking.backwards import makes_no_loop, with_a_loop
 from plants.measured.trace.result import StageTrace
 from plants.measured.trace.search.candidate import Candidate
 from plants.measured.trace.search.choose import search, search_from_common
@@ -60,6 +60,8 @@ def trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: in
     found = replace(
         found, chosen=without_bends(without_confounded(at_neutral(in_their_middle(found.chosen))))
     )
+    if found.chosen.model.forms and makes_no_loop(found.chosen.model):
+        found = replace(found, chosen=Candidate(with_a_loop(found.chosen.model)))
     model, blind = found.chosen.model, unexcited(declared, found.rounds[0].ranking)
     borrowed = {n: why for r in found.rounds for n, why in r.borrowed.items()}
     blind = {**blind, **{n: why for n, why in (borrowed | alone).items() if n not in model.effects}}

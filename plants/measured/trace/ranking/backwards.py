@@ -4,6 +4,8 @@ Plays beside a loop and curves of its branches may be fitted such that the sum f
 rises.  That stands in for something else, and a controller with an integrator is unstable there.
 """
 
+from dataclasses import replace
+
 from plants.linearisation import slopes_with_effects
 from plants.measured.guess.rough_models import extent
 from plants.measured.trace.stages.model import Model
@@ -29,3 +31,14 @@ def makes_no_loop(model: Model) -> bool:
     if model.stage.name == "regulator":
         return False
     return model.wrist.hysteresis.problem(*model.wrist.reach) is not None
+
+
+def with_a_loop(model: Model) -> Model:
+    """The model, fitted where its law makes a loop, in the bounds that the law gives; as it is where it makes
+    one, or the law gives none."""
+    kept = model.wrist.hysteresis.kept_apart(*model.wrist.reach) if makes_no_loop(model) else {}
+    if not kept:
+        return model
+    start = model.start.within(kept, model.values)
+    values = {**model.values, **{n: start.parameters[n].value for n in kept}}
+    return replace(model, start=start, values=values).fitted()

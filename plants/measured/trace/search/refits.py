@@ -2,10 +2,9 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 from plants.effects import EFFECTS
-from plants.measured.trace.ranking.backwards import makes_no_loop, turns_back
+from plants.measured.trace.ranking.backwards import turns_back
 from plants.measured.trace.ranking.excitation import Excitation
 from plants.measured.trace.ranking.screening import Ranked, Screen, screen
 from plants.measured.trace.search.candidate import WORTH, Candidate, carries_over
@@ -52,14 +51,8 @@ def further(
             found += refit(start.model, shortlist(ranked, effects), forms, scope.asked)
             found += _common_too(start.model, ranked, found, scope.asked) if place == 0 else []
     borrowed = {n: why for c in found for n, why in borrowed_in(c, scope.asked).items()}
-    bad = partial(_backwards, declared=scope.declared.model)
-    kept = [c for c in found if not borrowed_in(c, scope.asked) and not bad(c.model)]
+    kept = [c for c in found if not borrowed_in(c, scope.asked) and not turns_back(c.model)]
     return distinct(sorted(kept, key=lambda c: c.model.chi2)), tuple(ranking), borrowed
-
-
-def _backwards(model: Model, declared: Model) -> bool:
-    """Whether a loop turns back, or is none where that of the declared model was one."""
-    return turns_back(model) or (makes_no_loop(model) and not makes_no_loop(declared))
 
 
 def _common_too(
@@ -123,7 +116,7 @@ def refit(
 def rank(model: Model, name: str, asked: Excitation | None) -> tuple[bool, bool, float]:
     """By what forms of an effect are ordered, the best first."""
     borrowed = asked is not None and name in borrowed_in(Candidate(model), asked)
-    return borrowed, turns_back(model) or makes_no_loop(model), model.chi2
+    return borrowed, turns_back(model), model.chi2
 
 
 def borrowed_in(candidate: Candidate, asked: Excitation) -> dict[str, str]:
