@@ -18,11 +18,9 @@ PER_PERIOD, CORNERS = 24, 0.85
 """Points per period at which the bends of a command are looked at, and share of all bending that the sharpest
 quarter of them holds where it moves in ramps: of a sine that is 0.38."""
 
-
 TURNS = 0.4
 """Share of its steps at which a command turns, from which on they are random: about half-way between those of
 a staircase that goes up and down a few times and of levels drawn at random."""
-
 
 HELD_OUT = frozenset(("val", "valid", "validate", "validation", "holdout", "heldout"))
 TRAIN = frozenset(("train", "training"))
@@ -85,7 +83,7 @@ def _turns_often(command: Array) -> bool:
     held = command[:-1][np.diff(command) == 0.0]
     ways = np.sign(np.diff(held))
     ways = ways[ways != 0.0]
-    return bool(np.mean(ways[1:] != ways[:-1]) > TURNS)
+    return len(ways) > 1 and bool(np.mean(ways[1:] != ways[:-1]) > TURNS)
 
 
 def _bends_at_corners(time: Array, command: Array, frequency: float) -> bool:
@@ -103,7 +101,7 @@ def choose(asked: Sequence[Excited], names: Sequence[str] = ()) -> Chosen:
     >>> sine = Excited(0.5, 3.5, 0.1, 1.0, 0.001, "sine")
     >>> choose([sine, sine, staircase])[:2]
     ((2,), (0, 1))
-    >>> choose([sine, sine, staircase], ["sine", "sine_val", "staircase"])[:2]
+    >>> choose([sine, sine, staircase], ["sine", "sineVal2", "staircase"])[:2]
     ((0, 2), (1,))
     """
     named = _named_held_out(names)
@@ -143,8 +141,7 @@ def choose(asked: Sequence[Excited], names: Sequence[str] = ()) -> Chosen:
 def _named_held_out(names: Sequence[str]) -> tuple[int, ...]:
     """Places of the names that say of a run that it is to validate a model; none where all do or none does.
     A test is one beside runs to train on: alone the word says nothing."""
-    words = [set(re.sub(r"([a-z])([A-Z])", r"\1 \2", n).lower().replace("_", " ").split()) for n in names]
-    words = [set().union(*(re.split(r"[^a-z]+", w) for w in own)) for own in words]
+    words = [{w.lower() for w in re.findall(r"[A-Z]?[a-z]+|[A-Z]+", n)} for n in names]
     said = HELD_OUT | ({"test"} if any(own & TRAIN for own in words) else set())
     found = tuple(i for i, own in enumerate(words) if own & said)
     return found if len(found) < len(names) else ()

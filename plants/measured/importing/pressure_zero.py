@@ -1,4 +1,4 @@
-"""What a pressure is counted from: the air's, nothing at all, or, of a vacuum, the air's downwards."""
+"""What a pressure is counted from: the pressure of the air, vacuum, or, below that of the air, downwards."""
 
 import re
 
@@ -38,8 +38,8 @@ def _named_absolute(channel: LoggedChannel) -> bool:
 
 
 def of_air(channel: LoggedChannel, to_kpa: float) -> float:
-    """The pressure of the air in the unit of a channel of which nothing lies above it but what is below some
-    of it: where a vacuum counts from nothing; 0 for any other.
+    """The pressure of the air, in the unit of a channel that is an absolute pressure at or below it; 0 for
+    any other.
 
     >>> t = np.arange(2000) * 0.01
     >>> of_air(LoggedChannel("p", "kPa", t, 70.0 + 30.0 * np.cos(t)), 1.0), ATMOSPHERE
