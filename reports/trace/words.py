@@ -184,7 +184,7 @@ def _unexplained(trace: Trace) -> str:
         explain = "explains" if len(causes) == 1 else "explain"
         head = (
             f"{_and(causes)} {explain} {100.0 * share:.0f} % of the variance of the {channel_name(channel)} "
-            f"error; the residual, {_share(left.share_of_range)} of the range, has structure"
+            f"error; the unexplained residual, {_share(left.share_of_range)} of the range, has structure"
         )
         return f"{head[0].upper()}{head[1:]}: {_and(off)}; {on}." if off else f"{head}; {on}."
     head = f"The residual has structure that none of the {len(EFFECTS)} effects explains"
