@@ -86,6 +86,7 @@ def test_rows_fall_on_samples(sample_time, step):
     assert np.diff(for_sample_time(of_random_levels(1.0), sample_time, 0.01).time) == pytest.approx(step)
 
 
+@pytest.mark.slow
 def test_a_guessed_rig_is_fitted_on_fewer_rows_and_says_so(tmp_path):
     rig = finger()
     rig = replace(rig, logger=replace(rig.logger, row=0.002))
