@@ -27,9 +27,6 @@ SHORTEST, FEWEST = 3.0, 100
 
 Rows = NDArray[np.bool_]
 
-HELD = ("command", "reference")
-"""Roles that a computer holds between its samples; what is measured goes on in between."""
-
 AS_CLOSE = 1.02
 """Rows are as close as the samples of a channel where their distances differ by no more than this factor."""
 
@@ -56,14 +53,12 @@ def runs(log: Log, found: Mapping[str, Role], step: float) -> list[Run]:
     time = _axis(mapped, named[_base(found)], step)
     if len(time) < FEWEST:
         raise InputError(f"{log.path}: command and what is measured were not logged together for long enough")
-    held = {found[r].channel for r in HELD if r in found}
     command = found["command"].channel
+    # What a computer holds between its samples; what is measured goes on in between.
+    ways = {"command": _mean, "reference": _held}
+    held = {found[role].channel: way for role, way in ways.items() if role in found}
     lines = {
-        c.name: _mean(c, time)
-        if c.name == command
-        else _held(c, time)
-        if c.name in held
-        else _between(c, time)
+        c.name: held.get(c.name, _between)(c, time)
         for c in log.channels
         if c in mapped or (c.time[0] <= time[0] and c.time[-1] >= time[-1])
     }

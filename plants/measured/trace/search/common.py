@@ -74,8 +74,8 @@ def only_together(scope: Scope, candidates: list[Candidate]) -> tuple[Candidate 
 
 
 def common_at_least(now: Candidate, candidates: Sequence[Candidate]) -> Candidate | None:
-    """The best candidate beyond a model that adds only what nearly any rig has, where the law was chosen from
-    the log and recordings left out whole are clearly better simulated with it; None for none.
+    """The best candidate beyond a model that adds only what nearly any rig has, where the rig was guessed
+    from its log and recordings left out whole are clearly better simulated with it; None for none.
 
     Of a rig that no model describes to its noise an effect that is there takes a small share.
     """
