@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 from scipy.spatial.transform import Rotation
 
+from plants.errors import InputError
 from plants.measured.campaigns.campaign import load_campaign, load_recording
 from plants.measured.formats.columns import ATMOSPHERE
 from plants.measured.importing.importing import import_logs, write_campaign
@@ -25,6 +26,46 @@ def imported(folder, columns):
     write_campaign(made, "bend", folder / "out")
     with pytest.warns(match="only one recording"):
         return made.roles, load_campaign(folder / "out").validate[0]
+
+
+@pytest.mark.parametrize("later", [0.02, 7000.0])
+def test_a_second_clock_in_the_columns_of_a_file_has_its_own_channels(tmp_path, later):
+    """A camera of 30 Hz beside rows of 10 ms: its columns end earlier, and its rows are not theirs.  Where it
+    counts from another moment the two begin together."""
+    seen = np.arange(0.0, STEPS.time[-1] - 0.05, 1.0 / 30.0)
+    angle = np.interp(seen, STEPS.time, STEPS.angle)
+    rest = len(STEPS.time) - len(seen)
+    columns = {
+        "DAQ time (s)": STEPS.time, "u (V)": STEPS.command, "p (kPa)": STEPS.pressure,
+        "Camera time (s)": np.append(seen + later, np.full(rest, np.nan)),
+        "Bending angle (deg)": np.append(angle, np.full(rest, np.nan)),
+    }  # fmt: skip
+    _, found = imported(tmp_path, columns)
+    moved = seen + (later if later < 1.0 else 0.0)
+    expected = np.interp(found.time + (moved[0] - 0.0), moved, angle)
+    np.testing.assert_allclose(found.angle, expected, atol=0.02)
+    assert found.time[-1] > 0.99 * moved[-1] - 0.1
+
+
+def test_a_folder_of_such_files_is_for_wrist_import(tmp_path):
+    half = np.append(STEPS.time[::2], np.full(len(STEPS.time) // 2, np.nan))[: len(STEPS.time)]
+    columns = {"time": STEPS.time, "camera time": half} | USUAL
+    pd.DataFrame(columns).to_csv(tmp_path / "log.csv", index=False)
+    with pytest.raises(InputError, match="wrist import"):
+        load_campaign(tmp_path)
+
+
+@pytest.mark.parametrize(("header", "unit"), [("enc [counts]", "counts"), ("Weg [µm]", "um"), ("x_um", "um")])
+def test_a_motion_in_counts_or_micrometres_stays_so(tmp_path, header, unit):
+    roles, found = imported(tmp_path, {"time": STEPS.time, "u_V": STEPS.command, header: 40.0 * STEPS.angle})
+    assert roles["angle"].unit == unit
+    np.testing.assert_allclose(found.angle, 40.0 * STEPS.angle)
+
+
+def test_a_pressure_that_is_asked_for_is_the_command(tmp_path):
+    columns = {"t": STEPS.time, "dp_ref [bar]": STEPS.command, "dp [bar]": STEPS.pressure / 100.0}
+    roles, _ = imported(tmp_path, columns | {"enc [counts]": np.round(40.0 * STEPS.angle)})
+    assert [roles[r].channel for r in ("command", "pressure", "angle")] == ["dp_ref", "dp", "enc"]
 
 
 @pytest.mark.parametrize(

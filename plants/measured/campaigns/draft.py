@@ -18,12 +18,12 @@ from plants.measured.importing.channels import (
     TABLES,
     TEXTS,
     Log,
+    clocks_in,
     groups_of,
     log_of,
     read_log,
     safe_name,
     seconds_in,
-    time_in,
 )
 from plants.measured.importing.columns_table import columns_table, in_a_line
 from plants.measured.importing.excitation import choose, excited
@@ -75,7 +75,11 @@ def _read(path: Path) -> Drafted:
         raise InputError(f"{path}: column {strange[0]!r} holds a control character; wrist import renames it")
     notes: list[str] = []
     for group in groups:
-        time = time_in(group)
+        clocks = clocks_in(group)
+        if len(clocks) > 1:
+            second = columns[clocks[1].name]
+            raise InputError(f"{path}: column {second!r} is a second clock; wrist import reads both")
+        time = clocks[0] if clocks else None
         if time is not None and len(group) > 1:
             scale = seconds_in(time, notes)
             seconds = scale * (time.values - time.values[0])

@@ -18,17 +18,16 @@ KINDS = {"command": "V", "pressure": "kPa", "angle": "deg", "reference": "deg", 
 
 SUCH = {
     "command": "V, mV, % or counts", "pressure": "kPa, Pa, MPa, hPa, bar, mbar or psi",
-    "angle": "deg, rad or mm", "reference": "deg, rad or mm", "time": "s, ms or us",
+    "angle": "deg, rad, mm, um or counts", "reference": "deg, rad, mm, um or counts", "time": "s, ms or us",
 }  # fmt: skip
 """Units of each role that an error proposes; every other that pint knows is understood."""
 
 
-KEPT = {
-    "command": {"%": "%", "percent": "%", "counts": "counts", "count": "counts", "lsb": "counts"},
-    "angle": {"mm": "mm", "cm": "cm"}, "reference": {"mm": "mm", "cm": "cm"},
-}  # fmt: skip
-"""Units of each role that stay as they are, by what recorders write: of a duty, of a converter, of a motion
-that is no rotation."""
+COUNTED = {"counts": "counts", "count": "counts", "lsb": "counts", "ticks": "counts"}
+MOVED = {"mm": "mm", "cm": "cm", "um": "um", "µm": "um", "μm": "um", **COUNTED}
+KEPT = {"command": {"%": "%", "percent": "%", **COUNTED}, "angle": MOVED, "reference": MOVED}
+"""Units of each role that stay as they are, by what recorders write: of a duty, of a converter or an encoder,
+of a motion that is no rotation."""
 
 AS_THEY_ARE = frozenset(name for names in KEPT.values() for name in names.values())
 """All of them."""

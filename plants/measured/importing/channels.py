@@ -124,12 +124,13 @@ def _timed(
     """LoggedSeries on their time: a column of their group, or the distance that the file tells for each."""
     without = []
     for group in groups:
-        own = time_in(group)
+        clocks = clocks_in(group)
         for s in group:
-            if own is not None and s.name == own.name:
+            if s.name in (c.name for c in clocks):
                 continue
+            own = _clock_of(s, clocks)
             if own is not None and len(own.values) == len(s.values) and not s.step:
-                yield LoggedChannel(s.name, s.unit, _seconds(own, notes), s.values)
+                yield LoggedChannel(s.name, s.unit, _seconds(own, clocks[0], notes), s.values)
             elif step := s.step or sample_time:
                 yield LoggedChannel(s.name, s.unit, np.arange(len(s.values), dtype=float) * step, s.values)
             else:
@@ -144,9 +145,20 @@ def _unit(named: LoggedSeries | LoggedChannel) -> str:
     return safe_name(named.unit) or unit_in(named.name)
 
 
-def time_in(group: Iterable[LoggedSeries]) -> LoggedSeries | None:
-    """The series of a group that counts time, None where none does."""
-    return next((s for s in map(_unwrapped, group) if _is_time(s)), None)
+def clocks_in(group: Iterable[LoggedSeries]) -> list[LoggedSeries]:
+    """The series of a group that counts time, and others that count it in fewer rows: a second instrument in
+    the columns of the same file, with rows of its own, which end earlier."""
+    found = [s for s in map(_unwrapped, group) if _is_time(s)]
+    full = [int(np.isfinite(s.values).sum()) for s in found]
+    return [s for s, n in zip(found, full, strict=True) if s is found[0] or n < full[0]]
+
+
+def _clock_of(series: LoggedSeries, clocks: list[LoggedSeries]) -> LoggedSeries | None:
+    """The clock that a series was logged by: the shortest that ticks wherever the series has a value."""
+    valued = np.isfinite(series.values)
+    ticks = {i: np.isfinite(c.values) for i, c in enumerate(clocks) if len(c.values) == len(series.values)}
+    own = [i for i, on in ticks.items() if not np.any(valued & ~on)]
+    return clocks[min(own, key=lambda i: int(ticks[i].sum()))] if own else next(iter(clocks), None)
 
 
 def _unwrapped(series: LoggedSeries) -> LoggedSeries:
@@ -165,20 +177,26 @@ def _unwrapped(series: LoggedSeries) -> LoggedSeries:
 def _is_time(series: LoggedSeries) -> bool:
     """Whether a series counts time: by its name or unit, and it never runs backwards."""
     named = re.search(HINTS["time_s"], series.name.lower()) or quantity(_unit(series)) == "time"
-    steps = np.diff(series.values)
-    return bool(named and np.all(steps >= 0.0) and np.median(steps) > 0.0)
+    steps = np.diff(series.values[np.isfinite(series.values)])
+    return bool(named and steps.size and np.all(steps >= 0.0) and np.median(steps) > 0.0)
 
 
-def _seconds(time: LoggedSeries, notes: list[str]) -> Array:
-    """A column of time in seconds from its first value."""
-    return np.asarray((time.values - time.values[0]) * seconds_in(time, notes))
+def _seconds(time: LoggedSeries, first: LoggedSeries, notes: list[str]) -> Array:
+    """A column of time in seconds from the first value of the first clock of its group, of its own where the
+    two begin further apart than the first one runs: they count from different moments then."""
+    if time.name != first.name:
+        notes.append(f"{time.name!r} is a second clock, of the columns that have values where it has")
+    own, of_first = (c.values * seconds_in(c, notes) for c in (time, first))
+    began = own[np.isfinite(own)][0] - of_first[np.isfinite(of_first)][0]
+    apart = abs(began) > np.nanmax(of_first) - np.nanmin(of_first)
+    return np.asarray(own - own[np.isfinite(own)][0] + (0.0 if apart else began))
 
 
 def seconds_in(time: LoggedSeries, notes: list[str]) -> float:
     """How many seconds 1 in a column of time is; guessed from its step where it has no unit, and noted."""
     if quantity(_unit(time)) == "time":
         return factor(_unit(time), "time", time.name)
-    step = float(np.median(np.diff(time.values)))
+    step = float(np.nanmedian(np.diff(time.values)))
     unit = "s" if step < MILLISECONDS else "ms" if step < NANOSECONDS else "ns"
     note = f"time {time.name!r} has no unit and steps of {step:g}: taken for {unit}"
     if unit != "s" and note not in notes:
@@ -218,7 +236,8 @@ def listed(channels: Iterable[LoggedChannel]) -> list[Mapping[str, str | float]]
     """Name, unit, lowest and highest value, rate [Hz] and number of samples of each channel."""
     return [
         {
-            "name": c.name, "unit": c.unit, "low": float(c.values.min()), "high": float(c.values.max()),
+            "name": c.name, "unit": c.unit,
+            "low": float(c.values.min()) + 0.0, "high": float(c.values.max()) + 0.0,  # no -0
             "rate_Hz": c.rate, "samples": len(c.values),
         } for c in channels
     ]  # fmt: skip

@@ -22,7 +22,9 @@ TURNS = 0.4
 """Share of its steps at which a command turns, from which on they are random: about half-way between those of
 a staircase that goes up and down a few times and of levels drawn at random."""
 
-HELD_OUT = frozenset(("val", "valid", "validate", "validation", "holdout", "heldout"))
+HELD_OUT = frozenset(
+    ("val", "valid", "validate", "validation", "holdout", "heldout", "check", "unseen", "pruefung", "prüfung")
+)
 TRAIN = frozenset(("train", "training"))
 """Words in the name of a run that say what it is for."""
 

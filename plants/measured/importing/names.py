@@ -10,9 +10,9 @@ DURATION = r"(?:milli|micro|nano|m|u|µ|n)s(?:ec(?:ond)?s?)?|sec(?:ond)?s?"
 HINTS = {
     "time_s": rf"^t$|time|stamp|zeit|^(?:{DURATION})$",
     "reference_deg": r"ref|set.?point|target|desired|soll|^[rw]$|^sp$",
-    "command_V": r"command|cmd|volt|dac|duty|pwm|^u$|input|_v$|stell",
+    "command_V": r"command|cmd|volt|dac|duty|pwm|^u$|input|_v$|stell|spannung|plunger",
     "pressure_kPa": r"press|kpa|hpa|bar|psi|^p\d?$|druck",
-    "angle_deg": r"angle|theta|bend|deg|rad|posit|\bpos|_pos|flex|^y$|output|winkel",
+    "angle_deg": r"angle|theta|bend|deg|rad|posit|\bpos|_pos|flex|^y$|output|winkel|^enc|displ|^weg\b",
 }
 """What names of columns look like, by the standard name; the first that matches is taken."""
 
@@ -37,7 +37,7 @@ def unit_in(name: str) -> str:
         return "%" if of_command[1] else "counts"
     if re.fullmatch(DURATION, name.lower()):
         return name.lower()
-    found = re.search(rf"[_ .]\(?\[?([A-Za-z°%]{{1,5}}|{DURATION})\]?\)?$", name)
+    found = re.search(rf"[_ .]\(?\[?([A-Za-z°%µμ]{{1,6}}|{DURATION})\]?\)?$", name)
     unit = found[1] if found else ""
     if unit in LENGTHS:
         return unit

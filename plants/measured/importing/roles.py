@@ -167,7 +167,9 @@ def _points(role: str, channel: LoggedChannel) -> float:
         points += NAMED if hinted[0] == role else ALSO_NAMED
     kind = quantity(channel.unit) if channel.unit else None
     if kind is not None and (role, channel.unit) not in {("angle", unit) for unit in LENGTHS}:
-        points += OF_UNIT if kind == ("angle" if role == "reference" else role) else OF_OTHER
+        asked = role == "command" and kind == "pressure" and {"command", "reference"} & set(hinted)
+        own = kind == ("angle" if role == "reference" else role)
+        points += OF_UNIT if own else 0.0 if asked else OF_OTHER  # a regulator is asked for a pressure
     if role in ("command", "reference") and _is_written(channel.values):
         points += QUIET
     return points
@@ -224,7 +226,7 @@ def _role(
         return Role(channel.name, unit, to_standard, ", ".join(why))
     guessed, most = _unit_by_range(role, channel.values), float(np.max(np.abs(channel.values)))
     if role != "command":
-        why.append(f"its unit is not told: {guessed} by its range")
+        why.append(f"its unit {unit or 'is not told'}{' is not known' * bool(unit)}: {guessed} by its range")
     elif unit or most <= VOLTS:
         why.append(f"its unit {unit} is taken for V" if unit else "its unit is not told: taken for V")
     elif full := _full_scale(channel.values):
