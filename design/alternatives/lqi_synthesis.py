@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from design.synthesis.convex import solve
+from design.synthesis.convex import Unsolved, solve
 from plants.linearisation import branch_slopes
 from plants.wrist import Wrist
 
@@ -126,12 +126,16 @@ def synthesise(wrist: Wrist, weights: LQIWeights) -> Feedback:
 
 def _scale(corners: Sequence[tuple[float, float]], Tw: float, weights: LQIWeights) -> Array:
     """L of P = L L', the linear-quadratic regulator's at the middle of the vertices, (3, 3): in L' x the
-    sought P is of the size of 1, without which the solver would leave two digits."""
+    sought P is of the size of 1, without which the solver would leave two digits.  Raises Unsolved where the
+    Riccati equation has no solution to be found."""
     from scipy.linalg import solve_continuous_are
 
     slope, rate = np.exp(np.mean(np.log(corners), axis=0))
     middle = plant(float(slope), float(rate), Tw)
-    root: Array = np.linalg.cholesky(solve_continuous_are(middle, INTO, weights.matrix, weights.effort))
+    try:
+        root: Array = np.linalg.cholesky(solve_continuous_are(middle, INTO, weights.matrix, weights.effort))
+    except np.linalg.LinAlgError as said:  # a gain or a rate that is next to nothing in its units
+        raise Unsolved(f"the Riccati equation of the middle vertex: {said}") from None
     return root
 
 

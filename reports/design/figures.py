@@ -6,15 +6,13 @@ import numpy as np
 
 from design.studies.design_study import DesignStudy
 from reports.design.tables import GUARANTEES
+from reports.design.words import WHOLE
 from reports.shared.figures.style import BLUE, PALE, new_figure, styled
 from reports.shared.glossary import BROKEN
 from reports.shared.tables import measured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-WHOLE = ("worst case found", "proved")
-"""Guarantees of the whole requirement; the others are of less."""
 
 BEYOND = 2.0
 """A bar that is longer than the next by this factor ends at the axis, with an arrow at its value."""

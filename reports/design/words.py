@@ -16,6 +16,9 @@ from reports.shared.card import LIMIT_NAMES, broken_words, gains_words
 from reports.shared.dynamics import dynamics_words
 from reports.shared.tables import listed, number
 
+WHOLE = ("worst case found", "proved")
+"""Guarantees of the whole requirement; the others are of less."""
+
 OTHER_MOTION = "other_pressure_kPa"
 """The column of a log that an effect of the other motion needs."""
 
@@ -239,16 +242,18 @@ def _dearer(study: DesignStudy) -> str:
             said.append(f"{number(abs(share), 2)} % {'more' if share > 0.0 else 'less'} on {m.motion}")
     if not said:
         return ""
-    return f"The recommended gains err {listed(said)} than gains tuned for branches and starts only. "
+    gains = "recommended" if study.holds else "nearest"
+    return f"The {gains} gains err {listed(said)} than gains tuned for branches and starts only. "
 
 
 def price_caption(study: DesignStudy) -> str:
     """Beneath the prices."""
+    held = any(r["guarantee"] in WHOLE and r["feasible"] for m in study.motions for r in m.prices)
+    blue = "Blue: tuned for the whole requirement, no broken limit found; " if held else ""
     return (
         f"{_dearer(study)}Worst IAE over the same steps for every bar: all plants of the box, initial "
-        "states, loads and dead times. Blue: tuned for the whole requirement, no broken limit found; ▲: "
-        "limit broken. Gains tuned for weaker guarantees may be faster here, but break limits in other "
-        "cases."
+        f"states, loads and dead times. {blue}▲: limit broken. Gains tuned for weaker "
+        "guarantees may be faster here, but break limits in other cases."
     )
 
 

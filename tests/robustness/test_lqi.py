@@ -15,6 +15,7 @@ from design.evaluation.steps import holding, run
 from design.evaluation.tasks import Task
 from design.input_loop import InputLoop, closed, worst_pole
 from design.margins import branch_responses
+from design.synthesis.convex import Unsolved
 from design.synthesis.requirements import Limits, Problem
 from plants import Wrist
 from plants.effects import Creep, DeadTime
@@ -166,6 +167,15 @@ def test_dead_time_of_the_tube_comes_off_the_delay_margin_and_absent_effects_cha
     plain = delay(WRIST)
     assert delay(WRIST + Creep(gain=0.0, time_constant=3.0)) == pytest.approx(plain, rel=1e-6)
     assert plain - delay(WRIST + DeadTime(delay=0.04)) == pytest.approx(0.04, rel=1e-3)
+
+
+def test_a_plant_whose_riccati_equation_no_solver_solves_has_no_feedback():
+    """It ended `wrist design` with an error of the program, after all of its tuning."""
+    slope, rate = 1.2867677534034448e-08, 0.3591890630058911
+    w = one_branch(rate).with_values(s=slope, a1=slope, a2=slope, Tw=2.9633314005807476e-05)
+    weights = LQIWeights(damping=3.700854698718055, lack=0.008259308539982548, effort=8.290190200605021)
+    with pytest.raises(Unsolved, match="Riccati"):
+        synthesise(w, weights)
 
 
 def test_with_one_vertex_the_feedback_is_the_linear_quadratic_regulator():
