@@ -93,9 +93,13 @@ def ranking(stage: StageTrace) -> str:
 
 def after_words(trace: Trace) -> str:
     """What the second of two models is."""
+    law = f"the hysteresis law {trace.other_law}, " if trace.other_law else ""
     if trace.effects:
         block = ", a learnt block" if trace.block else ""
-        return f"the revised plant, with {added(trace.effects)}{block} added and all parameters fitted anew."
+        more = f"{law}{added(trace.effects)}{block}"
+        return f"the revised plant, with {more} added and all parameters fitted anew."
+    if law and not trace.block:
+        return f"the wrist with {law}no effect added."
     if trace.block:
         return "the same wrist, with a learnt block beside it."
     return "the same wrist, since nothing was added."
@@ -178,7 +182,10 @@ def after_name(trace: Trace) -> str:
 def plant_words(trace: Trace) -> str:
     """What the table of parameters shows."""
     if not trace.effects and not trace.block:
-        return "Nothing was added: these are the declared parameters, fitted to the recordings."
+        of = (
+            f"those of the hysteresis law {trace.other_law}" if trace.other_law else "the declared parameters"
+        )
+        return f"No effect was added: these are {of}, fitted to the recordings."
     return (
         "All parameters were fitted together, so the declared ones changed too. revised.toml beside this "
         "page is the plant; wrist tune, compare, simulate and show read it with --plant."

@@ -62,8 +62,10 @@ def _law(trace: Trace) -> dict[str, Any]:
     """The hysteresis law, and what the others leave on rows left out; none others where it was given."""
     chosen = trace.revised.law.NAME
     held_out = {} if trace.law is None else trace.law.with_effects or trace.law.held_out
+    alone = {"alone": _errors(trace.law_alone)} if trace.law_alone else {}
     return {
         "name": chosen,
+        **alone,
         "with_effects": bool(trace.law is not None and trace.law.with_effects),
         "held_out_rmse_deg": held_out.get(chosen),
         "others": [{"name": n, "held_out_rmse_deg": e} for n, e in held_out.items() if n != chosen],

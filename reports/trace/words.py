@@ -146,6 +146,11 @@ def block_words(trace: Trace) -> list[str]:
 def log_words(trace: Trace) -> list[str]:
     """What the log does, how the hysteresis law was chosen, and what was remarked, in sentences."""
     law = [law_sentence(trace.law)] if trace.law is not None else []
+    if (alone := trace.law_alone.get("angle_deg")) is not None:
+        law.append(
+            f"Before is with the hysteresis law {trace.fit.fitted.law.NAME}. With {trace.other_law} and no "
+            f"effect the angle error on the held-out recordings is {_amount(alone, 'angle_deg')}."
+        )
     return [*law, *(f"Instrument: {r}" for r in trace.instrument), *trace.remarks]
 
 

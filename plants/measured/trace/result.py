@@ -1,7 +1,7 @@
 """What a trace finds."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from plants.effects.wrist.learnt_block import LearntBlock
 from plants.measured.campaigns.campaign import Campaign
@@ -84,7 +84,9 @@ class Trace:
     by bootstrap over blocks; revised: the declared parameters refitted, and effects.  law: how the hysteresis
     law was chosen, None where it was given; instrument: what the logger does.  correlations: of the errors of
     parameters that were estimated together.  named_only: errors as `after`, of the plant without the learnt
-    block, where one was adopted; learning: whether one was asked for.
+    block, where one was adopted; learning: whether one was asked for.  law_alone: errors as `after`, of
+    another hysteresis law than the declared one, without effects; empty where the law stayed or nothing was
+    added.
     """
 
     campaign: Campaign
@@ -104,6 +106,13 @@ class Trace:
     correlations: tuple[ParameterCorrelation, ...] = ()
     named_only: Mapping[str, float | None] | None = None
     learning: bool = False
+    law_alone: Mapping[str, float | None] = field(default_factory=dict)
+
+    @property
+    def other_law(self) -> str | None:
+        """Name of the hysteresis law of the revised plant where the declared one has another."""
+        name = self.revised.law.NAME
+        return None if name == self.fit.fitted.law.NAME else name
 
     @property
     def explained_share(self) -> dict[str, float | None]:

@@ -55,6 +55,7 @@ def revise(
     origin = f"{campaign.name} (sha256 {campaign.checksum[:12]})"
     revised = base.fitted.revised(forms, values, errors, origin) if values else fit.fitted
     runs = tuple(_played(fit, base.begins, Wrist.of(revised), changed))
+    alone = _played(fit, base.begins, Wrist.of(base.fitted), changed) if changed and forms else []
     effects = tuple(n for s in stages for n in named_effects(s, errors, revised))
     before = fit.validate_rmse
     after = {c: rmse(runs, c) for c in CHANNELS} if values else before
@@ -73,7 +74,7 @@ def revise(
         campaign, fit, said if whole else "unexplained", stages, effects, revised, runs, before, after,
         intervals(runs, before=True), intervals(runs),
         tuple(dict.fromkeys((*remarks, *dropped, *rigs_differ(stages), *_seen_together(stages)))), law,
-        instrument, together,
+        instrument, together, law_alone={c: rmse(alone, c) for c in CHANNELS} if alone else {},
     )  # fmt: skip
 
 
