@@ -60,13 +60,11 @@ class Wrist:
     def __add__(self, effect: Effect) -> "Wrist":
         """The wrist with one more effect, one that is not registered last; raises ValueError for a second
         form of the same."""
-        from plants.effects import known_effects
+        from plants.effects import in_order
 
         if effect.NAME in (e.NAME for e in self.effects):
             raise ValueError(f"the wrist has an effect {effect.NAME} already")
-        order = {name: i for i, name in enumerate(known_effects())}
-        together = sorted((*self.effects, effect), key=lambda e: order.get(e.NAME, len(order)))
-        return replace(self, effects=tuple(together))
+        return replace(self, effects=in_order((*self.effects, effect)))
 
     @classmethod
     def from_values(

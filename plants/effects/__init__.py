@@ -7,10 +7,12 @@ forms; a new effect is a new file, a line here and a test.  What only one of you
 rigs has need not stand here: `register` makes it known for as long as Python runs.
 """
 
+from collections.abc import Iterable
 from inspect import isabstract
+from typing import TypeVar
 
 from plants.effects.effect import Around, Effect
-from plants.effects.regulator.dead_time import DeadTime, TubeDeadTime
+from plants.effects.regulator.dead_time import DeadTime, SecondOrderDeadTime, TubeDeadTime
 from plants.effects.regulator.fill_exhaust import (
     CommandedOpenings,
     FlowLimits,
@@ -19,7 +21,7 @@ from plants.effects.regulator.fill_exhaust import (
     TwoRates,
 )
 from plants.effects.regulator.leak import LaminarLeak, PowerLeak
-from plants.effects.regulator.regulator_deadband import Latch, PlayDeadBand, ValveOverlap
+from plants.effects.regulator.regulator_deadband import Latch, LeastPressure, PlayDeadBand, ValveOverlap
 from plants.effects.regulator.supply_droop import CappedPressure, CappedTarget, LimitedFlow, SaturatingSag
 from plants.effects.sensor.gyro_drift import Drift, WarmingDrift
 from plants.effects.sensor.periodic import HarmonicHum, Hum
@@ -39,8 +41,8 @@ from plants.errors import InputError
 EFFECTS: dict[str, tuple[type[Effect], ...]] = {
     forms[0].NAME: forms
     for forms in (
-        (DeadTime, TubeDeadTime),
-        (Latch, PlayDeadBand, ValveOverlap),
+        (DeadTime, TubeDeadTime, SecondOrderDeadTime),
+        (Latch, PlayDeadBand, ValveOverlap, LeastPressure),
         (TwoRates, PressureDependentRates, OrificeExhaust, FlowLimits, CommandedOpenings),
         (CappedPressure, CappedTarget, SaturatingSag, LimitedFlow),
         (LaminarLeak, PowerLeak),
@@ -60,7 +62,9 @@ EFFECTS: dict[str, tuple[type[Effect], ...]] = {
 }
 """The forms of each effect, by name, in the order in which effects of a wrist act."""
 
-__all__ = ["EFFECTS", "Around", "Effect", "form_of", "known_effects", "register"]
+Some = TypeVar("Some", Effect, type[Effect])
+
+__all__ = ["EFFECTS", "Around", "Effect", "form_of", "in_order", "known_effects", "register"]
 
 
 def known_effects() -> dict[str, tuple[type[Effect], ...]]:
@@ -71,6 +75,16 @@ def known_effects() -> dict[str, tuple[type[Effect], ...]]:
     {'learnt'}
     """
     return {**EFFECTS, LearntBlock.NAME: (LearntBlock,)}
+
+
+def in_order(effects: Iterable[Some]) -> tuple[Some, ...]:
+    """Effects, or forms of them, in the order in which they act; one that is not registered acts last.
+
+    >>> [e.NAME for e in in_order([Creep(), LeastPressure(), DeadTime()])]
+    ['regulator-deadband', 'dead-time', 'creep']
+    """
+    place = {name: i for i, name in enumerate(known_effects())}
+    return tuple(sorted(effects, key=lambda e: (not e.FIRST, place.get(e.NAME, len(place)))))
 
 
 def form_of(name: str, form: str) -> type[Effect]:

@@ -106,6 +106,7 @@ class Effect(ABC):
       more than an interval of it;
     - COMMON: whether nearly any pneumatic joint has some of it, so that it is looked for first, with
       others of the kind, where nothing was measured between command and angle;
+    - FIRST: whether it acts on the command before all others, wherever its name stands among theirs;
     - SILENT: whether it grows from nothing once a run begins, so that a wrist rests as it does without;
     - EVENT: whether it happened once, in the recordings, and is no property of the rig;
     - LEARNT: whether it is a map that was learnt from a residual, without a cause;
@@ -127,6 +128,7 @@ class Effect(ABC):
     RUGGED: ClassVar[bool] = False
     THRESHOLD: ClassVar[str | None] = None
     COMMON: ClassVar[bool] = False
+    FIRST: ClassVar[bool] = False
     SILENT: ClassVar[bool] = False
     EVENT: ClassVar[bool] = False
     LEARNT: ClassVar[bool] = False
@@ -147,6 +149,11 @@ class Effect(ABC):
         names = [f.name for f in fields(cls)]
         for values in product(*(f.metadata["trials"] for f in fields(cls))):
             yield {n: rig.scaled(v, kinds[n].unit) for n, v in zip(names, values, strict=True)}
+
+    @staticmethod
+    def pressures(rig: Rig | None = None) -> tuple[float, float]:
+        """Lowest and highest pressure [kPa] of a rig, the built-in one where not given."""
+        return (rig or built_in_rig()).pressure_range
 
     @classmethod
     def trials_on(cls, log: TrialHints) -> Iterable[dict[str, float]]:
@@ -172,6 +179,11 @@ class Effect(ABC):
         """Why the effect, with these values, may be nothing but what the model does not make of the command,
         and which recording would tell; None where it cannot."""
         return None
+
+    def redundant(self, wrist: Any) -> bool:
+        """Whether with these values it does nearly what a declared wrist does, so that its name is not that
+        of what happens."""
+        return False
 
     def hinders(self, band: float, unit: str) -> str | None:
         """Why no feedback without a jump holds the angle within a band to either side, in its unit; None

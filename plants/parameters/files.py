@@ -62,6 +62,8 @@ def load(path: str | Path) -> ParameterSet:
     wrong unit, a value outside its bounds, an unknown hysteresis law, or slopes and offsets that
     make the loop run backwards.
     """
+    from plants.effects import in_order
+
     path = Path(path)
     text = read_toml(path, "parameter set", EXAMPLE)
     check_keys(text, (*KEYS, *OF_SCENARIOS), str(path))
@@ -76,7 +78,7 @@ def load(path: str | Path) -> ParameterSet:
     found = _parameters(
         f"{path}: ", table, {n: in_units(kind, rig) for n, kind in declared.items()}, of_paper
     )
-    effects = []
+    effects = list["type[Effect]"]()
     for form, own in _effects(path, text.get("effects", {})):
         where = f"{path}: effect {form.NAME!r}: "
         read_in = _parameters(
@@ -86,7 +88,7 @@ def load(path: str | Path) -> ParameterSet:
         effects.append(form)
     left = parse_remainders(text.get("remainder", {}), str(path))
     together = parse_correlation(text.get("correlation", {}), found, str(path))
-    result = ParameterSet(axis, title, found, tuple(effects), rig, left, together)
+    result = ParameterSet(axis, title, found, in_order(effects), rig, left, together)
     _check_loop(path, result.values, rig)
     return result
 
@@ -100,7 +102,7 @@ def _law(path: Path, text: Mapping[str, Any]) -> type[HysteresisLaw]:
 
 
 def _effects(path: Path, table: Any) -> list[tuple["type[Effect]", Mapping[str, Any]]]:
-    """The form of each effect of a file and its table of parameters, in the order in which effects act."""
+    """The form of each effect of a file and its table of parameters."""
     from plants.effects import known_effects
 
     known = known_effects()

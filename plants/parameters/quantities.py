@@ -248,10 +248,9 @@ class ParameterSet:
         without.  An effect that the set has already is replaced.  Raises KeyError for
         a parameter of an effect without a value, or a value that is nobody's.
         """
-        from plants.effects import known_effects
+        from plants.effects import in_order
 
-        chosen = {e.NAME: e for e in (*self.effects, *forms)}
-        effects = tuple(chosen[n] for n in known_effects() if n in chosen)
+        effects = in_order({e.NAME: e for e in (*self.effects, *forms)}.values())
         gone = {f"{f.NAME}." for f in forms}
         kept = {n: p for n, p in self.parameters.items() if not any(n.startswith(g) for g in gone)}
         added = {}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
-from scipy.signal import lfilter
+from scipy.signal import cont2discrete, lfilter
 
 from plants import equilibrium
 from plants.effects import (
@@ -18,12 +18,14 @@ from plants.effects import (
     FlowLimits,
     LaminarLeak,
     Latch,
+    LeastPressure,
     LimitedFlow,
     OrificeExhaust,
     PlayDeadBand,
     PowerLeak,
     PressureDependentRates,
     SaturatingSag,
+    SecondOrderDeadTime,
     TubeDeadTime,
     TwoRates,
     ValveOverlap,
@@ -61,6 +63,43 @@ def test_a_tube_delays_and_then_lags():
     lagged, _ = lfilter([share], [1.0, share - 1.0], late(25), zi=[(1.0 - share) * BEFORE])
     ours = (WRIST + TubeDeadTime(0.025, 0.04)).simulate(STEPS)
     np.testing.assert_allclose(ours.pressure, WRIST.simulate(lagged).pressure, atol=1e-9)
+
+
+@pytest.mark.parametrize("damping", [0.3, 1.0, 1.4])
+def test_a_second_order_lag_delays_and_then_swings(damping):
+    natural = 1.0 / 0.05
+    swings = ([natural**2], [1.0, 2.0 * damping * natural, natural**2])
+    numerator, denominator, _ = cont2discrete(swings, DT, "zoh")
+    moved = lfilter(numerator.ravel(), denominator, late(25) - BEFORE) + BEFORE
+    ahead = np.append(moved[1:], moved[-1])  # what has come in during a sample has left by its end
+    ours = (WRIST + SecondOrderDeadTime(0.025, 0.05, damping)).simulate(STEPS).pressure
+    np.testing.assert_allclose(ours[:-1], WRIST.simulate(ahead).pressure[:-1], atol=1e-6)
+
+
+def test_below_the_least_pressure_that_one_is_held_whatever_lags_behind_it():
+    least = 80.0
+    commands = np.maximum(STEPS, least / GAIN)
+    for behind in ([], [DeadTime(0.03)], [SecondOrderDeadTime(0.02, 0.04, 0.6)]):
+        plain, ours = WRIST, WRIST
+        for effect in behind:
+            plain, ours = plain + effect, ours + effect
+        ours = ours + LeastPressure(least)
+        np.testing.assert_allclose(
+            ours.simulate(STEPS).pressure, plain.simulate(commands).pressure, atol=1e-9
+        )
+
+
+def test_a_pressure_below_the_least_cannot_be_held():
+    assert LeastPressure(80.0).obstacle(60.0, 0.0)
+    assert LeastPressure(80.0).obstacle(81.0, 0.0) is None
+
+
+def test_valves_of_one_gain_and_rate_and_a_loss_alike_at_all_pressures_are_redundant():
+    alike = CommandedOpenings(15.0, 14.6, 230.0, -7.4, 1.05, 0.98)
+    assert alike.redundant(WRIST)
+    assert not CommandedOpenings(1.9, 4.3, 230.0, 0.0, 0.5, 1.0).redundant(WRIST)
+    assert PowerLeak(70.0, 0.2).redundant(WRIST)
+    assert not PowerLeak(70.0, 0.5).redundant(WRIST)
 
 
 def targets(effect, wanted):

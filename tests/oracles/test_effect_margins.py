@@ -26,6 +26,7 @@ from plants.effects import (
     Polynomial,
     PressureDependentRates,
     Saturation,
+    SecondOrderDeadTime,
     SmoothCurve,
     SofteningByWork,
     TubeDeadTime,
@@ -57,7 +58,8 @@ Z = np.exp(1j * OMEGA * DT)
 @pytest.mark.parametrize(
     "effects",
     [
-        [], [DeadTime(0.1)], [DeadTime(0.0365)], [TubeDeadTime(0.03, 0.04)], [Creep(0.1, 0.7)],
+        [], [DeadTime(0.1)], [DeadTime(0.0365)], [TubeDeadTime(0.03, 0.04)],
+        [SecondOrderDeadTime(0.03, 0.05, 0.6)], [Creep(0.1, 0.7)],
         [TwoTimeCreep(0.06, 0.4, 0.05, 3.0)], [LogCreep(0.12, 0.02)], [Inertia(0.05)], [Inertia(0.2)],
         [DeadTime(0.05), Creep(0.1, 0.7), Inertia(0.15)], [DraggedInertia(0.1, 0.0)],
     ],

@@ -30,16 +30,17 @@ RISES = np.repeat([1.0, 2.0, 3.0, 4.0], 2000)
 FALLS = np.repeat([4.0, 3.0, 2.0, 1.0], 2000)
 
 
-def traced(command, tried: float) -> Candidate:
-    """The model of a recording of a regulator that exhausts at 0.7 of the rate, where a trial has left it."""
+def traced(command, tried: float, ratio: float = 0.7, every: int = 10) -> Candidate:
+    """The model of a recording of a regulator that exhausts at 0.7 of the rate, or another ratio, where a
+    trial has left it; every so many ms there is a row."""
     declared = built_in("flexion")
     rig = Wrist.from_values(
-        {**declared.values, "fill-exhaust-asymmetry.ratio": 0.7}, (TwoRates,), declared.rig
+        {**declared.values, "fill-exhaust-asymmetry.ratio": ratio}, (TwoRates,), declared.rig
     )
-    pressure = open_loop(rig, command).pressure[::10]
+    pressure = open_loop(rig, command).pressure[::every]
     noisy = pressure + np.random.default_rng(0).normal(0.0, 0.1, pressure.size)
-    t = 0.01 * np.arange(pressure.size)
-    playback = Playback(Recording("run", t, command[::10], pressure=noisy), declared.rig.sample_time)
+    t = 0.001 * every * np.arange(pressure.size)
+    playback = Playback(Recording("run", t, command[::every], pressure=noisy), declared.rig.sample_time)
     stage = Stage("regulator", "pressure_kPa", 0.1, (playback,), ("k_fast",), declared.rig)
     values = {**declared.values, "fill-exhaust-asymmetry.ratio": tried}
     return Candidate(Model(stage, declared, values, (TwoRates,)))
@@ -64,6 +65,19 @@ def test_one_that_shows_is_kept():
     now = traced(FALLS, 0.7)
     assert now.model.chi2 == pytest.approx(1.0, abs=0.15)
     assert at_neutral(now) is now
+
+
+def test_of_a_speed_that_is_only_known_to_be_fast_enough_the_least_is_taken():
+    """Rows of 5 s see of an exhaust of twice the rate, or of five times, that it is over; any value from
+    there to the bound was taken, by the rounding of the machine."""
+    falls = np.repeat([4.0, 3.0, 2.0, 1.0], 20_000)
+    tried = [traced(falls, ratio, 4.0, 5000) for ratio in (4.9, 4.0)]
+    found = [at_neutral(candidate).model for candidate in tried]
+    ratios = [m.values["fill-exhaust-asymmetry.ratio"] for m in found]
+    assert ratios[0] == pytest.approx(ratios[1], rel=0.05)
+    assert 1.2 < ratios[0] < 2.2
+    rows = found[0].residual.size
+    assert all(m.chi2 < (1.0 + 1.1 / rows) * c.model.chi2 for m, c in zip(found, tried, strict=True))
 
 
 def test_a_slope_of_the_curve_beyond_all_that_was_recorded_is_that_of_the_middle():

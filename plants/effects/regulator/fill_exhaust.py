@@ -17,7 +17,7 @@ import numpy as np
 
 from plants.effects.effect import Around, Effect, Linear, Nothing, Number, parameter
 from plants.hysteresis import Side
-from plants.rig import Rig, built_in_rig
+from plants.rig import Rig
 
 SLOWEST = 0.02
 """No valve is slower than this share of its nominal rate."""
@@ -27,6 +27,10 @@ SIDES: tuple[Side, ...] = get_args(Side)
 
 NEAR_EMPTY = 0.01
 """Share of half the range of the pressure, above the outside's, below which the exhaust is linear."""
+
+LEAST_CHANGE = 2.0
+"""Factor by which gain or rate of valves without a regulator change over the pressures: 10 to 14 of a bellows
+and a finger that were simulated with such valves, 1.3 of a regulator that this form was fitted to."""
 
 
 class SampledAsymmetry(NamedTuple):
@@ -237,7 +241,7 @@ class CommandedOpenings(_TwoValves):
     @classmethod
     def trials(cls, rig: Rig | None = None) -> Iterator[dict[str, float]]:
         """The trial values, with pressures of supply and outside about the range of the rig's."""
-        low, high = (rig or built_in_rig()).pressure_range
+        low, high = cls.pressures(rig)
         for given, beyond in product(super().trials(rig), (0.03, 0.3, 1.5)):
             full = high + beyond * (high - low)
             yield {**given, "supply": full, "outside": low - 0.02 * (high - low)}
@@ -253,10 +257,22 @@ class CommandedOpenings(_TwoValves):
         """Rates [1/s] and gains at both ends of the pressures [kPa] and amid them, each in equilibrium: the
         gain goes to the slopes of the loop."""
         low, high = (float(wrist.regulator.gain * v) for v in wrist.rig.command_range)
-        held = [self._held(p, wrist.rig.half_range) for p in np.linspace(*reach, 5)]
-        rates, gains = zip(*held, strict=True)
+        rates, gains = self._within(reach, wrist.rig.half_range)
         within = min(gains) / (high - low), max(gains) / (high - low)
         return Linear(flows=(min(rates), max(rates)), slopes=dict.fromkeys(SIDES, within))
+
+    def redundant(self, wrist: Any) -> bool:
+        """A regulator has one gain and one rate; those of valves change with the pressure.  The supply of the
+        valves is their own: beside another one they are a regulator's."""
+        if any(e.NAME == "supply-droop" for e in wrist.effects):
+            return True
+        found = self._within(wrist.rig.pressure_range, wrist.rig.half_range)
+        return not any(max(some) > LEAST_CHANGE * min(some) for some in found)
+
+    def _within(self, reach: tuple[float, float], half: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Rates and gains of `_held` at both ends of some pressures [kPa] and amid them."""
+        rates, gains = zip(*(self._held(p, half) for p in np.linspace(*reach, 5)), strict=True)
+        return rates, gains
 
     def _held(self, pressure: float, half: float) -> tuple[float, float]:
         """Rate [1/s] of small motions about a pressure [kPa] that is held, and what the command's whole range

@@ -17,6 +17,9 @@ from plants.effects.hints import ExcitationHints
 EMPTY = 1e-8
 """Share of the reference pressure at which nothing flows any more, so that a power of it has a slope."""
 
+LEAST_EXPONENT = 0.3
+"""Exponent of the pressure below which a loss is no flow; it is at least a half in an orifice."""
+
 
 class SampledLaminarLeak(NamedTuple):
     """Share of the gauge pressure that is lost in one sample."""
@@ -81,6 +84,10 @@ class PowerLeak(_Leak):
 
     flow: Number = parameter("kPa/s", "loss at half the range", 0.0, 200.0, 0.0, (1.0, 5.0))
     exponent: Number = parameter("1", "exponent of the gauge pressure", 0.2, 3.0, 0.5, (0.3, 0.6, 2.0))
+
+    def redundant(self, wrist: Any) -> bool:
+        """What is lost alike at all pressures is an offset of the pressure."""
+        return float(self.exponent) < LEAST_EXPONENT
 
     def sampled(self, wrist: Any, dt: float) -> SampledPowerLeak:
         return SampledPowerLeak(self.flow * dt, wrist.rig.half_range, self.exponent)

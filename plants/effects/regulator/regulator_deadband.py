@@ -1,5 +1,7 @@
-"""Regulator dead band: small changes of the command are ignored, or followed at a distance."""
+"""Regulator dead band: small changes of the command are ignored or followed at a distance, or small commands
+have no effect."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -7,6 +9,7 @@ import numpy as np
 
 from plants.effects.effect import Around, Effect, Nothing, Number, parameter
 from plants.meanings import remembers
+from plants.rig import Rig
 
 
 @remembers(target=("kPa", "commanded pressure that the regulator has taken up"))
@@ -101,3 +104,39 @@ class ValveOverlap(_DeadBand):
 
     def sampled(self, wrist: Any, dt: float) -> SampledOverlap:
         return SampledOverlap(self.width)
+
+
+class SampledFloor(NamedTuple):
+    """Least commanded pressure [kPa] that is followed."""
+
+    least: Number
+
+    def target(self, s: Nothing, target: Number, around: Around) -> tuple[Nothing, Number]:
+        return s, np.maximum(target, self.least)
+
+
+@dataclass(frozen=True)
+class LeastPressure(_DeadBand):
+    """Below a commanded pressure of `least` [kPa] that one is held: a command that is too small to open the
+    valve, or that asks for less than the outside has."""
+
+    FORM = "no answer to the smallest commands"
+    HAPPENS = "The regulator does not answer to the smallest commands"
+    FIRST = True  # it is the command that is too small, not what is left of it behind a lag
+
+    least: Number = parameter("kPa", "least pressure that is held", -500.0, 2000.0, -500.0)
+
+    @classmethod
+    def trials(cls, rig: Rig | None = None) -> Iterator[dict[str, float]]:
+        """Pressures at the lower end of the rig's range."""
+        low, high = cls.pressures(rig)
+        for share in (0.0, 0.01, 0.03, 0.1):
+            yield {"least": low + share * (high - low)}
+
+    def sampled(self, wrist: Any, dt: float) -> SampledFloor:
+        return SampledFloor(self.least)
+
+    def obstacle(self, pressure: float, angle: float) -> str | None:
+        if pressure >= float(self.least):
+            return None
+        return f"a least pressure of {float(self.least):.4g} kPa, where {pressure:.4g} kPa are needed,"

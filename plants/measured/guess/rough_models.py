@@ -32,6 +32,9 @@ LONGEST_DELAY, LONGEST_LAG = 1.5, 8.0
 REACHED = (0.1, 0.15, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9)
 """Shares of the command's range from which on the pressure may rise no more, that are tried."""
 
+LEVEL = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3)
+"""Shares of the command's range up to which the pressure may not rise, that are tried."""
+
 BENT = 0.7
 """Share of the error that is left by a line that ends there, below which it is taken to end."""
 
@@ -51,7 +54,8 @@ JOINT_LAGS = (0.0, 0.03, 0.1, 0.3)
 @dataclass(frozen=True)
 class Lagged:
     """Output = gain * (lag of time constant `tau` [s] of the input, `delay` [s] late) + offset; rms: what it
-    leaves.  most: input above which the output rises no more, infinite where there is none."""
+    leaves.  most: input above which the output rises no more, infinite where there is none; least: input up
+    to which it does not rise, likewise."""
 
     gain: float
     offset: float
@@ -59,6 +63,7 @@ class Lagged:
     delay: float
     rms: float
     most: float = np.inf
+    least: float = -np.inf
 
 
 @dataclass(frozen=True)
@@ -99,12 +104,24 @@ def first_order(runs: Sequence[tuple[Array, Array, float]]) -> Lagged:
     return _late_line(runs, delays, lags, least.most) if least.rms < BENT * line.rms else line
 
 
+def level_below(runs: Sequence[tuple[Array, Array, float]], follows: Lagged) -> Lagged:
+    """The best of lags whose output does not rise up to some input, with the dead time of one that does; that
+    one where the input never moves."""
+    runs = _short(runs)
+    low, high = extent([x for x, _, _ in runs])
+    if high == low:
+        return follows
+    lags = follows.tau * np.array([0.5, 0.7, 1.0, 1.4])
+    begun = [_late_line(runs, (follows.delay,), lags, np.inf, low + s * (high - low)) for s in LEVEL]
+    return min(begun, key=lambda f: f.rms)
+
+
 def largest_error(runs: Sequence[tuple[Array, Array, float]], follows: Lagged) -> float:
     """How far the output is ever behind what its input asks for, in the unit of the output; 0 where the input
     never moves."""
     behind = 0.0
     for x, _, dt in runs:
-        asked = np.minimum(x, follows.most)
+        asked = np.clip(x, follows.least, follows.most)
         late = lagged(asked, dt, 0.0, follows.delay)
         reached = lagged(late, dt, follows.tau, 0.0)
         behind = max(behind, float(np.max(np.abs(late[1:] - reached[:-1]))))  # before the output has moved
@@ -123,19 +140,20 @@ def _late_line(
     delays: Sequence[float] | Array,
     lags: Array,
     most: float = np.inf,
+    least: float = -np.inf,
 ) -> Lagged:
-    """The best of some delays and lags, the input taken to be `most` where it is above."""
+    """The best of some delays and lags, the input taken to be `most` where it is above, `least` below."""
     found, y = [], np.concatenate([v for _, v, _ in runs])
     middle = float(np.mean(y))
     about = y - middle
     for delay, tau in product(delays, lags):
-        shaped = np.concatenate([lagged(np.minimum(x, most), h, tau, delay) for x, _, h in runs])
+        shaped = np.concatenate([lagged(np.clip(x, least, most), h, tau, delay) for x, _, h in runs])
         if np.ptp(shaped) == 0.0:
             continue
         mean, power = float(np.mean(shaped)), float(np.var(shaped))
         gain = float(np.mean(shaped * about)) / power
         rms = max(float(np.mean(about**2)) - gain**2 * power, 0.0) ** 0.5
-        found.append(Lagged(gain, middle - gain * mean, float(tau), float(delay), rms, most))
+        found.append(Lagged(gain, middle - gain * mean, float(tau), float(delay), rms, most, least))
     return min(found, key=lambda f: f.rms)
 
 

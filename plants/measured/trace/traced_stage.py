@@ -55,11 +55,10 @@ def trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: in
     alone = {n: ALONE for n in searched if n not in found.chosen.model.effects}
     if found.chosen.model.forms and (explained(found) or _calm(found.chosen) or helps(found, fit)):
         found = replace(found, chosen=simplest(found.chosen))
-    if not explained(found):
+    clean = without_bends(without_confounded(at_neutral(in_their_middle(found.chosen))))
+    found = replace(found, chosen=at_neutral(clean))  # what fitted again left them anywhere once more
+    if not explained(found):  # last, since the others fit to the pressure that was measured
         found = replace(found, chosen=from_command(found.chosen))
-    found = replace(
-        found, chosen=without_bends(without_confounded(at_neutral(in_their_middle(found.chosen))))
-    )
     if found.chosen.model.forms and makes_no_loop(found.chosen.model):
         found = replace(found, chosen=Candidate(with_a_loop(found.chosen.model)))
     model, blind = found.chosen.model, unexcited(declared, found.rounds[0].ranking)

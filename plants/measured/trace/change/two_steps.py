@@ -10,8 +10,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.effects import in_order
 from plants.measured.trace.revision.revised import errors_of
-from plants.measured.trace.stages.model import Model, ordered
+from plants.measured.trace.stages.model import Model
 
 Array = NDArray[np.float64]
 
@@ -44,7 +45,7 @@ def sensitivity(model: Model, regulator: Model) -> Array:
     """How each parameter of a driven stage, fitted, moves with each of what drives it, (n, k)."""
     stage = replace(model.stage, name="whole", drives=None, free_drives=None)
     whole = Model(
-        stage, model.start, {**model.values, **regulator.found}, ordered((*regulator.forms, *model.forms)),
+        stage, model.start, {**model.values, **regulator.found}, in_order((*regulator.forms, *model.forms)),
         (*regulator.fixed, *model.fixed),
     )  # fmt: skip
     slopes = whole.linear[1]

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.regulator.fill_exhaust import PressureDependentRates
+from plants.effects.regulator.regulator_deadband import LeastPressure
 from plants.measured.campaigns.begin import Begin, first_rows
 from plants.measured.campaigns.campaign import Campaign
 from plants.measured.campaigns.playback import Playback
@@ -21,7 +22,7 @@ from plants.measured.fitting.estimate import corner_of, minimise, uncertainty
 from plants.measured.fitting.problem import FitProblem
 from plants.measured.fitting.stage import Stage
 from plants.measured.guess.rig import guessed_set
-from plants.measured.guess.rough_models import first_order, recorded
+from plants.measured.guess.rough_models import first_order, level_below, recorded
 from plants.measured.instrument.logger import counted_from
 from plants.measured.instrument.remark import Remark
 from plants.measured.instrument.single_sine import only_sines
@@ -36,6 +37,9 @@ WORTH = 0.003
 BELOW = 0.1
 """Share of the range by which no pressure may lie below what the lowest command asks for: else the line is
 bent, as by a supply that gives no more, and says nothing of its zero."""
+
+FLAT = 0.8
+"""Share of the mean square below which a pressure is taken to be level under the smallest commands."""
 
 CERTAIN = 3.0
 """Times its standard error that the zero has to be off."""
@@ -68,13 +72,33 @@ class FromZero:
         return FromZero(self.problem.off_jumps(x[:-1]))
 
 
+@dataclass(frozen=True)
+class _Fitted:
+    """A fit of the regulator and the zero: vector (n + 1,), bounds (3, n + 1), and the mean square over the
+    noise that it leaves."""
+
+    problem: FromZero
+    bounds: Array
+    vector: Array
+    chi2: float
+
+
+def _fitted(model: Model, offset: float, span: float) -> _Fitted:
+    """A model of the regulator fitted with the zero, which is within the pressure's range of `offset`."""
+    bounds = np.hstack([model.bounds, [[offset], [offset - span], [offset + span]]])
+    problem = FromZero(model.problem)
+    x, chi2 = minimise(problem, bounds[0], bounds)
+    return _Fitted(problem, bounds, x, chi2)
+
+
 def counted(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     """The campaign with its pressure counted from what a command of zero asks for, and that it was."""
     logged = tuple(r for r in campaign.fit if r.pressure is not None)
     if not logged:
         return campaign, ()
     start = guessed_set(replace(campaign, fit=logged, stage="regulator"))
-    seen = first_order(recorded(logged, "pressure"))
+    runs = recorded(logged, "pressure")
+    seen = first_order(runs)
     played = tuple(Playback(r, start.rig.sample_time) for r in logged)
     noise = noise_of_campaign(logged, "pressure_kPa") or 1.0
     begins = None
@@ -84,16 +108,20 @@ def counted(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     late = Model(stage, start, start.values).plus(DeadTime, {"delay": seen.delay})
     model = late.plus(PressureDependentRates, {"ratio": 0.9, "fill": 0.0, "exhaust": 0.0})
     span = float(np.ptp(stage.target))
-    zeros = [[seen.offset], [seen.offset - span], [seen.offset + span]]
-    bounds = np.hstack([model.bounds, zeros])
-    problem = FromZero(model.problem)
-    x, _ = minimise(problem, bounds[0], bounds)
+    found = _fitted(model, seen.offset, span)
+    level = level_below(runs, seen)
+    if level.gain > 0.0 and np.isfinite(level.least):
+        least = {"least": level.gain * level.least}
+        bent = model.with_values({"gain": level.gain}).plus(LeastPressure, least)
+        flat = _fitted(bent, level.offset, span)
+        found = flat if flat.chi2 < FLAT * found.chi2 else found
+    x, problem = found.vector, found.problem
     offset = float(x[-1])
     ends = [end for r in logged for end in (float(r.command.min()), float(r.command.max()))]
     lowest = min(float(x[0]) * end for end in ends) + offset
     below = lowest - min(float(r.pressure.min()) for r in logged if r.pressure is not None)
     corner = corner_of(problem.residuals(x[None, :])[:, 0])
-    error = uncertainty(problem, x, bounds, corner).std_errors[-1]
+    error = uncertainty(problem, x, found.bounds, corner).std_errors[-1]
     known = error is not None and abs(offset) > CERTAIN * error
     if not known or abs(offset) < WORTH * span or below > BELOW * span:
         return campaign, ()

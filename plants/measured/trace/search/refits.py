@@ -51,7 +51,7 @@ def further(
             found += refit(start.model, shortlist(ranked, effects), forms, scope.asked)
             found += _common_too(start.model, ranked, found, scope.asked) if place == 0 else []
     borrowed = {n: why for c in found for n, why in borrowed_in(c, scope.asked).items()}
-    kept = [c for c in found if not borrowed_in(c, scope.asked) and not turns_back(c.model)]
+    kept = [c for c in found if not borrowed_in(c, scope.asked) and not contrived(c.model)]
     return distinct(sorted(kept, key=lambda c: c.model.chi2)), tuple(ranking), borrowed
 
 
@@ -114,9 +114,16 @@ def refit(
 
 
 def rank(model: Model, name: str, asked: Excitation | None) -> tuple[bool, bool, float]:
-    """By what forms of an effect are ordered, the best first."""
+    """By what forms of an effect are ordered, the best first: whether the effect may be nothing but the
+    command, whether the model is `contrived`, chi-square."""
     borrowed = asked is not None and name in borrowed_in(Candidate(model), asked)
-    return borrowed, turns_back(model), model.chi2
+    return borrowed, contrived(model), model.chi2
+
+
+def contrived(model: Model) -> bool:
+    """Whether a loop turns back, or an effect does nearly what the declared wrist does without it: it stands
+    in for something else."""
+    return turns_back(model) or any(e.redundant(model.wrist) for e in model.wrist.effects)
 
 
 def borrowed_in(candidate: Candidate, asked: Excitation) -> dict[str, str]:

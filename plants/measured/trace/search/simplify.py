@@ -82,9 +82,11 @@ def _in_forms(now: Candidate, name: str, forms: Sequence[type[Effect]]) -> Itera
 
 
 def from_command(now: Candidate) -> Candidate:
-    """A model with effects whose last fit is to a free run from the command, which is what it is judged by,
-    where that error falls on rows left out: the pressure that was measured is not there in use."""
-    if not now.model.forms or now.model.stage.free_drives is None:
+    """A model with effects, or of a rig that was guessed from its log, whose last fit is to a free run from
+    the command, which is what it is judged by, where that error falls on rows left out: the pressure that
+    was measured is not there in use."""
+    stage = now.model.stage
+    if stage.free_drives is None or not (now.model.forms or stage.guessed):
         return now
     free = Candidate(now.model.freely.fitted())
     return Candidate(now.model.with_values(free.model.values)) if falls(now, free) else now

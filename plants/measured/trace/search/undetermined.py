@@ -14,6 +14,11 @@ FARTHEST, TRIED = 3.0, 200
 HALVINGS = 4
 """Steps, on a logarithmic scale, in which the nearest slope is looked for."""
 
+ASIDE, SILENT = 0.1, 0.01
+"""Share of the way to where it vanishes by which a parameter is moved to see whether recordings say anything
+of it, and rise of the sum of squares, in rows, below which they do not: a square of the former, so that where
+that sum is a parabola no more than one row is allowed all the way."""
+
 SIGMAS = 2.0
 """Standard errors within which a slope of a law's curve is that of the middle."""
 
@@ -31,9 +36,10 @@ def at_neutral(now: Candidate) -> Candidate:
     those that the hysteresis law can do without.
 
     A campaign in which the pressure never falls says nothing of the speed of exhausting, and a free run of
-    another recording would meet whatever was tried; a slope of the output curve beyond all that was recorded
-    would be a branch that no loop has.  Not determined: the sum of squares rises by less than what chance
-    makes of it, that of one row.
+    another recording would meet whatever was tried; a slope of the output curve beyond all that was
+    recorded would be a branch that no loop has.  Not determined: the sum of squares rises by less than what
+    chance makes of it, that of one row.  Where only a part of the way to that value is free, as beyond a rate
+    that is fast enough, the parameter is at the end of that part: any other would be what rounding left.
     """
     found = now.model
     allowed = now.model.chi2 * (1.0 + 1.0 / now.model.residual.size)
@@ -43,9 +49,25 @@ def at_neutral(now: Candidate) -> Candidate:
         neutral |= {f"{form.NAME}.{n}": float(getattr(absent, n)) for n in form.kinds()}
     for name, value in neutral.items():
         moved = found.with_values({name: value})
-        if moved.chi2 < allowed:
-            found = moved
+        found = moved if moved.chi2 < allowed else _nearest_free(found, name, value, allowed)
     return Candidate(found) if found is not now.model else now
+
+
+def _nearest_free(model: Model, name: str, neutral: float, allowed: float) -> Model:
+    """The model with a parameter as near to its neutral value as a mean square allows where the recordings
+    say nothing of it around its own value; as it is elsewhere."""
+    far, near = model.values[name], neutral
+    aside = model.with_values({name: far + ASIDE * (neutral - far)})
+    if aside.chi2 > model.chi2 * (1.0 + SILENT / model.residual.size):
+        return model
+    found = model
+    for _ in range(2 * HALVINGS):
+        tried = model.with_values({name: 0.5 * (near + far)})
+        if tried.chi2 < allowed:
+            found, far = tried, tried.values[name]
+        else:
+            near = tried.values[name]
+    return found
 
 
 def in_their_middle(now: Candidate) -> Candidate:

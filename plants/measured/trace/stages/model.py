@@ -1,12 +1,13 @@
 """A wrist with effects, fitted to one stage: what a trace compares."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.effects import in_order
 from plants.measured.fitting.estimate import jacobian, minimise
 from plants.measured.fitting.problem import FitProblem
 from plants.measured.fitting.stage import Form, Stage
@@ -104,7 +105,7 @@ class Model:
         """The model with one more effect at some values, given by the names of the form's parameters."""
         more = {f"{form.NAME}.{n}": float(v) for n, v in values.items()}
         return Model(
-            self.stage, self.start, {**self.values, **more}, ordered((*self.forms, form)), self.fixed
+            self.stage, self.start, {**self.values, **more}, in_order((*self.forms, form)), self.fixed
         )
 
     def without(self, name: str) -> "Model":
@@ -126,11 +127,3 @@ class Model:
         """The model at the least squares of what times of jumps do not explain, that lie nearest."""
         problem = self.problem.off_jumps(self.vector)
         return self.at(minimise(problem, self.bounds[0], self.bounds, tol=1e-6)[0])
-
-
-def ordered(forms: Sequence[Form]) -> tuple[Form, ...]:
-    """Forms in the order in which their effects act, so that one wrist has one kernel."""
-    from plants.effects import known_effects
-
-    order = list(known_effects())
-    return tuple(sorted(forms, key=lambda f: order.index(f.NAME)))
