@@ -79,7 +79,10 @@ def test_a_wrist_of_muscles_that_sticks_is_told_from_one_that_does_not(tmp_path)
     assert all(0.03 < e.parameters["gain"][0] < 0.09 for n, e in found.items() if n == "creep")
     # No form of the library does what it does: what fits best breaks away at 1.8 to 2.5 deg.
     assert found["stick-slip"].parameters["breakaway"][0] == pytest.approx(2.5, rel=0.35)
-    assert found["dead-time"].parameters["delay"][0] == pytest.approx(0.053, abs=0.015)
+    # Some of it may be given to a lag behind it, which delays by as much where nothing is quick.
+    wrist = Wrist.of(trace.revised)
+    late = next(e for e in wrist.effects if e.NAME == "dead-time")
+    assert late.delay + sum(late.lags(wrist)) == pytest.approx(0.053, abs=0.015)
     assert trace.after["angle_deg"] < (0.7 if "creep" in found else 0.75) * trace.before["angle_deg"]
     assert trace.after["pressure_kPa"] < 0.3 * trace.before["pressure_kPa"]
     assert trace.remainder["angle_deg"].share_of_range < 0.02
