@@ -9,7 +9,7 @@ from plants.actuator import delay
 from plants.actuator.delay import DelayLine, SampledDelay
 from plants.effects.effect import Around, Effect, Linear, Number, parameter
 from plants.meanings import remembers
-from plants.second_order import second_order_hold
+from plants.second_order import NULL, second_order_hold
 
 
 @remembers(
@@ -166,7 +166,7 @@ class SecondOrderDeadTime(_Late):
 
     @property
     def _lag(self) -> Number:
-        return 2.0 * self.damping * np.maximum(self.inertia, 1e-6)
+        return 2.0 * self.damping * np.maximum(self.inertia, NULL)
 
     def rest(self, wrist: Any, pressure: Number, angle: Number) -> LaggedTarget:
         return LaggedTarget(delay.at_rest(pressure), pressure, 0.0)
