@@ -32,13 +32,13 @@ def pruned(now: Candidate, declared: Candidate) -> Candidate:
 def carried_over(now: Candidate, declared: Candidate) -> Candidate:
     """The model without effects that serve only the recordings that they were fitted on: with them, those
     left out whole are simulated clearly worse, by a larger factor than those that fit are simulated better.
-    Before an effect goes its other forms are tried: one that simulates them no worse than none may stay.
+    Before an effect goes its other forms are tried: one that would not go for this may stay.
 
     Where the declared model leaves no structure, rows left out say nothing of an effect; see `worth_it`.
     """
     while now.model.forms and declared.examined.structured and now.over_recordings is not None:
         less = {name: Candidate(now.model.without(name).fitted()) for name in now.model.effects}
-        better = [n for n, c in less.items() if carries_over(now, c) and _both(c) < _both(now)]
+        better = [n for n, c in less.items() if _serves_itself(now, c)]
         if not better:
             break
         name = min(better, key=lambda n: _both(less[n]))
@@ -47,12 +47,17 @@ def carried_over(now: Candidate, declared: Candidate) -> Candidate:
     return now
 
 
+def _serves_itself(now: Candidate, less: Candidate) -> bool:
+    """Whether recordings left out whole are simulated clearly worse than by a model with less, by a larger
+    factor than those that fit are simulated better."""
+    return carries_over(now, less) and _both(less) < _both(now)
+
+
 def _may_stay(found: Candidate, name: str, less: Candidate) -> bool:
-    """Whether an effect is more than what the command does by itself, makes no loop that turns back, and
-    leaves recordings left out whole simulated no worse than without it."""
+    """Whether a form of an effect is more than what the command does by itself, is not `contrived`,
+    and would not go as the one did that it replaces."""
     asked = excitation(found.model.stage.playbacks)
-    worse = (found.over_recordings or np.inf) > (less.over_recordings or np.inf)
-    return not worse and not any(rank(found.model, name, asked)[:2])
+    return not _serves_itself(found, less) and not any(rank(found.model, name, asked)[:2])
 
 
 def _both(found: Candidate) -> float:
