@@ -86,19 +86,23 @@ def test_a_row_without_gains_is_open():
     assert [c.text for c in group.rows[0]][-1] == "open"
 
 
-def test_the_price_of_the_whole_requirement_is_told_in_per_cent():
-    plain = study(0, "open", 1)
+@pytest.mark.parametrize(("broken", "gains"), [(0, "recommended"), (3, "nearest")])
+def test_the_price_of_the_whole_requirement_is_told_in_per_cent(broken, gains):
+    plain = study(broken, "open", 1)
     (m,) = plain.motions
 
-    def priced(worst, *more):
-        row = {**m.prices[0], "controller": "PI"}
-        rows = [{**row, "guarantee": "memory and corners", "worst_iae_deg_s": 8.0}, *more]
-        rows.append({**row, "guarantee": "worst case found", "worst_iae_deg_s": worst})
+    def priced(worst, feasible=True):
+        row = {**m.prices[0], "controller": "PI", "feasible": True}
+        rows = [{**row, "guarantee": "memory and corners", "worst_iae_deg_s": 8.0}]
+        last = {"guarantee": "worst case found", "worst_iae_deg_s": worst, "feasible": feasible}
+        rows.append({**row, **last})
         return price_caption(replace(plain, motions=(replace(m, prices=tuple(rows)),)))
 
-    assert priced(10.0).startswith("The recommended gains err 25 % more on flexion than gains tuned for")
+    assert priced(10.0).startswith(f"The {gains} gains err 25 % more on flexion than gains tuned for")
     assert "err 50 % less on flexion" in priced(4.0)
     assert priced(None).startswith("Worst IAE over the same steps")
+    assert "Blue: tuned for the whole requirement" in priced(10.0)
+    assert "Blue" not in priced(10.0, feasible=False)
 
 
 def test_a_residual_is_told_with_what_is_proved_of_the_slopes_that_it_changes():
