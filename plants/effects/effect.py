@@ -110,6 +110,7 @@ class Effect(ABC):
     - SILENT: whether it grows from nothing once a run begins, so that a wrist rests as it does without;
     - EVENT: whether it happened once, in the recordings, and is no property of the rig;
     - LEARNT: whether it is a map that was learnt from a residual, without a cause;
+    - SUPPLIES: whether it has a supply of its own, at whose pressure nothing flows in; a rig has one;
     - LOSES: whether air is lost at rest, so that more is commanded than the pressure that is held;
     - REGULATES: whether the pressure rests where it is commanded, but for what is lost;
     - BOUND: what the performance bound makes of it: ``kept``, where the wrist is a monotone cascade with it,
@@ -132,6 +133,7 @@ class Effect(ABC):
     SILENT: ClassVar[bool] = False
     EVENT: ClassVar[bool] = False
     LEARNT: ClassVar[bool] = False
+    SUPPLIES: ClassVar[bool] = False
     LOSES: ClassVar[bool] = False
     REGULATES: ClassVar[bool] = True
     BOUND: ClassVar[Literal["kept", "taken away"] | None] = None

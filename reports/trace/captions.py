@@ -111,7 +111,7 @@ def series(trace: Trace, channel: str) -> str:
     part = "was held out" if run.role == "validate" else "was fitted to"
     before, after = (rmse([run], channel, b, run.role) for b in (True, False))
     unit = CHANNELS[channel][1]
-    revised = f", {number(after)} {unit} revised" if trace.effects else ""
+    revised = f", {number(after)} {unit} revised" if trace.differs else ""
     return (
         f"RMSE {number(before)} {unit} declared{revised}: the {word} of {run.recording.name}, which {part}, "
         "measured and simulated from the command alone. Below: residuals; the grey band contains 95 % of the "
@@ -121,13 +121,13 @@ def series(trace: Trace, channel: str) -> str:
 
 def loop(trace: Trace) -> str:
     """By how much the angle of a loop departs, and what is drawn."""
-    models = "the declared and the revised wrist" if trace.effects else "the declared wrist"
+    models = "the declared and the revised wrist" if trace.differs else "the declared wrist"
     run = loop_run(trace)
     said = ""
     measured = None if run is None else run.recording.angle
     if run is not None and measured is not None:
         first = run.recording.time <= run.recording.time[0] + LOOP_SECONDS
-        sides = {"declared": run.angle_before, **({"revised": run.angle} if trace.effects else {})}
+        sides = {"declared": run.angle_before, **({"revised": run.angle} if trace.differs else {})}
         far = [
             f"{name} {number(float(np.abs(a - measured)[first].max()))} deg"
             for name, a in sides.items()

@@ -114,29 +114,26 @@ def draw_series(trace: Trace, channel: str) -> "Figure":
     time, truth, (before, after) = run.recording.time, _truth(run, channel), _sides(run, channel)
     every = seen(len(time))
     noise = SPREAD * (trace.noise.get(channel) or 0.0)
-    revised = bool(trace.effects)
+    sides = [(before, BEFORE), (after, AFTER)][: 2 if trace.differs else 1]
     with styled():
-        figure, (signal, large, small) = new_figure(
-            3, 1, height=5.4, sharex=True, height_ratios=(3, 1.5, 1.5)
+        heights = (3.0, *(1.5 for _ in sides))
+        figure, (signal, *residuals) = new_figure(
+            len(heights), 1, height=0.9 * sum(heights), sharex=True, height_ratios=heights
         )
-        small.sharey(large)  # one scale for before and after
         took = "held out" if run.role == "validate" else "fitted to"
         signal.set(title=f"{run.recording.name} ({took})", ylabel=f"{words} [{unit}]")
         signal.plot(time[every], truth[every], **MEASURED)
-        signal.plot(time[every], before[every], **BEFORE)
-        if revised:
-            signal.plot(time[every], after[every], **AFTER)
+        for simulated, look in sides:
+            signal.plot(time[every], simulated[every], **look)
         signal.legend(loc="best", ncols=3)
-        for panel, simulated, look in ((large, before, BEFORE), (small, after, AFTER)):
+        for panel, (simulated, look) in zip(residuals, sides, strict=True):
+            if panel is not residuals[0]:
+                panel.sharey(residuals[0])  # one scale for before and after
             panel.axhspan(-noise, noise, **BAND)
             left = (truth - simulated)[every]
             panel.plot(time[every], left, **{**look, "linewidth": 0.8, "linestyle": "-"})
             panel.set_ylabel(f"Residual,\n{look['label']} [{unit}]")
-        small.set(xlabel="Time [s]", xlim=(time[0], time[-1]))
-    if not revised:
-        figure.delaxes(small)
-        large.tick_params(labelbottom=True)
-        large.set_xlabel("Time [s]")
+        residuals[-1].set(xlabel="Time [s]", xlim=(time[0], time[-1]))
     return figure
 
 
@@ -159,8 +156,8 @@ def draw_loop(trace: Trace) -> "Figure | None":
     first = slice(0, int(np.searchsorted(time, time[0] + LOOP_SECONDS)), max(1, len(time) // (2 * POINTS)))
     sides = [(run.pressure_before, run.angle_before, BEFORE), (run.pressure, run.angle, AFTER)]
     with styled():
-        figure, axes = new_figure(1, 2 if trace.effects else 1, height=3.5, sharex=True, sharey=True,
-                                  width=WIDTH if trace.effects else 4.2)  # fmt: skip
+        figure, axes = new_figure(1, 2 if trace.differs else 1, height=3.5, sharex=True, sharey=True,
+                                  width=WIDTH if trace.differs else 4.2)  # fmt: skip
         for panel, (pressure, angle, look) in zip(axes, sides, strict=False):
             assert angle is not None
             assert truth.pressure is not None

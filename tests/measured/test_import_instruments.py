@@ -42,7 +42,7 @@ def test_a_second_clock_in_the_columns_of_a_file_has_its_own_channels(tmp_path, 
     }  # fmt: skip
     _, found = imported(tmp_path, columns)
     moved = seen + (later if later < 1.0 else 0.0)
-    expected = np.interp(found.time + (moved[0] - 0.0), moved, angle)
+    expected = np.interp(found.time + moved[0], moved, angle)
     np.testing.assert_allclose(found.angle, expected, atol=0.02)
     assert found.time[-1] > 0.99 * moved[-1] - 0.1
 

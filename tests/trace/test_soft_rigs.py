@@ -12,6 +12,8 @@ from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.trace.search.worth import SHARE
 from plants.measured.trace.trace import trace_campaign
 from plants.wrist import Wrist
+from reports.trace.captions import after_words
+from reports.trace.words import log_words
 from tests.rig.campaign import drop
 from tests.rig.soft.drawn import preisach_actuator, recordings, soft_actuator
 from tests.rig.soft.named import CAMPAIGNS, muscles
@@ -66,6 +68,17 @@ def test_the_curved_loop_is_better_described_by_another_law(traced):
     if trace.law.with_effects:
         errors = trace.law.with_effects
         assert (1.0 - SHARE) * errors[trace.law.name] ** 2 <= 1.1 * min(errors.values()) ** 2
+
+
+def test_what_the_law_alone_leaves_is_told_apart_from_its_effects(traced):
+    _, trace = traced
+    if trace.other_law is None:  # with effects four segments may be the better law
+        assert not trace.law_alone
+        return
+    alone = trace.law_alone["angle_deg"]
+    assert trace.after["angle_deg"] < alone
+    assert f"With {trace.other_law} and no effect" in " ".join(log_words(trace))
+    assert f"the hysteresis law {trace.other_law}" in after_words(trace)
 
 
 def test_a_wrist_of_muscles_that_sticks_is_told_from_one_that_does_not(tmp_path):

@@ -92,7 +92,7 @@ class _Late(Effect):
     DELAY = "delay"
     BOUND = "kept"
 
-    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Any:
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Tube | LaggedTarget:
         return Tube(delay.at_rest(pressure), pressure)
 
 

@@ -221,6 +221,7 @@ class CommandedOpenings(_TwoValves):
     HAPPENS = "The command opens the valves without a regulator of the pressure"
     RUGGED = True
     REGULATES = False
+    SUPPLIES = True
 
     fill: Number = parameter(
         "1/s", "rate of filling at the largest command, per difference of pressure", 0.0, 500.0, 0.0,
@@ -264,7 +265,7 @@ class CommandedOpenings(_TwoValves):
     def redundant(self, wrist: Any) -> bool:
         """A regulator has one gain and one rate; those of valves change with the pressure.  The supply of the
         valves is their own: beside another one they are a regulator's."""
-        if any(e.NAME == "supply-droop" for e in wrist.effects):
+        if any(e.SUPPLIES and e.NAME != self.NAME for e in wrist.effects):
             return True
         found = self._within(wrist.rig.pressure_range, wrist.rig.half_range)
         return not any(max(some) > LEAST_CHANGE * min(some) for some in found)

@@ -77,6 +77,7 @@ class _Droop(Effect):
     STAGE = "regulator"
     HAPPENS = "The supply sags"
     BOUND = "taken away"
+    SUPPLIES = True
 
     supply: Number = _SUPPLY
     use: Number = _USE

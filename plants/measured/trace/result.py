@@ -115,6 +115,11 @@ class Trace:
         return None if name == self.fit.fitted.law.NAME else name
 
     @property
+    def differs(self) -> bool:
+        """Whether the revised plant has effects, or another hysteresis law, than the declared one."""
+        return bool(self.effects or self.other_law)
+
+    @property
     def explained_share(self) -> dict[str, float | None]:
         """Share of the variance above the noise that the declared model leaves and its causes take away, by
         channel."""
