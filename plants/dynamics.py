@@ -102,14 +102,34 @@ def bend(
     before, after = state.memory.h, memory.h
     for i, effect in c.at("static"):
         s[i], before, after = effect(s[i], before, after, around)
-    joints = c.at("joint")
-    for i, effect in joints:
-        s[i], angle = effect(s[i], state.angle, before, after, pressure)
-    if not joints:
-        angle = lag.step(state.angle, before, after, c.lag)
+    s, angle = turned(state.angle, s, before, after, pressure, c)
     for i, effect in c.at("stop"):
         angle = effect(s[i], angle)
     return State(pressure, memory, angle, tuple(s))
+
+
+def turned(
+    angle: Number, effects: list[Any], before: Number, after: Number, pressure: Number, c: SampledWrist
+) -> tuple[list[Any], Number]:
+    """The joint one sample later: states of the effects and the angle [deg], while the static angle moves
+    from `before` to `after` [deg] under a pressure [kPa]."""
+    joints, frictions = c.at("joint"), c.at("friction")
+
+    def under(friction: Number) -> tuple[list[Any], Number]:
+        s, to = list(effects), lag.step(angle, before - friction, after - friction, c.lag)
+        for i, effect in joints:
+            s[i], to = effect(effects[i], angle, before - friction, after - friction, pressure)
+        return s, to
+
+    if not frictions:
+        return under(0.0)
+    free = under(0.0)[1]
+    share = free - under(1.0)[1] if joints else c.lag.before + c.lag.after
+    (i, rubs), *_ = frictions
+    rubbed, friction = rubs(effects[i], angle, free, share)
+    s, to = under(friction)
+    s[i] = rubbed
+    return s, to
 
 
 def settled(state: State, c: SampledWrist, around: Around) -> State:

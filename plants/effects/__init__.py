@@ -20,7 +20,8 @@ from plants.effects.regulator.fill_exhaust import (
     PressureDependentRates,
     TwoRates,
 )
-from plants.effects.regulator.leak import LaminarLeak, PowerLeak
+from plants.effects.regulator.leak import LaminarLeak, PowerLeak, SealedLeak
+from plants.effects.regulator.regulator_curvature import Hyperbola
 from plants.effects.regulator.regulator_deadband import Latch, LeastPressure, PlayDeadBand, ValveOverlap
 from plants.effects.regulator.supply_droop import CappedPressure, CappedTarget, LimitedFlow, SaturatingSag
 from plants.effects.sensor.gyro_drift import Drift, WarmingDrift
@@ -45,7 +46,8 @@ EFFECTS: dict[str, tuple[type[Effect], ...]] = {
         (Latch, PlayDeadBand, ValveOverlap, LeastPressure),
         (TwoRates, PressureDependentRates, OrificeExhaust, FlowLimits, CommandedOpenings),
         (CappedPressure, CappedTarget, SaturatingSag, LimitedFlow),
-        (LaminarLeak, PowerLeak),
+        (LaminarLeak, PowerLeak, SealedLeak),
+        (Hyperbola,),
         (Polynomial, Saturation, Bow, SmoothCurve),
         (Coupling, QuadraticCoupling, PressureCoupling),
         (Viscous, PowerWidening, SaturatingWidening, RememberedRate),

@@ -14,6 +14,8 @@ its laws; the method's name is the port of the wrist that it acts on.  The wrist
     steepen(s, h, before, after, loop) -> factor              further factor of the transit's slope
     static(s, before, after, around)     -> s, before, after   static angle [deg]
     joint(s, angle, before, after, pressure) -> s, angle       in place of the lag [deg]
+    friction(s, angle, free, share)          -> s, friction    [deg] that holds a joint back, which would come
+                                                               to `free` without, less `share` times it
     stop(s, angle)                       -> angle              where the joint may go [deg]
     sensor(s, angle, around)             -> angle              what is measured [deg]
 
@@ -108,6 +110,8 @@ class Effect(ABC):
       others of the kind, where nothing was measured between command and angle;
     - FIRST: whether it acts on the command before all others, wherever its name stands among theirs;
     - SILENT: whether it grows from nothing once a run begins, so that a wrist rests as it does without;
+    - JOINT: whether it is a law of the joint, mass or friction, so that what it does hangs on the others;
+    - MASSLESS: whether it takes the place of any other law of the joint, a mass too;
     - EVENT: whether it happened once, in the recordings, and is no property of the rig;
     - LEARNT: whether it is a map that was learnt from a residual, without a cause;
     - SUPPLIES: whether it has a supply of its own, at whose pressure nothing flows in; a rig has one;
@@ -131,6 +135,8 @@ class Effect(ABC):
     COMMON: ClassVar[bool] = False
     FIRST: ClassVar[bool] = False
     SILENT: ClassVar[bool] = False
+    JOINT: ClassVar[bool] = False
+    MASSLESS: ClassVar[bool] = False
     EVENT: ClassVar[bool] = False
     LEARNT: ClassVar[bool] = False
     SUPPLIES: ClassVar[bool] = False

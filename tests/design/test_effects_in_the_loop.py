@@ -16,6 +16,7 @@ from plants.effects import (
     Inertia,
     LoadStep,
     Saturation,
+    SealedLeak,
     Warming,
 )
 from plants.effects.wrist.inertia import NULL
@@ -82,8 +83,8 @@ def test_a_run_begins_at_time_0_where_nothing_else_is_said():
 @pytest.mark.parametrize("form", FORMS, ids=IDS)
 def test_a_wrist_at_rest_stays_there(form, start):
     effect = present(form)
-    if isinstance(effect, Warming):
-        pytest.skip("warms up, and so is never at rest")
+    if isinstance(effect, Warming | SealedLeak):
+        pytest.skip("warms up, or loses air for good, and so is never at rest")
     if isinstance(effect, LoadStep):
         effect = LoadStep(effect.shift, 100.0)
     if form.FORM == "gradual, with a change of slope":

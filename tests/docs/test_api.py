@@ -29,6 +29,7 @@ PORTS = {
     "steepen",
     "static",
     "joint",
+    "friction",
     "stop",
     "sensor",
 }

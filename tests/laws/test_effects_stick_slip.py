@@ -1,23 +1,28 @@
 """A joint with friction sticks until the breakaway and slides as its differential equation says."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from plants.dynamics import turned
+from plants.effects.wrist.inertia import Inertia
 from plants.effects.wrist.stick_slip import SPRINGS, BristleFriction, FreeSlip, MaxwellSlip, RubbingSlip
 from tests.laws.effect_steps import DT, WRIST
 
 TW = WRIST.Tw
+MASSLESS = BristleFriction(1.0, 0.6, 3.0, 20.0)
 
 
-def joint(effect, angles, dt=DT):
+def joint(effect, angles, dt=DT, beside=()):
     """Angles of the joint [deg], (n,), under given static angles, from rest at 0."""
-    c, s, angle = effect.sampled(WRIST, dt), effect.rest(WRIST, 100.0, 0.0), 0.0
+    wrist = replace(WRIST, effects=(*beside, effect))
+    c, s, angle = wrist.sampled(dt), [e.rest(wrist, 100.0, 0.0) for e in wrist.effects], 0.0
     found = [angle]
     for before, after in pairwise(angles):
-        s, angle = c.joint(s, angle, before, after, 100.0)
+        s, angle = turned(angle, s, before, after, 100.0, c)
         found.append(float(angle))
     return np.array(found)
 
@@ -68,17 +73,25 @@ def test_friction_is_the_same_in_both_directions(effect):
     np.testing.assert_allclose(joint(effect, -path), -there, atol=1e-12)
 
 
-def lugre(breakaway, sliding, stribeck, stiffness, static, end):
-    """LuGre's joint without mass, by scipy's implicit integrator: angle at every ms."""
+def lugre(breakaway, sliding, stribeck, stiffness, static, end, inertia=0.0):
+    """LuGre's joint, without mass or with it, by scipy's implicit integrator: angle at every ms."""
 
-    def rates(t, state):
+    def bristles(speed, pull):
+        most = breakaway * (sliding + (1.0 - sliding) * np.exp(-((speed / stribeck) ** 2)))
+        return stiffness * (speed - abs(speed) * pull / most)
+
+    def massless(t, state):
         angle, pull = state
         speed = (static(t) - angle - pull) / TW
-        most = breakaway * (sliding + (1.0 - sliding) * np.exp(-((speed / stribeck) ** 2)))
-        return [speed, stiffness * (speed - abs(speed) * pull / most)]
+        return [speed, bristles(speed, pull)]
 
-    time = np.arange(0.0, end + DT / 2, DT)
-    found = solve_ivp(rates, (0.0, end), [0.0, 0.0], "Radau", time, rtol=1e-8, atol=1e-10, max_step=0.002)
+    def massive(t, state):
+        angle, pull, speed = state
+        return [speed, bristles(speed, pull), (static(t) - angle - pull - TW * speed) / inertia**2]
+
+    time, rates = np.arange(0.0, end + DT / 2, DT), massive if inertia else massless
+    start = [0.0] * (3 if inertia else 2)
+    found = solve_ivp(rates, (0.0, end), start, "Radau", time, rtol=1e-8, atol=1e-10, max_step=0.002)
     return time, found.y[0]
 
 
@@ -95,6 +108,23 @@ def test_bristles_are_lugres_law(every):
     assert np.abs(ours - expected[::every]).max() < (0.002 if every == 1 else 0.03)
     plain = solve_ivp(lambda t, y: (static(t) - y) / TW, (0.0, 5.0), [0.0], t_eval=time, rtol=1e-9).y[0]
     assert np.abs(plain - expected).max() > 0.5  # what friction makes of it
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("every", [1, 5])
+def test_a_mass_on_bristles_swings_until_they_hold_it(every):
+    def static(t):
+        return 4.0 * np.sign(np.sin(1.9 * t)) + 1.5 * np.sin(4.1 * t)
+
+    inertia = 0.15
+    time, expected = lugre(1.0, 0.6, 3.0, 20.0, static, 5.0, inertia)
+    ours = joint(BristleFriction(1.0, 0.6, 3.0, 20.0), static(time[::every]), every * DT, [Inertia(inertia)])
+    assert np.abs(ours - expected[::every]).max() < (0.02 if every == 1 else 0.05)
+    for less in (
+        joint(BristleFriction(), static(time), DT, [Inertia(inertia)]),
+        joint(MASSLESS, static(time)),
+    ):
+        assert np.abs(less - expected).max() > 0.5  # without friction, and without a mass
 
 
 def test_bristles_bend_before_the_joint_slides():
@@ -126,6 +156,36 @@ def test_springs_slip_one_after_the_other_as_their_differential_equation_says(ev
     assert np.abs(ours - solved[::every]).max() < (0.003 if every == 1 else 0.02)
     plain = solve_ivp(lambda t, y: (static(t) - y) / TW, (0.0, 4.0), [0.0], t_eval=time, rtol=1e-9).y[0]
     assert np.abs(plain - solved).max() > 0.5  # what friction makes of it
+
+
+@pytest.mark.parametrize("every", [1, 5])
+def test_a_mass_on_springs_that_slip_is_its_differential_equation(every):
+    breakaway, stiffness, inertia = 1.5, 8.0, 0.15
+    most = breakaway * (2.0 * np.arange(SPRINGS) + 1.0) / SPRINGS**2
+
+    def static(t):
+        return 3.0 * np.sin(2.5 * t) + 1.5 * np.sin(6.1 * t)
+
+    def rates(t, state):
+        angle, speed, pulls = state[0], state[1], state[2:]
+        slips = (np.abs(pulls) >= most) & (pulls * speed > 0.0)
+        force = static(t) - angle - np.clip(pulls, -most, most).sum() - TW * speed
+        return np.concatenate(
+            [[speed, force / inertia**2], np.where(slips, 0.0, stiffness / SPRINGS * speed)]
+        )
+
+    time = np.arange(0.0, 4.0 + DT / 2, DT)
+    solved = solve_ivp(rates, (0.0, 4.0), np.zeros(2 + SPRINGS), t_eval=time, rtol=1e-8, max_step=2e-4).y[0]
+    ours = joint(MaxwellSlip(breakaway, stiffness), static(time[::every]), every * DT, [Inertia(inertia)])
+    assert np.abs(ours - solved[::every]).max() < (0.01 if every == 1 else 0.05)
+    plain = joint(MaxwellSlip(breakaway, stiffness), static(time))
+    assert np.abs(plain - solved).max() > 0.5
+
+
+def test_a_mass_under_friction_without_one_is_redundant():
+    for friction in (FreeSlip(1.0, 0.3), RubbingSlip(1.0, 0.5, 0.2)):
+        assert Inertia(0.1).redundant(WRIST + Inertia(0.1) + friction)
+    assert not Inertia(0.1).redundant(WRIST + Inertia(0.1) + BristleFriction(1.0, 0.5))
 
 
 def test_no_friction_is_the_lag():

@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from tests.rig import open_effects, regulator_effects, sensor_effects, wrist_effects
+from tests.rig import joint_effects, open_effects, regulator_effects, sensor_effects, wrist_effects
 from tests.rig.effects import Hidden
+from tests.rig.joint_effects import SPRINGS, bristles, joint_acceleration, lugre, maxwell_slip, stop_push
 from tests.rig.open_effects import ripple, run_out
 from tests.rig.parameters import Declared
 from tests.rig.regulator_effects import accepted_target, leaked, limited_rate, supply_pressure, valve_rate
@@ -21,17 +22,12 @@ from tests.rig.signals import Signal
 from tests.rig.wrist_effects import (
     LONGEST_SPECTRUM,
     PLAYS,
-    SPRINGS,
     bent,
     bouc_wen,
     curved_transit,
-    joint_acceleration,
     lens,
     loaded,
-    lugre,
-    maxwell_slip,
     slope_factor,
-    stop_push,
     widening,
 )
 
@@ -41,7 +37,7 @@ SUBSTEPS = 4  # of a tick
 
 def _forget_stale_machine_code() -> None:
     """Numba dates its cache by this file alone and would miss a law that was edited in another."""
-    laws = (regulator_effects, wrist_effects, sensor_effects, open_effects)
+    laws = (regulator_effects, wrist_effects, joint_effects, sensor_effects, open_effects)
     newest = max(Path(str(law.__file__)).stat().st_mtime_ns for law in laws)
     for index in (Path(__file__).parent / "__pycache__").glob("core.*.nbi"):
         if index.stat().st_mtime_ns < newest:
@@ -253,6 +249,13 @@ def integrate(
                 stuck = off < (hidden.stick.breakaway if stuck else hidden.stick.residue)
             if hidden.stick.form == 1 and stuck:
                 speed = 0.0
+            elif hidden.stick.form == 2 and hidden.inertia.form > 0:
+                a0 = joint_acceleration(hidden.inertia, u_before - pull, y, speed, x_before)
+                r0 = bristles(hidden.stick, speed, pull)
+                y1, v1, pull1 = y + dt * speed, speed + dt * a0, pull + dt * r0
+                a1 = joint_acceleration(hidden.inertia, u - pull1, y1, v1, x)
+                pull += 0.5 * dt * (r0 + bristles(hidden.stick, v1, pull1))
+                y, speed = y + 0.5 * dt * (speed + v1), speed + 0.5 * dt * (a0 + a1)
             elif hidden.stick.form == 2:
                 v0, r0 = lugre(hidden.stick, p.Tw, u_before, y, pull)
                 speed, r1 = lugre(hidden.stick, p.Tw, u, y + dt * v0, pull + dt * r0)

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tests.rig import joint_effects as joint
 from tests.rig import open_effects
 from tests.rig import regulator_effects as regulator
 from tests.rig import sensor_effects as sensor
@@ -31,10 +32,10 @@ class Hidden(NamedTuple):
     load: wrist.LoadStep = wrist.LoadStep()
     softening: wrist.Softening = wrist.Softening()
     coupling: wrist.Coupling = wrist.Coupling()
-    inertia: wrist.Inertia = wrist.Inertia()
-    stop: wrist.EndStop = wrist.EndStop()
+    inertia: joint.Inertia = joint.Inertia()
+    stop: joint.EndStop = joint.EndStop()
     shape: wrist.LoopShape = wrist.LoopShape()
-    stick: wrist.StickSlip = wrist.StickSlip()
+    stick: joint.StickSlip = joint.StickSlip()
     drift: sensor.GyroDrift = sensor.GyroDrift()
     hum: sensor.Hum = sensor.Hum()
     open: OpenEffects = OpenEffects()
@@ -67,10 +68,10 @@ CATALOGUE = {
     "load-step": Entry("load", 3, wrist.draw_load_step),
     "softening": Entry("softening", 3, wrist.draw_softening),
     "cross-coupling": Entry("coupling", 3, wrist.draw_coupling),
-    "inertia": Entry("inertia", 3, wrist.draw_inertia),
-    "end-stop": Entry("stop", 3, wrist.draw_end_stop),
+    "inertia": Entry("inertia", 3, joint.draw_inertia),
+    "end-stop": Entry("stop", 3, joint.draw_end_stop),
     "loop-shape": Entry("shape", 3, wrist.draw_loop_shape),
-    "stick-slip": Entry("stick", 3, wrist.draw_stick_slip),
+    "stick-slip": Entry("stick", 3, joint.draw_stick_slip),
     "gyro-drift": Entry("drift", 2, sensor.draw_drift),
     "periodic-disturbance": Entry("hum", 2, sensor.draw_hum),
 }

@@ -16,13 +16,13 @@ from plants.one_page import wrist
 from tests.rig.campaign import TASK_CONTROLLER, make_campaign, make_rig, run_of
 from tests.rig.core import TICK, Controller
 from tests.rig.effects import CATALOGUE, OPEN, VOCABULARY, Hidden
+from tests.rig.joint_effects import Inertia
 from tests.rig.parameters import NOMINAL
 from tests.rig.physics import make_physics_rig
 from tests.rig.regulator_effects import DeadTime
 from tests.rig.rig import Noise, Rig, swings
 from tests.rig.signals import noise, task_reference
 from tests.rig.suite import LOUD_ONLY, cases
-from tests.rig.wrist_effects import Inertia
 
 AXES = ("flexion", "deviation")
 SILENT = Noise(0.0, 0.0)

@@ -139,7 +139,7 @@ def _pressure(plant: Wrist, start: Start, angle: Array, load: Array) -> tuple[Ar
 
 def _acts_after_load(coefficients: Any) -> bool:
     """Whether an effect acts on the loop's angle or on the joint, not on what drives the loop."""
-    return any(hasattr(coefficients, port) for port in ("static", "joint", "stop"))
+    return any(hasattr(coefficients, port) for port in ("static", "joint", "friction", "stop"))
 
 
 def _chosen(start: NDArray[np.intp], rests: list[State]) -> State:

@@ -3,7 +3,8 @@
 A porous bladder loses air in proportion to its gauge pressure, as a laminar flow does; a worn fitting or a
 tear loses it through an orifice, whose flow goes with a power of the pressure: about the root while it
 is slow, and more nearly the first power once it is choked (ISO 6358).  The chamber comes to rest where the
-regulator gives what is lost, below the commanded pressure, the more so the slower the regulator is near it.
+regulator gives what is lost, below the commanded pressure, the more so the slower the regulator is near it;
+without a regulator, in a closed volume, it never does.
 """
 
 from dataclasses import dataclass
@@ -11,8 +12,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plants.effects.effect import Effect, Nothing, Number, parameter
+from plants.effects.effect import Around, Effect, Nothing, Number, parameter
 from plants.effects.hints import ExcitationHints
+from plants.meanings import remembers
 
 EMPTY = 1e-8
 """Share of the reference pressure at which nothing flows any more, so that a power of it has a slope."""
@@ -74,6 +76,46 @@ class LaminarLeak(_Leak):
 
     def sampled(self, wrist: Any, dt: float) -> SampledLaminarLeak:
         return SampledLaminarLeak(-np.expm1(-np.asarray(self.rate, float) * dt))
+
+
+@remembers(lost=("kPa", "pressure that the air lost so far would have given"))
+class Lost(NamedTuple):
+    """What the air lost so far would have given [kPa]."""
+
+    lost: Number
+
+
+class SampledSag(NamedTuple):
+    """Share of the gauge pressure that is lost in one sample."""
+
+    share: Number
+
+    def target(self, s: Lost, target: Number, around: Around) -> tuple[Lost, Number]:
+        return s, target - s.lost
+
+    def supply(self, s: Lost, before: Number, after: Number) -> tuple[Lost, Number]:
+        return Lost(s.lost + self.share * before), after
+
+
+@dataclass(frozen=True)
+class SealedLeak(_Leak):
+    """A closed volume, such as that of a syringe, loses air that nothing replaces: what is commanded falls by
+    rate P, with `rate` in 1/s, and rises below the pressure of the outside."""
+
+    FORM = "out of a closed volume"
+    LOSES = False
+    SILENT = True
+
+    rate: Number = parameter("1/s", "rate of the loss", 0.0, 1.0, 0.0, (0.001, 0.01))
+
+    def sampled(self, wrist: Any, dt: float) -> SampledSag:
+        return SampledSag(-np.expm1(-np.asarray(self.rate, float) * dt))
+
+    def rest(self, wrist: Any, pressure: Number, angle: Number) -> Lost:
+        return Lost(0.0)
+
+    def no_bound(self, wrist: Any) -> str | None:
+        return "the pressure sags for as long as it stands"
 
 
 @dataclass(frozen=True)

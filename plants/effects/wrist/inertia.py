@@ -62,6 +62,7 @@ class _Inert(Effect):
     NAME = "inertia"
     STAGE = "wrist"
     HAPPENS = "The joint has inertia"
+    JOINT = True
     BOUND = "kept"
 
     inertia: Number = parameter("s", "1 / natural frequency", 0.0, 1.0, 0.0, (0.05, 0.1, 0.18))
@@ -76,6 +77,10 @@ class _Inert(Effect):
         if float(self.inertia) < MASSLESS:
             return "the fit has a lag that changes and no mass; record quick steps, after which a mass swings"
         return None
+
+    def redundant(self, wrist: Any) -> bool:
+        """A friction that takes the joint's place leaves it nothing to do."""
+        return any(e.MASSLESS for e in wrist.effects)
 
     def no_bound(self, wrist: Any) -> str | None:
         return "only linear damping has an impulse response"

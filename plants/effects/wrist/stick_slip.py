@@ -1,12 +1,13 @@
 """Stick-slip: the joint sticks until its spring is off by a breakaway, then slides.
 
 All friction is in degrees of the joint's own spring: the joint moves by Tw y' = h - y - friction, where
-h is the static angle.  Friction of Stribeck's kind holds against more than it takes once sliding (Armstrong-
-Helouvry, Dupont & Canudas de Wit, Automatica 30 (1994) 1083); where asperities bend before they give way
-the joint creeps along with its load while it sticks (presliding: Dahl, 1968; LuGre, Canudas de Wit et al.,
-IEEE Trans. Autom. Control 40 (1995) 419), and where they give way one after the other it remembers where it
-turned round (Maxwell slip: Iwan, J. Appl. Mech. 33 (1966) 893; Al-Bender, Lampaert & Swevers, IEEE Trans.
-Autom. Control 50 (2005) 1883).
+h is the static angle, or with inertia^2 y'' on the left where it has a mass, which one that breaks away at
+once has not.  Friction of Stribeck's kind holds against more than it takes once sliding (Armstrong-Helouvry,
+Dupont & Canudas de Wit, Automatica 30 (1994) 1083); where asperities bend before they give way the joint
+creeps along with its load while it sticks (presliding: Dahl, 1968; LuGre, Canudas de Wit et al., IEEE Trans.
+Autom. Control 40 (1995) 419), and where they give way one after the other it remembers where it turned round
+(Maxwell slip: Iwan, J. Appl. Mech. 33 (1966) 893; Al-Bender, Lampaert & Swevers, IEEE Trans. Autom. Control
+50 (2005) 1883).
 """
 
 from collections.abc import Iterator
@@ -76,31 +77,22 @@ class Bristles(NamedTuple):
 
 class SampledBristles(NamedTuple):
     """Breakaway and friction while sliding [deg]; speed [deg/s] at which the one becomes the other, inverted;
-    stiffness of the bristles over the joint's; time constant of the joint and half a step [s]; the lag of a
-    joint without friction."""
+    stiffness of the bristles over the joint's; half a step [s]."""
 
     breakaway: Number
     sliding: Number
     per_speed: Number
     stiffness: Number
-    Tw: Number
     half: Number
-    lag: lag.SampledLag
 
-    def joint(
-        self, s: Bristles, angle: Number, before: Number, after: Number, pressure: Number
-    ) -> tuple[Bristles, Number]:
+    def friction(self, s: Bristles, angle: Number, free: Number, share: Number) -> tuple[Bristles, Number]:
         pull, speed = s
-        drawn, give = 0.5 * (before + after), 1.0
+        bends, give = self.stiffness * self.half, 1.0
         for _ in range(TURNS):
-            give = 1.0 + self.stiffness * self.half * np.abs(speed) / self._most(speed)
-            speed = (drawn - angle - pull / give) / (self.Tw + self.half * (1.0 + self.stiffness / give))
-        # The joint's own lag is exact, so that without friction nothing is changed.
-        middle = (pull + self.stiffness * self.half * speed) / give
-        moved = lag.step(angle, before - middle, after - middle, self.lag)
-        speed = 0.5 * (moved - angle) / self.half
-        middle = (pull + self.stiffness * self.half * speed) / give
-        return Bristles(2.0 * middle - pull, speed), moved
+            give = 1.0 + bends * np.abs(speed) / self._most(speed)
+            speed = (free - angle - share * pull / give) / (2.0 * self.half + share * bends / give)
+        middle = (pull + bends * speed) / give
+        return Bristles(2.0 * middle - pull, speed), middle
 
     def _most(self, speed: Number) -> Number:
         """Friction [deg] of a joint that slides at a speed [deg/s]."""
@@ -120,26 +112,22 @@ class Springs(NamedTuple):
 
 
 class SampledSprings(NamedTuple):
-    """Pull [deg] at which each spring slips; stiffness of each over the joint's; the lag of a joint without
-    friction."""
+    """Pull [deg] at which each spring slips; stiffness of each over the joint's."""
 
     most: tuple[Number, ...]
     stiffness: Number
-    lag: lag.SampledLag
 
-    def joint(
-        self, s: Springs, angle: Number, before: Number, after: Number, pressure: Number
-    ) -> tuple[Springs, Number]:
+    def friction(self, s: Springs, angle: Number, free: Number, share: Number) -> tuple[Springs, Number]:
         # Newton's method on what holds in the middle of the sample: piecewise linear, it ends within a turn
         # of finding which springs slip.
-        free, share = lag.step(angle, before, after, self.lag), self.lag.before + self.lag.after
         moved = free - share * sum(s.pulls)
         for _ in range(1 + TURNS):
             middle = self._pulled(s.pulls, 0.5 * (moved - angle))
             sticks = sum(np.where(np.abs(p) < m, 1.0, 0.0) for p, m in zip(middle, self.most, strict=True))
             off = moved - free + share * sum(middle)
             moved = moved - off / (1.0 + 0.5 * share * self.stiffness * sticks)
-        return Springs(self._pulled(s.pulls, moved - angle)), moved
+        held = sum(self._pulled(s.pulls, 0.5 * (moved - angle)))
+        return Springs(self._pulled(s.pulls, free - share * held - angle)), held
 
     def _pulled(self, pulls: tuple[Number, ...], move: Number) -> tuple[Number, ...]:
         """The pulls [deg] after the joint has moved [deg]."""
@@ -159,6 +147,7 @@ class _StickSlip(Effect):
     NAME = "stick-slip"
     STAGE = "wrist"
     HAPPENS = "The joint sticks, then slides"
+    JOINT = True
     RUGGED = True
 
     breakaway: Number
@@ -199,6 +188,7 @@ class FreeSlip(_StickSlip):
     """Once it has broken away, the joint slides without friction until it sticks again."""
 
     FORM = "slides freely"
+    MASSLESS = True
 
     breakaway: Number = _BREAKAWAY
     residue: Number = _RESIDUE
@@ -212,6 +202,7 @@ class RubbingSlip(_StickSlip):
     """The joint slides against friction, which is less than that which it breaks away from."""
 
     FORM = "slides against friction"
+    MASSLESS = True
 
     breakaway: Number = _BREAKAWAY
     sliding: Number = _SLIDING
@@ -240,9 +231,8 @@ class BristleFriction(_StickSlip):
     def sampled(self, wrist: Any, dt: float) -> SampledBristles:
         most = np.maximum(self.breakaway, LEVEL)
         return SampledBristles(
-            most, self.sliding * most, 1.0 / np.asarray(self.stribeck, float), self.stiffness, wrist.Tw,
-            0.5 * dt, lag.sampled(wrist.Tw, dt),
-        )  # fmt: skip
+            most, self.sliding * most, 1.0 / np.asarray(self.stribeck, float), self.stiffness, 0.5 * dt
+        )
 
 
 @dataclass(frozen=True)
@@ -261,4 +251,4 @@ class MaxwellSlip(_StickSlip):
 
     def sampled(self, wrist: Any, dt: float) -> SampledSprings:
         most = tuple(self.breakaway * ((2 * i + 1) / SPRINGS**2) for i in range(SPRINGS))
-        return SampledSprings(most, self.stiffness / SPRINGS, lag.sampled(wrist.Tw, dt))
+        return SampledSprings(most, self.stiffness / SPRINGS)

@@ -88,7 +88,7 @@ def test_it_opens_with_three_sentences_the_verdict_first(text, page, bent):
     chi2 = bent.stages[1].search
     assert f"angle {chi2.declared.model.chi2:.2f} to {chi2.chosen.model.chi2:.2f}" in opening[1]
     few = len(bent.cannot_judge) <= FEW
-    assert all(name in opening[2] for name in bent.cannot_judge) if few else "of 17 effects" in opening[2]
+    assert all(name in opening[2] for name in bent.cannot_judge) if few else "of 18 effects" in opening[2]
     said = verdict_sentence(bent)
     assert said.startswith("The branches of the loop are curved: with branch-curvature (")
     assert ") added, the angle error on the held-out recordings falls from " in said
@@ -145,10 +145,10 @@ def test_a_decision_in_what_looks_like_noise_is_told_by_its_likelihood(bent):
 
 def test_what_is_open_is_said_where_nothing_is(bent, unexplained):
     clear = replace(bent, stages=tuple(replace(s, cannot_judge={}) for s in bent.stages))
-    assert summary(clear)[2].startswith("Each of the 17 effects would have shown in these recordings; ")
+    assert summary(clear)[2].startswith("Each of the 18 effects would have shown in these recordings; ")
     said = summary(unexplained)
     assert len(said) == 3
-    assert said[0].startswith("None of the 17 effects explains the residual")
+    assert said[0].startswith("None of the 18 effects explains the residual")
     for few in (clear, unexplained):
         assert all(len(s.split()) <= 20 for s in summary(few))
 
@@ -243,7 +243,7 @@ def test_the_verdicts_read_well(bent, unexplained):
     assert loud.endswith("; the residual of the angle has no more structure than slow noise.")
     left = verdict_sentence(unexplained)
     assert left.startswith(
-        "The residual has structure that none of the 17 effects explains: the angle error on "
+        "The residual has structure that none of the 18 effects explains: the angle error on "
     )
     assert left.endswith("; the residual depends on the angle, and jumps at times.")
     part = replace(bent, verdict="unexplained")

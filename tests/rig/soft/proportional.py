@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from scipy.signal import cont2discrete, lfilter
 
 from tests.rig.signals import Signal
+from tests.rig.soft.pressures import ROW, write_pressures
 
-ROW = 0.01
+RANGE = 10.0
+"""Largest command [V]."""
 
 
 @dataclass(frozen=True)
@@ -38,26 +39,5 @@ class Proportional:
         return np.asarray(target[0] + lfilter(numerator.ravel(), denominator, target - target[0]))
 
     def write(self, folder: Path) -> None:
-        """A campaign of pressures: levels, a sine and random levels to fit on, and random levels held out."""
-        rng, levels = np.random.default_rng(3), [0, 2, 4, 6, 8, 10, 7, 4, 2, 5, 9, 3, 1, 0]
-        time = np.arange(0.0, 40.0, ROW)
-        commands = {
-            "stairs": np.repeat(np.array(levels, float), round(3.0 / ROW)),
-            "sine": 4.7 - 4.2 * np.cos(2.0 * np.pi * 0.3 * time),
-            "steps": np.repeat(rng.uniform(0.5, 9.5, 24), round(2.0 / ROW)),
-            "check": np.repeat(rng.uniform(0.5, 9.5, 24), round(1.7 / ROW)),
-        }
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, command in commands.items():
-            pressure = self.pressure(command) + rng.normal(0.0, self.noise, len(command))
-            pd.DataFrame(
-                {
-                    "time_s": np.round(ROW * np.arange(len(command)), 4),
-                    "command_V": np.round(command, 4),
-                    "pressure_kPa": np.round(pressure, 2),
-                }
-            ).to_csv(folder / f"{name}.csv", index=False, lineterminator="\n")
-        (folder / "campaign.toml").write_text(
-            f'axis = "valve"\nstage = "regulator"\nstart = "unknown"\nsample_time_s = {ROW}\n'
-            'fit = ["stairs.csv", "sine.csv", "steps.csv"]\nvalidate = ["check.csv"]\n'
-        )
+        """A campaign of its pressures."""
+        write_pressures(folder, self.pressure, RANGE, self.noise)
