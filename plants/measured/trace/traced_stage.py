@@ -12,7 +12,7 @@ from plants.measured.trace.search.choose import search, search_from_common
 from plants.measured.trace.search.description import smooth_curves
 from plants.measured.trace.search.learning import learn
 from plants.measured.trace.search.rounds import EffectSearch
-from plants.measured.trace.search.simplify import carried_over, from_command, simplest
+from plants.measured.trace.search.simplify import carried_over, from_command, simplest, started_anew
 from plants.measured.trace.search.undetermined import (
     at_neutral,
     in_their_middle,
@@ -47,7 +47,7 @@ def trace_stage(declared: Model, fit: Fit, tell: Callable[[str], None], seed: in
         tell(f"{stage.name}: {what}")
 
     found = search(declared, logged, say, seed)
-    kept = carried_over(found.chosen, found.declared)
+    kept = carried_over(started_anew(found.chosen), found.declared)
     if stage.parts > 1 and not explained(found):
         found, kept = search_from_common(found, kept, logged, say, seed)
     searched = found.chosen.model.effects

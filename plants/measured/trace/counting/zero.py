@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from plants.effects.regulator.dead_time import DeadTime
 from plants.effects.regulator.fill_exhaust import PressureDependentRates
+from plants.effects.regulator.leak import SealedLeak
+from plants.effects.regulator.regulator_curvature import Hyperbola
 from plants.effects.regulator.regulator_deadband import LeastPressure
 from plants.measured.campaigns.begin import Begin, first_rows
 from plants.measured.campaigns.campaign import Campaign
@@ -40,6 +42,9 @@ bent, as by a supply that gives no more, and says nothing of its zero."""
 
 FLAT = 0.8
 """Share of the mean square below which a pressure is taken to be level under the smallest commands."""
+
+BENT = 0.7
+"""Share of the mean square below which the pressure is taken to be a curve over the command."""
 
 CERTAIN = 3.0
 """Times its standard error that the zero has to be off."""
@@ -115,6 +120,9 @@ def counted(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
         bent = model.with_values({"gain": level.gain}).plus(LeastPressure, least)
         flat = _fitted(bent, level.offset, span)
         found = flat if flat.chi2 < FLAT * found.chi2 else found
+    bowed = model.plus(SealedLeak, {"rate": 1e-4}).plus(Hyperbola, {"curvature": 0.1})
+    curved = _fitted(bowed, seen.offset, span)
+    found = curved if curved.chi2 < BENT * found.chi2 else found
     x, problem = found.vector, found.problem
     offset = float(x[-1])
     ends = [end for r in logged for end in (float(r.command.min()), float(r.command.max()))]

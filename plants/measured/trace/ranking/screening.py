@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.effects import EFFECTS, in_order
 from plants.measured.fitting.problem import WILD
 from plants.measured.fitting.stage import Form
 from plants.measured.trace.ranking.proposals import trials
@@ -87,18 +88,25 @@ class Screen:
     @cached_property
     def plain(self) -> Array:
         """The channel of the declared wrist at the model's values, without any effect, (rows,)."""
-        found: Array = self.model.stage.simulate(self.model.values)[::THIN, 0]
+        return self._with(())
+
+    def _with(self, beside: tuple[Form, ...]) -> Array:
+        """The same with some effects of the model, (rows,)."""
+        found: Array = self.model.stage.simulate(self.model.values, beside)[::THIN, 0]
         return found
 
     def responses(self, form: Form, grid: Sequence[Mapping[str, float]]) -> Array:
         """Change of the channel over the noise by a form at each point of a grid, (rows, points).
 
-        The form is tried alone: how it would act together with the effects that
-        the model has already is of second order, and needs no new machine code.
+        The form is tried alone: how it would act together with the effects that the model has already is of
+        second order, and needs no new machine code.  Not so laws of the joint: friction does one thing to a
+        mass and another to a lag.
         """
         more = {f"{form.NAME}.{n}": np.array([g[n] for g in grid]) for n in grid[0]}
-        simulated = self.model.stage.simulate({**self.model.values, **more}, (form,))[::THIN]
-        found: Array = (simulated - self.plain[:, None]) / self.model.stage.noise
+        beside = tuple(f for f in self.model.forms if f.JOINT) if form.JOINT else ()
+        simulated = self.model.stage.simulate({**self.model.values, **more}, in_order((*beside, form)))
+        plain = self._with(beside) if beside else self.plain
+        found: Array = (simulated[::THIN] - plain[:, None]) / self.model.stage.noise
         wild = ~np.isfinite(found).all(axis=0) | (np.abs(found).max(axis=0) > WILD)
         found[:, wild] = 0.0
         return found
@@ -192,10 +200,10 @@ def around(
 def screen(model: Model, names: Iterable[str], seed: int = 0, refine: bool = True) -> list[Ranked]:
     """All forms of the effects named, those that explain most first; with `refine` those of the best few
     effects at values that were looked for around the best of their grids."""
-    from plants.effects import EFFECTS
-
     held = Screen(model, seed)
-    tried = sorted((held.tried(f) for n in names for f in EFFECTS[n]), key=lambda t: -t[0].drop)
+    massive = any(f.JOINT for f in model.forms)
+    forms = (f for n in names for f in EFFECTS[n] if not (f.MASSLESS and massive))
+    tried = sorted(map(held.tried, forms), key=lambda t: -t[0].drop)
     best = list(dict.fromkeys(r.name for r, _ in tried))[: CONTENDERS if refine else 0]
     found = [held.refined(r, seen) if r.name in best else r for r, seen in tried]
     return sorted(found, key=lambda r: -r.drop)

@@ -20,6 +20,9 @@ MOST = 3
 """Effects that a stage may be given; beyond that a description is more honest than a list of causes.  One of
 several parts that has some to begin with may be given as many for each part."""
 
+NEXT = 3
+"""Candidates of a round that are tried in other forms where the best of them is not worth it."""
+
 BEAM, BEAM_REACH = 2, 5.0
 """Models that a round starts from, and how much worse than the best the others may be."""
 
@@ -54,7 +57,7 @@ def search(
         if taken is None and not now.model.forms:
             taken, candidates = only_together(scope, candidates)
         if taken is None:
-            taken = common_at_least(now, candidates)
+            taken = _in_other_forms(scope, now, candidates[1:NEXT]) or common_at_least(now, candidates)
         rounds.append(SearchRound(now, ranking, tuple(candidates), taken, borrowed))
         if taken is None:
             break
@@ -65,6 +68,22 @@ def search(
         rounds.append(exchange)
         now = now if exchange.taken is None else pruned(exchange.taken, first)
     return EffectSearch(tuple(rounds), now, first)
+
+
+def _in_other_forms(scope: Scope, now: Candidate, others: Sequence[Candidate]) -> Candidate | None:
+    """The first of some candidates beyond a model that is worth it once each of its effects was tried in its
+    other forms; None for none, or for a model without an effect.
+
+    A form that was chosen while another effect was missing may be the wrong one beside it: a lag of a tube
+    that stands in for a dead band leaves it little to explain.
+    """
+    if not now.model.forms or not now.lacks_something:
+        return None
+    for c in others:
+        found = reformed(c, scope.asked)
+        if found is not c and worth_it(now, found, scope.declared):
+            return freed(found)
+    return None
 
 
 def search_from_common(

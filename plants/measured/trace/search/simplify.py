@@ -65,6 +65,15 @@ def _both(found: Candidate) -> float:
     return float(np.sqrt(found.model.freely.chi2)) * (found.over_recordings or 1.0)
 
 
+def started_anew(now: Candidate) -> Candidate:
+    """A model that leaves something, with each effect of many minima fitted once more from its trial values,
+    beside all others: it was when others were missing, which left it in a minimum that is not the lowest."""
+    for form in now.model.forms:
+        if form.RUGGED and now.lacks_something:
+            now = min(now, *_in_forms(now, form.NAME, [form]), key=lambda c: c.model.chi2)
+    return now
+
+
 def simplest(now: Candidate) -> Candidate:
     """Each effect in the form with fewest parameters among those that do equally well."""
     for form in now.model.forms:

@@ -15,7 +15,7 @@ OTHER_FORM = 2.0
 """Times what one form of an effect brings that another may: an effect that brings less than the least over
 this is not tried in its other forms."""
 
-LEAVES = 0.1
+LEAVES = 0.2
 """Share that two effects tried together may leave, on rows left out, of what the declared model leaves above
 the noise: of many pairs some fit nearly anything by half."""
 
