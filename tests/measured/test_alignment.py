@@ -13,6 +13,7 @@ from plants.measured.instrument.alignment import delay_between, in_step
 from plants.measured.instrument.logger import corrected
 from plants.measured.instrument.offsets import offsets_between
 from plants.measured.instrument.stated import StatedHabits
+from plants.measured.residual.stillness import noise_of_campaign
 from plants.measured.trace.start import starting
 from tests.measured.conftest import DECLARATION
 from tests.rig.soft.drawn import recordings, soft_actuator
@@ -86,6 +87,14 @@ def test_in_step_reads_no_finer_than_the_sensor(plain, delay):
     assert resolution(back.angle) == pytest.approx(0.25)
     between = np.interp(back.time + delay, r.time, r.angle)
     assert np.abs(back.angle - between).max() < 0.126
+
+
+@pytest.mark.parametrize(("delay", "share"), [(0.1, 1.0), (0.105, 0.5**0.5)])
+def test_between_rows_noise_is_that_of_a_mean_of_two(plain, delay, share):
+    """From row to row such means differ by less than the noise of each."""
+    noise = np.random.default_rng(5).normal(0.0, 0.2, len(plain.fit[0].time))
+    back = in_step(replace(plain.fit[0], angle=noise), "angle_deg", delay)
+    assert noise_of_campaign([back], "angle_deg") == pytest.approx(0.2 * share, rel=0.05)
 
 
 def test_the_delay_of_an_angle_is_the_rigs_unless_the_logger_is_stated_to_be_late(plain):

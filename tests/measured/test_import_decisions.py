@@ -149,6 +149,19 @@ def test_a_log_is_cut_where_the_command_comes_home_and_at_gaps_and_not_within_a_
     assert [len(r.time) > 1000 for r in made.runs] == [True] * 3
 
 
+def test_a_rest_amid_the_range_cuts_only_the_log_that_is_alone(tmp_path):
+    """What a rig with friction remembers there is not what it began with."""
+    time = 0.01 * np.arange(6000)
+    swing = np.sin(0.4 * np.pi * time)
+    rests = np.where((time > 27.5) & (time < 32.5), 0.0, swing)
+    logs = [
+        csv(tmp_path / f"{n}.csv", {"time_s": time, "u_V": u, "angle_deg": 4.0 * u})
+        for n, u in (("first", rests), ("second", swing))
+    ]
+    assert len(import_logs(logs[:1], {}).runs) == 2
+    assert len(import_logs(logs, {}).runs) == 2
+
+
 def test_a_camera_that_skips_frames_is_one_run_whose_rate_is_told(tmp_path):
     rng, time = np.random.default_rng(4), 0.01 * np.arange(6000)
     at = np.rint(np.arange(1790) * 100.0 / 30.0).astype(int)  # rows on which frames fall, 3 or 4 apart

@@ -68,6 +68,25 @@ def test_a_pressure_that_is_asked_for_is_the_command(tmp_path):
     assert [roles[r].channel for r in ("command", "pressure", "angle")] == ["dp_ref", "dp", "enc"]
 
 
+@pytest.mark.parametrize("asked", ["pset_flex [bar]", "Pd_flex [bar]", "p1_des [bar]", "pd1", "p1_des"])
+def test_beside_the_reference_of_an_angle_a_pressure_that_is_asked_for_is_the_command(tmp_path, asked):
+    reference = np.roll(np.round(STEPS.angle), -30)
+    columns = {"t": STEPS.time, "q_ref": reference, "q_enc": STEPS.angle, asked: STEPS.command}
+    measured = {"P_flex [bar]": STEPS.pressure / 100.0, "P_ext [bar]": 2.0 - STEPS.pressure / 100.0}
+    roles, _ = imported(tmp_path, columns | measured)
+    assert asked.startswith(roles["command"].channel)
+    assert (roles["reference"].channel, roles["angle"].channel) == ("q_ref", "q_enc")
+    assert roles["pressure"].channel == "P_flex"
+
+
+@pytest.mark.parametrize(("unit", "per_kpa"), [("mbar abs", 10.0), ("psia", 1.0 / 6.894757293168)])
+def test_a_unit_may_say_that_a_pressure_counts_from_vacuum(tmp_path, unit, per_kpa):
+    columns = {"time": STEPS.time, f"p_ist [{unit}]": per_kpa * ABOVE} | USUAL
+    roles, found = imported(tmp_path, columns)
+    assert roles["pressure"].absolute
+    np.testing.assert_allclose(found.pressure, ABOVE - ATMOSPHERE, atol=1e-6)
+
+
 @pytest.mark.parametrize(
     ("name", "per_second"),
     [("millis", 1e3), ("ms", 1e3), ("time_ms", 1e3), ("t_millis", 1e3), ("timestamp_us", 1e6),

@@ -1,5 +1,6 @@
 """Units as recorders write them, into those of the rig: by pint."""
 
+import re
 from functools import cache
 from typing import Any
 
@@ -22,6 +23,11 @@ SUCH = {
 }  # fmt: skip
 """Units of each role that an error proposes; every other that pint knows is understood."""
 
+
+FROM_VACUUM = re.compile(
+    r"(?:[ _]?[(\[]?abs(?:ol?ut\w*)?\.?[)\]]?|(?<=psi|bar)[(\[]?a[)\]]?)$", re.IGNORECASE
+)
+"""The end of a unit of pressure that says that it counts from vacuum."""
 
 COUNTED = {"counts": "counts", "count": "counts", "lsb": "counts", "ticks": "counts"}
 MOVED = {"mm": "mm", "cm": "cm", "um": "um", "µm": "um", "μm": "um", **COUNTED}
@@ -56,6 +62,15 @@ def quantity(unit: str) -> str | None:
             # To pint an angle has no dimension, as a share has none.
             return kind if kind != "angle" or "radian" in str(_base(parsed)) else "other"
     return "other"
+
+
+def counts_from_vacuum(unit: str) -> bool:
+    """Whether a unit says that a pressure counts from vacuum.
+
+    >>> [u for u in ("mbar abs", "psia", "bar(a)", "kPa_absolute", "bar", "psig") if counts_from_vacuum(u)]
+    ['mbar abs', 'psia', 'bar(a)', 'kPa_absolute']
+    """
+    return bool(FROM_VACUUM.search(unit.strip())) and quantity(unit) == "pressure"
 
 
 def kept(unit: str, role: str) -> str:
@@ -96,7 +111,8 @@ def _parsed(unit: str) -> Any:
     said = unit.strip()
     if not said:
         return None
+    plain = FROM_VACUUM.sub("", said)
     try:
-        return _registry().Unit(SPELLED.get(said.lower(), said))
+        return _registry().Unit(SPELLED.get(plain.lower(), plain))
     except Exception:  # pint raises of many kinds for what is no unit, down to the tokenizer's
         return None

@@ -55,9 +55,9 @@ def import_logs(
     step = float(f"{max(steps_of(log, found) for log in logs):.4g}")
     made: list[Run] = []
     for log in logs:
-        own = runs(
-            log, {n: r for n, r in found.items() if set(r.channels) <= {c.name for c in log.channels}}, step
-        )
+        there = {c.name for c in log.channels}
+        logged = {n: r for n, r in found.items() if set(r.channels) <= there}
+        own = runs(log, logged, step, alone=len(logs) == 1)
         stem = file_name(log.path.resolve().stem)
         made += [
             replace(r, name=f"{stem}-{i}.csv" if len(own) > 1 else f"{stem}.csv")

@@ -7,10 +7,13 @@ from plants.measured.formats.units import KEPT, quantity
 DURATION = r"(?:milli|micro|nano|m|u|µ|n)s(?:ec(?:ond)?s?)?|sec(?:ond)?s?"
 """Units of time that may be a whole name, as ``millis`` of a microcontroller."""
 
+ASKED = r"^d?p(?:d|set|des|soll|cmd)\d*(?:_|$)|^d?p\d*_(?:d|set|des|soll|cmd|ref)(?:_|$)"
+"""A pressure that is asked for, of a regulator."""
+
 HINTS = {
     "time_s": rf"^t$|time|stamp|zeit|^(?:{DURATION})$",
-    "reference_deg": r"ref|set.?point|target|desired|soll|^[rw]$|^sp$",
-    "command_V": r"command|cmd|volt|dac|duty|pwm|^u$|input|_v$|stell|spannung|plunger",
+    "reference_deg": r"ref|set.?point|target|desired|soll|_des$|^[rw]$|^sp$",
+    "command_V": rf"command|cmd|volt|dac|duty|pwm|^u$|input|_v$|stell|spannung|plunger|{ASKED}",
     "pressure_kPa": r"press|kpa|hpa|bar|psi|^p\d?$|druck",
     "angle_deg": r"angle|theta|bend|deg|rad|posit|\bpos|_pos|flex|^y$|output|winkel|^enc|displ|^weg\b",
 }

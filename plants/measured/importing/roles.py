@@ -18,7 +18,7 @@ from plants.measured.formats.channel import Array, LoggedChannel
 from plants.measured.formats.columns import ATMOSPHERE
 from plants.measured.formats.units import AS_THEY_ARE, KINDS, factor, kept, quantity
 from plants.measured.importing.lead import lead
-from plants.measured.importing.names import HINTS, LENGTHS
+from plants.measured.importing.names import ASKED, HINTS, LENGTHS
 from plants.measured.importing.orientation import orientations
 from plants.measured.importing.pressure_zero import above_vacuum, counts_from_vacuum, deepens, of_air
 
@@ -162,7 +162,10 @@ def _options(points: Mapping[str, float], role: str) -> list[str | None]:
 def _points(role: str, channel: LoggedChannel) -> float:
     """How much name, unit and noise of a channel speak for a role."""
     points = 0.0
-    hinted = [r for r, column in ROLES.items() if re.search(HINTS[column], channel.name.lower())]
+    name = channel.name.lower()
+    hinted = [r for r, column in ROLES.items() if re.search(HINTS[column], name)]
+    if role == "command" and re.search(ASKED, name):  # of the pressure, not of the angle
+        hinted = [role]
     if role in hinted:
         points += NAMED if hinted[0] == role else ALSO_NAMED
     kind = quantity(channel.unit) if channel.unit else None

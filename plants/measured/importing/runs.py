@@ -22,6 +22,9 @@ REST = 2.0
 LONGER = 1.5
 """How much longer a rest has to be than those at other values."""
 
+AT_END = 0.1
+"""Share of the command's range within which a value is at an end of it."""
+
 SHORTEST, FEWEST = 3.0, 100
 """Length [s] and rows that a run has to have."""
 
@@ -42,10 +45,11 @@ class Run:
     ends: str
 
 
-def runs(log: Log, found: Mapping[str, Role], step: float) -> list[Run]:
+def runs(log: Log, found: Mapping[str, Role], step: float, alone: bool = True) -> list[Run]:
     """The runs of a log: cut at gaps, and where the command rests at the value that it began with.
 
-    step [s]: sample time of the campaign.
+    step [s]: sample time of the campaign; alone: whether there is no other log, so that a rest amid the range
+    of the command ends a run too.  Of what begins there nobody knows what the rig remembers.
     Raises InputError for channels that were not logged at the same time, and where no run is long enough.
     """
     named = {c.name: c for c in log.channels}
@@ -64,7 +68,7 @@ def runs(log: Log, found: Mapping[str, Role], step: float) -> list[Run]:
     }
     empty = {c.name: _empty(c, time) for c in mapped if c.name not in held}
     empty = {n: lacking | _in_gaps(named[n], time) for n, lacking in empty.items()}
-    cuts = _gaps(mapped, time, empty) + _rests(lines[command], time)
+    cuts = _gaps(mapped, time, empty) + _rests(lines[command], time, alone)
     made = []
     edges = [(0, ""), *sorted(cuts), (len(time), "the log ends")]
     for (first, _), (last, why) in pairwise(edges):
@@ -171,9 +175,13 @@ def _gaps(mapped: Sequence[LoggedChannel], time: Array, empty: Mapping[str, Rows
     return found
 
 
-def _rests(command: Array, time: Array) -> list[tuple[int, str]]:
+def _rests(command: Array, time: Array, amid: bool) -> list[tuple[int, str]]:
     """Rows within the rests of the command at the value that it began with: the next run begins there, with
-    half of the rest before it.  Treads of a staircase are rests too: one at home is no longer than others."""
+    half of the rest before it.  Treads of a staircase are rests too: one at home is no longer than others.
+    amid: whether that value may be amid the range."""
+    to_end = min(command[0] - np.min(command), np.max(command) - command[0])
+    if to_end > AT_END * np.ptp(command) and not amid:
+        return []
     near = np.abs(np.diff(command)) <= 1e-3 * np.ptp(command)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], near.astype(np.int8), [0]])))
     spans = [

@@ -35,6 +35,9 @@ OVER = 0.3
 """Angles are compared by what they change within so many seconds: of their timing rather than of the loop's
 curve, which a guess does not know."""
 
+WHOLE = 0.05
+"""Rows by which a delay may differ from whole ones and be taken for them."""
+
 SURE = 0.8
 """Share of the error of the best joint without a delay below which what a delay leaves makes it one."""
 
@@ -118,10 +121,18 @@ def _lowest(three: Sequence[float]) -> float:
 
 def in_step(recording: Recording, channel: str, delay: float) -> Recording:
     """A recording whose channel was logged late by a delay [s], with its values at the times when they were;
-    rows at the end, whose values were never written, are left out."""
+    rows at the end, whose values were never written, are left out.
+
+    Between two rows the value is a mean of both, and its neighbour shares one of them: then every other row
+    counts, since noise that is alike from row to row looks like less of it."""
     field = {"angle_deg": "angle", "pressure_kPa": "pressure"}[channel]
     values = getattr(recording, field)
     if values is None or delay <= 0.0 or recording.time[-1] - recording.time[0] < 2.0 * delay:
         return recording
     moved: Any = in_steps(np.interp(recording.time + delay, recording.time, values), values)
-    return replace(recording, **{field: moved}).until(float(recording.time[-1] - delay) + 1e-9)
+    rows = delay / float(np.median(np.diff(recording.time)))
+    renewed = recording.renewed
+    if abs(rows - round(rows)) > WHOLE and not recording.held(channel):
+        renewed = {**renewed, channel: recording.fresh(channel) & (np.arange(len(values)) % 2 == 0)}
+    found = replace(recording, **{field: moved}, renewed=renewed)
+    return found.until(float(recording.time[-1] - delay) + 1e-9)

@@ -17,9 +17,11 @@ from numpy.typing import NDArray
 from plants.measured.campaigns.campaign import Campaign
 from plants.measured.campaigns.recording import Recording
 from plants.measured.fitting.noise import noise_floor, resolution
+from plants.measured.guess.rough_models import extent
 from plants.measured.instrument.alignment import delay_between, in_step
 from plants.measured.instrument.missing import lines_between, spikes
 from plants.measured.instrument.offsets import offsets_between
+from plants.measured.instrument.pressure_offsets import SAME, pressure_offsets
 from plants.measured.instrument.remark import Habit, Remark
 from plants.measured.instrument.renewals import interval, renewals
 from plants.measured.instrument.saturation import REST_ROWS, ranged
@@ -41,7 +43,11 @@ LOUD = 3.0
 """Times its noise that an angle at rest has to be off to be offset: a sinusoid may be off by less."""
 
 AT_REST = 1.0
-"""Largest angle [deg] at rest that is taken for an offset: what is further off starts elsewhere."""
+"""Largest angle [deg] at rest that is taken for an offset, where recordings do not begin under one command:
+what is further off starts elsewhere."""
+
+OFF = 0.1
+"""Share of the angle's range up to which an angle at rest is taken for an offset."""
 
 CERTAIN = 5.0
 """Times its standard error that the slope of an angle at rest has to be for the sensor to drift."""
@@ -60,6 +66,8 @@ def corrected(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     campaign = _in_step(campaign, remarks)
     for channel, by_file in campaign.logger.offsets.items():
         campaign = _taken_off(campaign, channel, by_file, remarks, True)
+    if "pressure_kPa" not in campaign.logger.offsets:
+        campaign = _taken_off(campaign, "pressure_kPa", pressure_offsets(campaign), remarks)
     if "angle_deg" not in campaign.logger.offsets:
         if campaign.start == "rest":
             campaign = _without_offsets(campaign, remarks)
@@ -186,6 +194,7 @@ def counted_from(campaign: Campaign, zero: Zero) -> Campaign:
 
 def _without_offsets(campaign: Campaign, remarks: list[Remark]) -> Campaign:
     off: dict[str, float] = {}
+    most = _largest_offset(campaign)
 
     def taken(r: Recording) -> Recording:
         if r.angle is None or r.other_pressure is not None:
@@ -199,7 +208,7 @@ def _without_offsets(campaign: Campaign, remarks: list[Remark]) -> Campaign:
             return r
         middle, first = _at_rest(r.angle[:rows][own[:rows]])
         least = max(LOUD * noise_floor(r.angle[own]), resolution(r.angle[own]))
-        if least < min(abs(middle), abs(first)) and abs(first) < AT_REST:
+        if least < min(abs(middle), abs(first)) and abs(first) < most:
             off[r.name] = first
         return r
 
@@ -209,6 +218,16 @@ def _without_offsets(campaign: Campaign, remarks: list[Remark]) -> Campaign:
     if not off or np.ptp(values) < 0.5 * float(np.max(np.abs(values))):
         return campaign
     return _taken_off(campaign, "angle_deg", off, remarks)
+
+
+def _largest_offset(campaign: Campaign) -> float:
+    """The largest angle [deg] that is taken for an offset: a share of its range, where all recordings begin
+    under one command."""
+    first = [float(r.command[0]) for r in campaign.recordings]
+    angles = [r.angle for r in campaign.recordings if r.angle is not None]
+    if not angles or np.ptp(first) > SAME * np.ptp(extent([r.command for r in campaign.recordings])):
+        return AT_REST
+    return max(AT_REST, OFF * float(np.ptp(extent(angles))))
 
 
 def _at_rest(angle: Array) -> tuple[float, float]:

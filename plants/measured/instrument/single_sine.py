@@ -10,6 +10,10 @@ SINGLE = 0.7
 """Share of a command's power in one line from which on it is a single sine, or a wave of that period."""
 
 
+FEWEST = 1.75
+"""Periods of a sine that is told from what goes up and down once, as a staircase does."""
+
+
 def only_sines(recordings: Sequence[Recording]) -> bool:
     """Whether each of some recordings has a single sine for a command; False where there is none."""
     return bool(recordings) and all(line(r) is not None for r in recordings)
@@ -33,6 +37,6 @@ def line(recording: Recording) -> tuple[float, float] | None:
     k = int(np.argmax(power[1:])) + 1
     reach = 2 * size // n  # half the main lobe of the window
     inside = power[max(k - reach, 0) : k + reach + 1].sum()
-    if k < size // n or inside < SINGLE * power.sum():
+    if k < FEWEST * size / n or inside < SINGLE * power.sum():
         return None
     return k / (size * dt), 1.0 / (n * dt)
