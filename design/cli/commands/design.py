@@ -95,6 +95,7 @@ def command(
     out.mkdir(parents=True, exist_ok=True)
     with progress("design") as tell:
         study = design_study(given, out, effort, taken, seed, jobs, tell)
+    shown(study.motions[0].plant)  # a rig that was guessed from its log has the log's units
     for motion in study.motions:
         _write_gains(out, motion)
         _export(out, motion)
