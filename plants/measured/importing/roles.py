@@ -164,8 +164,8 @@ def _points(role: str, channel: LoggedChannel) -> float:
     points = 0.0
     name = channel.name.lower()
     hinted = [r for r, column in ROLES.items() if re.search(HINTS[column], name)]
-    if role == "command" and re.search(ASKED, name):  # of the pressure, not of the angle
-        hinted = [role]
+    if re.search(ASKED, name):  # of the pressure, not of the angle
+        hinted = ["command"]
     if role in hinted:
         points += NAMED if hinted[0] == role else ALSO_NAMED
     kind = quantity(channel.unit) if channel.unit else None

@@ -62,8 +62,8 @@ class Remark:
                         "the middle of its range, so that steps go either way. The revised plant keeps this."
                     )
                 said = (
-                    f"A straight line of the pressure over the command meets a command of zero at "
-                    f"{self.value:.4g} kPa; the pressure is counted from there. The revised plant keeps this."
+                    f"Under a command of zero the pressure is {self.value:.4g} kPa, by a fit of the "
+                    "regulator; it is counted from there. The revised plant keeps this."
                 )
                 return (
                     f"{said}{UNDER_SINES.format('unequal rates move the mean too')}"
