@@ -241,7 +241,8 @@ def _begins(recordings: Sequence[Recording], campaign: Campaign, start: Paramete
             begin = first_begin(r, rest, start.rig)
             warnings.warn(
                 f"{campaign.name}/{r.name}: starts at {begin.pressure:.4g} kPa and {begin.angle:.3g} deg, "
-                f'not at rest at {rest:g} kPa; set start = "unknown", or map the column with an offset',
+                f"not at rest at {rest:.4g} kPa and {start.rig.zero.rest:g} deg; "
+                'set start = "unknown", or map the column with an offset',
                 InputWarning,
                 stacklevel=3,
             )
