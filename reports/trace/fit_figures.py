@@ -125,7 +125,8 @@ def draw_series(trace: Trace, channel: str) -> "Figure":
         signal.plot(time[every], truth[every], **MEASURED)
         for simulated, look in sides:
             signal.plot(time[every], simulated[every], **look)
-        signal.legend(loc="best", ncols=3)
+        # Below all panels: a recording that fills its panel leaves no room for it there.
+        figure.legend(*signal.get_legend_handles_labels(), loc="outside lower center", ncols=3)
         for panel, (simulated, look) in zip(residuals, sides, strict=True):
             if panel is not residuals[0]:
                 panel.sharey(residuals[0])  # one scale for before and after
