@@ -91,7 +91,7 @@ draw_fit(fit)
 #
 # ## What is missing
 #
-# `trace_campaign` has 17 effects. At each stage it ranks the effects that act there by how much of the
+# `trace_campaign` has 18 effects. At each stage it ranks the effects that act there by how much of the
 # residual each could explain beyond a refit, refits the best few, and selects one only if it reduces the
 # error on held-out blocks of time.
 
@@ -279,7 +279,7 @@ shown(errors_before_and_after(arm.trace)) if outcomes else None
 # valid. Where the missing effect is in the library, as in the synthetic campaign, it was identified, and
 # the error on held-out recordings fell to the noise. Where it is not, as on both real rigs, the verdict
 # was "unexplained", with the variables that the residual depends on. Do not tune on a plant with such a
-# residual. You cannot conclude that a named effect is the cause: it is the one of 17 that explains these
+# residual. You cannot conclude that a named effect is the cause: it is the one of 18 that explains these
 # recordings, and effects that they do not excite are listed. Nor does success on a synthetic campaign,
 # whose simulator is independent but whose authors are not, show how often real rigs will be explained: of
 # the two here, none was.
