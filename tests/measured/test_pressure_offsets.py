@@ -19,21 +19,13 @@ def campaign(request):
     return load_campaign(EXAMPLES / request.param)
 
 
-def each(campaign, change):
-    return replace(
-        campaign,
-        fit=tuple(change(i, r) for i, r in enumerate(campaign.fit)),
-        validate=tuple(change(5 + i, r) for i, r in enumerate(campaign.validate)),
-    )
-
-
 def test_pressures_of_one_zero_have_no_offset(campaign):
     assert pressure_offsets(campaign) == {}
 
 
 def test_offsets_that_stay_are_found_about_their_mean_and_taken_off(campaign):
-    given = np.random.default_rng(2).uniform(-3.0, 3.0, 20)
-    moved = each(campaign, lambda i, r: replace(r, pressure=r.pressure + given[i]))
+    given = dict(zip(campaign.names, np.random.default_rng(2).uniform(-3.0, 3.0, 20), strict=False))
+    moved = campaign.each(lambda r: replace(r, pressure=r.pressure + given[r.name]))
     found = pressure_offsets(moved)
     assert len(found) >= 3
     assert "sine.csv" not in found  # which does not begin at rest
@@ -55,17 +47,18 @@ def test_offsets_that_stay_are_found_about_their_mean_and_taken_off(campaign):
 def test_a_pressure_that_only_begins_elsewhere_is_no_offset(campaign):
     """As where a dead band holds what was there before."""
 
-    def begun(i, r):
+    def begun(r):
         away = 3.0 * np.exp(-np.maximum(r.time - r.time[0] - 1.5, 0.0) / 0.5)
-        return replace(r, pressure=r.pressure + (away if i == 1 else 0.0))
+        return replace(r, pressure=r.pressure + (away if r.name == campaign.names[1] else 0.0))
 
-    assert pressure_offsets(each(campaign, begun)) == {}
+    assert pressure_offsets(campaign.each(begun)) == {}
 
 
 def test_recordings_under_other_first_commands_say_nothing(campaign):
-    def moved(i, r):
+    def moved(r):
+        i = campaign.names.index(r.name)
         command = r.command.copy()
         command[:90] += 0.5 * (i == 1)
         return replace(r, command=command, pressure=r.pressure + 2.0 * i)
 
-    assert pressure_offsets(each(campaign, moved)) == {}
+    assert pressure_offsets(campaign.each(moved)) == {}

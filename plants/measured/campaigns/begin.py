@@ -65,6 +65,16 @@ def first_rows(recording: Recording, rest_pressure: float = 0.0) -> tuple[float,
     return pressure, 0.0 if recording.angle is None else float(np.median(recording.angle[:3]))
 
 
+def rows_before_move(recording: Recording, by: float = 0.0) -> int:
+    """Rows of a recording before its command has moved by more than `by` [V]; all where it never does.
+
+    >>> rows_before_move(Recording("one", np.arange(4.0), np.array([2.0, 2.0, 2.5, 2.0])))
+    2
+    """
+    moved = np.abs(recording.command - recording.command[0]) > by
+    return int(np.argmax(moved)) if moved.any() else len(recording.time)
+
+
 def first_begin(recording: Recording, rest_pressure: float, rig: Rig) -> Begin:
     """The start that the first rows of a recording show; a wrist at rest is taken to be on the virgin
     curve."""

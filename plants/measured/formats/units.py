@@ -64,10 +64,10 @@ def quantity(unit: str) -> str | None:
     return "other"
 
 
-def counts_from_vacuum(unit: str) -> bool:
+def is_absolute(unit: str) -> bool:
     """Whether a unit says that a pressure counts from vacuum.
 
-    >>> [u for u in ("mbar abs", "psia", "bar(a)", "kPa_absolute", "bar", "psig") if counts_from_vacuum(u)]
+    >>> [u for u in ("mbar abs", "psia", "bar(a)", "kPa_absolute", "bar", "psig") if is_absolute(u)]
     ['mbar abs', 'psia', 'bar(a)', 'kPa_absolute']
     """
     return bool(FROM_VACUUM.search(unit.strip())) and quantity(unit) == "pressure"

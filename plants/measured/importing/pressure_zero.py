@@ -6,7 +6,7 @@ import numpy as np
 
 from plants.measured.formats.channel import LoggedChannel
 from plants.measured.formats.columns import ATMOSPHERE, is_vacuum
-from plants.measured.formats.units import counts_from_vacuum as of_unit
+from plants.measured.formats.units import is_absolute
 from plants.measured.importing.lead import lead
 
 BAROMETER, ALTITUDES = "hPa", (80.0, 106.0)
@@ -35,7 +35,9 @@ def counts_from_vacuum(channel: LoggedChannel) -> bool:
 
 
 def _named_absolute(channel: LoggedChannel) -> bool:
-    return of_unit(channel.unit) or bool(re.search(r"(?:^|[^a-z])abs(?:[^a-z]|$|ol)", channel.name.lower()))
+    return is_absolute(channel.unit) or bool(
+        re.search(r"(?:^|[^a-z])abs(?:[^a-z]|$|ol)", channel.name.lower())
+    )
 
 
 def of_air(channel: LoggedChannel, to_kpa: float) -> float:

@@ -45,7 +45,7 @@ class Run:
     ends: str
 
 
-def runs(log: Log, found: Mapping[str, Role], step: float, alone: bool = True) -> list[Run]:
+def runs(log: Log, found: Mapping[str, Role], step: float, alone: bool) -> list[Run]:
     """The runs of a log: cut at gaps, and where the command rests at the value that it began with.
 
     step [s]: sample time of the campaign; alone: whether there is no other log, so that a rest amid the range

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.campaigns.begin import rows_before_move
 from plants.measured.campaigns.campaign import Campaign
 from plants.measured.campaigns.recording import Recording
 from plants.measured.fitting.noise import noise_floor, resolution
@@ -199,9 +200,8 @@ def _without_offsets(campaign: Campaign, remarks: list[Remark]) -> Campaign:
     def taken(r: Recording) -> Recording:
         if r.angle is None or r.other_pressure is not None:
             return r
-        moved = np.flatnonzero(r.command != r.command[0])
-        rows = int(moved[0]) if len(moved) else 0
-        if rows < LOWEST:
+        rows = rows_before_move(r)
+        if rows < LOWEST or rows == len(r.time):
             return r
         own = r.fresh("angle_deg")
         if own[:rows].sum() < LOWEST:

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.campaigns.begin import rows_before_move
 from plants.measured.campaigns.campaign import Campaign
 from plants.measured.campaigns.recording import Recording
 from plants.measured.fitting.blocks import judged_blocks, lower
@@ -240,8 +241,7 @@ def _first_shown(r: Recording) -> int:
 
 def _first_rows(r: Recording) -> int:
     """How many rows tell where a recording begins."""
-    moved = np.abs(r.command - r.command[0]) > STILL * float(np.ptp(r.command))
-    still = len(r.time) if not moved.any() else int(np.argmax(moved))
+    still = rows_before_move(r, STILL * float(np.ptp(r.command)))
     return max(FIRST, min(still, int(np.searchsorted(r.time - r.time[0], RESTS))))
 
 

@@ -12,10 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.measured.campaigns.begin import rows_before_move
 from plants.measured.campaigns.campaign import Campaign
 from plants.measured.campaigns.recording import Recording
 from plants.measured.fitting.noise import noise_floor, resolution
-from plants.measured.guess.rough_models import extent, first_order, lagged, median_step, recorded
+from plants.measured.guess.rough_models import extent, first_order, lagged, recorded
 
 Array = NDArray[np.float64]
 
@@ -56,14 +57,11 @@ def pressure_offsets(campaign: Campaign) -> dict[str, float]:
     runs, rests = [r for r, _ in found], [rest for _, rest in found]
     read = np.array([rest.pressure for rest in rests])
     offsets = read - read.mean()
-    least = np.maximum([LOUD * rest.error for rest in rests], WORTH * float(np.ptp(extent(_pressures(runs)))))
+    span = float(np.ptp(extent([v for _, v, _ in recorded(runs, "pressure")])))
+    least = np.maximum([LOUD * rest.error for rest in rests], WORTH * span)
     if not np.any(np.abs(offsets) > least) or not _stay(runs, rests, offsets):
         return {}
     return {r.name: float(v) for r, v in zip(runs, offsets, strict=True)}
-
-
-def _pressures(runs: Sequence[Recording]) -> list[Array]:
-    return [r.pressure for r in runs if r.pressure is not None]
 
 
 def _rest(run: Recording, still: float) -> _Rest | None:
@@ -71,9 +69,8 @@ def _rest(run: Recording, still: float) -> _Rest | None:
     its command never moves or its pressure was not logged."""
     if run.pressure is None:
         return None
-    moved = np.flatnonzero(np.abs(run.command - run.command[0]) > still)
-    rows = int(moved[0]) if moved.size else 0
-    if rows < FEWEST or run.time[rows - 1] - run.time[0] < RESTS:
+    rows = rows_before_move(run, still)
+    if rows < FEWEST or rows == len(run.time) or run.time[rows - 1] - run.time[0] < RESTS:
         return None
     shown = run.pressure[:rows]
     halves = np.array_split(shown, 2)
@@ -86,13 +83,14 @@ def _rest(run: Recording, still: float) -> _Rest | None:
 def _stay(runs: Sequence[Recording], rests: Sequence[_Rest], offsets: Array) -> bool:
     """Whether a rough model of the regulator leaves as much less of what follows the rests, once the offsets
     are taken off, as offsets that stay would make it."""
-    follows = first_order(recorded(runs, "pressure"))
+    logged = recorded(runs, "pressure")
+    follows = first_order(logged)
     shapes, pressures, own = [], [], []
-    for r, rest, off in zip(runs, rests, offsets, strict=True):
-        shape = lagged(np.minimum(r.command, follows.most), median_step(r), follows.tau, follows.delay)
+    for (command, pressure, dt), rest, off in zip(logged, rests, offsets, strict=True):
+        shape = lagged(np.minimum(command, follows.most), dt, follows.tau, follows.delay)
         shapes.append(shape[rest.rows :])
-        pressures.append(np.asarray(r.pressure)[rest.rows :])
-        own.append(np.full(len(r.time) - rest.rows, off))
+        pressures.append(pressure[rest.rows :])
+        own.append(np.full(len(pressure) - rest.rows, off))
     x, y, off = (np.concatenate(parts) for parts in (shapes, pressures, own))
     if np.ptp(x) == 0.0:
         return False

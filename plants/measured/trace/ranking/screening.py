@@ -201,8 +201,8 @@ def screen(model: Model, names: Iterable[str], seed: int = 0, refine: bool = Tru
     """All forms of the effects named, those that explain most first; with `refine` those of the best few
     effects at values that were looked for around the best of their grids."""
     held = Screen(model, seed)
-    massive = any(f.JOINT for f in model.forms)
-    forms = (f for n in names for f in EFFECTS[n] if not (f.MASSLESS and massive))
+    taken = any(f.JOINT for f in model.forms)  # the place of the joint
+    forms = (f for n in names for f in EFFECTS[n] if not (f.MASSLESS and taken))
     tried = sorted(map(held.tried, forms), key=lambda t: -t[0].drop)
     best = list(dict.fromkeys(r.name for r, _ in tried))[: CONTENDERS if refine else 0]
     found = [held.refined(r, seen) if r.name in best else r for r, seen in tried]
