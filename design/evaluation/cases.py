@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from design.evaluation import metrics
 from design.evaluation.runner import Lanes
-from design.evaluation.tasks import CALM, Judged, Task
+from design.evaluation.tasks import Judged, Task, calm
 from plants.equilibrium import holding_command, obstacle
 from plants.kernel import pytrees
 from plants.simulation.disturbance import BEFORE, at_rest, burdened
@@ -38,26 +38,33 @@ class Case:
         """Whether the step that is judged is the rig's: of its size, between 0 and that, begun calmly and not
         a mere load."""
         t, ends = self.task, {0.0, self.wrist.rig.task.step}
-        calm = len(t.references) == 1 or t.holds[-2] >= CALM[0]
-        return {abs(t.before), abs(t.reference)} == ends and calm and t.load_at < 0.0
+        calmly = len(t.references) == 1 or t.holds[-2] >= calm(self.wrist.rig)[0]
+        return {abs(t.before), abs(t.reference)} == ends and calmly and t.load_at < 0.0
 
     @property
     def name(self) -> str:
-        """In words: a step by itself as ``0 to +15 deg from line1, nominal plant``, others as ``0, +15
-        (0.8 s), -10 deg from line2, nominal plant, 40 ms of dead time``."""
-        t, asked = self.task, self._asked()
+        """In words: a step by itself as ``0 to +15 deg from line1, nominal plant``, others as ``+15 for 0.8
+        s, then -10 deg, from line2, nominal plant, 40 ms of dead time``."""
+        t, unit = self.task, self.wrist.rig.units.angle
         more = f", {1000 * self.dead_time:.3g} ms of dead time" if self.dead_time else ""
-        more += f", load {t.load:+.3g} {self.wrist.rig.units.angle}" if t.load else ""
+        more += f", load {t.load:+.3g} {unit}" if t.load else ""
         more += f" after {t.load_at:.3g} s" if t.load and t.load_at >= 0.0 else ""
-        return f"{asked} {self.wrist.rig.units.angle} from {t.start}, {self.plant} plant{more}"
+        return f"{self._asked(unit)}, {self.plant} plant{more}"
 
-    def _asked(self) -> str:
+    def _asked(self, unit: str) -> str:
         t = self.task
         if t.judged == "own band" and len(t.references) == 1:
-            return f"{t.angle:+g} to {t.reference:+g}".replace("+0", "0")
-        steps = [f"{t.angle:+.3g}".replace("+0", "0")]
-        steps += [f"{r:+.3g} ({h:.3g} s)" for r, h in zip(t.references[:-1], t.holds[:-1], strict=True)]
-        return ", ".join([*steps, f"{t.reference:+.3g}"])
+            return f"{_signed(t.angle)} to {_signed(t.reference)} {unit} from {t.start}"
+        held = zip(t.references[:-1], t.holds[:-1], strict=True)
+        steps = [f"{_signed(r)} for {h:.3g} s" for r, h in held]
+        begin = f"{_signed(t.angle)} {unit}, {t.start}" if t.angle else t.start
+        last = f"{_signed(t.reference)} {unit}, from {begin}"
+        return ", ".join([*steps, f"then {last}" if steps else last])
+
+
+def _signed(angle: float) -> str:
+    """An angle with its sign, of which 0 has none."""
+    return f"{angle:+.3g}" if angle else "0"
 
 
 def stack(cases: Iterable[Case]) -> Lanes:

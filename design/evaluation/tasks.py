@@ -27,6 +27,21 @@ FAMILIES = ("steps", "return", "staircase", "load step")
 """Families of tasks that run side by side."""
 
 
+def calm(rig: Rig) -> tuple[float, float]:
+    """How long [s] the reference before the last is held, shortest and longest, where the last step is to
+    begin calmly.
+
+    A step that begins in full motion overshoots by what the wrist has of it, under any gains: 150 % of a step
+    of 5 deg were found where it might begin after 0.3 s.  What is left after 3 s is the slow end of the
+    motion, and memory; a rig that is slower says so by a longer hold.
+
+    >>> from plants.rig import built_in_rig
+    >>> calm(built_in_rig())
+    (3.0, 5.0)
+    """
+    return CALM * rig.task.hold, rig.task.hold
+
+
 def stairs(rig: Rig) -> tuple[float, ...]:
     """References of the staircase [deg]."""
     return tuple(float(np.round(share * rig.task.step, 12)) for share in STAIRS)
@@ -55,11 +70,8 @@ Judged = Literal["own band", "task band", "stairs"]
 """How a task is judged: its last step by itself; likewise, but settled in the band of the step of the rig's
 task; or references one by one, all relative to the step of the rig's task."""
 
-CALM = (3.0, 5.0)
-"""How long [s] the reference before the last is held, shortest and longest, where the last step is to begin
-calmly.  A step that begins in full motion overshoots by what the wrist has of it, under any gains: 150 % of a
-step of 5 deg were found where it might begin after 0.3 s.  What is left after 3 s is the slow end of the
-motion, and memory."""
+CALM = 0.6
+"""Share of the time for which a rig holds the first angle of a return, see `calm`."""
 
 
 @dataclass(frozen=True)

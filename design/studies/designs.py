@@ -130,8 +130,11 @@ def _cascade(
     jobs: int | None,
     tell: Tell,
 ) -> dict[str, dict[str, Any]]:
-    """A cascade with the measured pressure inside under the same requirement, from the cases of a PI."""
+    """A cascade with the measured pressure inside under the same requirement, from the cases of a PI; none
+    where no inner loop is the best, which is a PI once more."""
     tuned = tune_robustly(required, region, 0, seed, effort.rounds, jobs, tell, CASCADE_PI, base)
+    if not tuned.final.gains["Kc"]:
+        return {}
     return {CASCADE: _searched(required, tuned, seed, effort, jobs, tell)}
 
 

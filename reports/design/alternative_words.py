@@ -60,9 +60,13 @@ def _percent(found: Mapping[str, Any]) -> str:
 
 
 def _saved(m: MotionDesign, name: str) -> float | None:
-    """Share by which the worst IAE of a controller's tuning lies below that of the recommended one; None
-    where one of them has none, since its gains break a limit of the linear loop."""
+    """Share by which the worst IAE of a controller's tuning lies below that of the recommended one, or in the
+    steps of the table where gains that break a limit of the linear loop were not simulated in their tuning;
+    None where neither is known."""
     mine, best = m.designs[name]["cost"], m.designs[m.recommended]["cost"]
+    if mine is None or not isfinite(mine):
+        shown = {r["controller"]: r["worst_iae_deg_s"] for r in m.prices if r["guarantee"] != "proved"}
+        mine, best = shown.get(name), shown.get(m.recommended)
     known = all(c is not None and isfinite(c) for c in (mine, best))
     return 1 - mine / best if known else None
 
@@ -76,7 +80,7 @@ def _pressure_words(m: MotionDesign, name: str, what: str) -> str:
     error = (
         f"s worst IAE is {number(100 * abs(share), 2)} % {'lower' if share > 0.0 else 'higher'}"
         if share is not None
-        else "s worst IAE is not known, since gains that break a limit of the linear loop are not simulated"
+        else "s worst IAE is not known"
     )
     words = f"{m.motion}: {what} ({values}) needs the measured pressure, and no certificate covers it."
     if found["holds"]:

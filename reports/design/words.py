@@ -5,6 +5,7 @@ from math import isfinite
 from typing import Any
 
 from design.robustness.certificates.memory.ladder import IN_BOX
+from design.robustness.samples.worst import ASIDE
 from design.robustness.tuning.recommended import PLAIN
 from design.studies.design_study import DesignStudy, MotionDesign
 from design.studies.designs import BARE
@@ -12,8 +13,9 @@ from design.synthesis.answer import OutOfReach
 from plants.effects.wrist.remainder import STEEPNESS
 from plants.parameters.remainder import UncertaintyWeight
 from plants.wrist import Wrist
-from reports.shared.card import LIMIT_NAMES, broken_words, gains_words
+from reports.shared.card import broken_words, gains_words
 from reports.shared.dynamics import dynamics_words
+from reports.shared.names import limit_in_text
 from reports.shared.tables import listed, number
 
 WHOLE = ("worst case found", "proved")
@@ -95,11 +97,13 @@ def motion_lines(m: MotionDesign) -> list[str]:
         f"  {samples['broken']} of {samples['total']} fresh samples break a limit (below "
         f"{number(100 * samples['upper_bound'], 2)} % at 95 % confidence)"
     )
-    broken = worst["excess"] > 0.0
-    which = LIMIT_NAMES[worst["excess_of"]].lower() if broken else "overshoot"
-    size = "beyond its limit" if broken else f"{number(worst['overshoot_percent'])} %"
+    excess = worst["excess"]
+    by = (
+        f"{number(100 * abs(excess), 2)} % " if excess < ASIDE else ""
+    )  # what never settles is beyond by none
     found.append(
-        f"  {worst['broken']} of {worst['runs']} runs of the search break a limit; worst {which} {size} in "
+        f"  {worst['broken']} of {worst['runs']} runs of the search break a limit; worst case: "
+        f"{limit_in_text(worst['excess_of'])} {by}{'beyond' if excess > 0.0 else 'below'} its limit in "
         f"{worst['scenario']}"
     )
     iae = max(e["worst_iae_deg_s"] for e in (samples, worst))

@@ -199,7 +199,7 @@ def worst_words(a: Assessment) -> str:
         else f"It breaks no limit; it is the one with the largest IAE per degree, {number(w.cost_per_deg)} s."
     )
     return (
-        f"References in turn, in brackets how long each is held: {spaced(w.case.name)}. {what} Found in "
+        f"References in turn: {spaced(w.case.name)}. {what} Found in "
         f"{w.evaluations} runs by differential evolution and Nelder-Mead over the box, the initial "
         "hysteresis "
         "state, three references and how long each is held. This is a lower bound of the true worst case."

@@ -107,8 +107,8 @@ def with_error(value: float, error: float | None) -> str:
 def spaced(branch: str) -> str:
     """Words with the lines of the loop, and negative numbers, as people write them.
 
-    >>> spaced("line1, slow regulator rate"), spaced("0, -15 deg from line2")
-    ('line 1, slow regulator rate', '0, −15 deg from line 2')
+    >>> spaced("line1, slow regulator rate"), spaced("-15 deg, from line2")
+    ('line 1, slow regulator rate', '−15 deg, from line 2')
     """
     words = branch.replace("line1", "line 1").replace("line2", "line 2")
     return re.sub(r"(?<![\w.])-(?=\d)", "−", words)

@@ -60,8 +60,8 @@ def test_a_step_is_the_tasks_by_its_size_and_where_it_is_begun_calmly():
 def test_a_sequence_is_said_in_words():
     found = asked((15.0, -10.0), (0.8, 10.0), dead_time=0.04)
     found = replace(found, task=replace(found.task, start="line2"))
-    assert found.name == "0, +15 (0.8 s), -10 deg from line2, nominal plant, 40 ms of dead time"
-    assert asked((5.0,), (1.0,), load=-2.0).name == "0, +5 deg from virgin, nominal plant, load -2 deg"
+    assert found.name == "+15 for 0.8 s, then -10 deg, from line2, nominal plant, 40 ms of dead time"
+    assert asked((5.0,), (1.0,), load=-2.0).name == "+5 deg, from virgin, nominal plant, load -2 deg"
     late = asked((5.0,), (1.0,), load=2.0, load_at=0.5)
     assert late.name.endswith("load +2 deg after 0.5 s")
     with pytest.raises(ValueError, match="as many times"):

@@ -159,6 +159,20 @@ def test_a_rate_that_no_recording_shows_is_not_extrapolated(tmp_path):
     assert found.validate_rmse["pressure_kPa"] <= 0.03 * 160.0
 
 
+def test_a_rig_with_a_long_dead_time_is_given_longer_to_come_to_rest(soft):
+    """As far as its log shows one: 20 times as long."""
+    _, campaign = soft
+    step = float(np.median(np.diff(campaign.fit[0].time)))
+    rows = round(1.0 / step)
+    late = tuple(replace(r, command=np.concatenate([r.command[rows:], np.full(rows, r.command[-1])]))
+                 for r in campaign.fit)  # fmt: skip
+    before, delayed = guessed_rig(campaign), guessed_rig(replace(campaign, fit=late))
+    seen = first_order([(r.command, r.pressure, step) for r in late]).delay
+    assert seen > 0.9
+    assert delayed.task.hold == pytest.approx(max(before.task.hold, 20.0 * seen), rel=0.1)
+    assert delayed.task.hold > before.task.hold
+
+
 def test_a_guessed_rig_keeps_the_units_of_its_campaign(tmp_path):
     """Converter counts and a motion in mm: parameters are in them, of the loop and of the regulator."""
     bender().write(tmp_path, ("stairs",), ("check",))

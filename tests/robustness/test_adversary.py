@@ -14,7 +14,7 @@ from design.mpc.problem import MPCProblem
 from design.robustness.box import Box, box_of
 from design.robustness.intervals import Interval
 from design.robustness.samples.adversary import worst_case
-from design.robustness.samples.search_space import CALM, HOLD, Space, reference
+from design.robustness.samples.search_space import Space, reference
 from design.robustness.samples.worst import excesses, scores
 from design.synthesis.requirements import Limits
 from plants import Wrist
@@ -118,9 +118,9 @@ def test_places_are_within_the_task():
     angles = np.vstack([np.zeros(3000), asked["references"]])
     assert np.abs(angles).max() <= 15.0
     assert np.abs(np.diff(angles, axis=0)).min() >= 5.0 - 1e-12
-    assert asked["holds"][:-2].min() >= HOLD[0]
-    assert asked["holds"][:-2].max() <= HOLD[1]
-    assert asked["holds"][-2].min() >= CALM[0]
+    assert asked["holds"][:-2].min() >= space.hold[0]
+    assert asked["holds"][:-2].max() <= space.hold[1]
+    assert asked["holds"][-2].min() >= space.calm[0]
     assert set(asked["starts"]) == {"virgin", "line1", "line2", "inside"}
     ends = reference(np.array([0.0, 1.0, 1.0]), np.array([-15.0, -15.0, 15.0]), 15.0)
     assert ends.tolist() == [-10.0, 15.0, 10.0]

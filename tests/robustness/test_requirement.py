@@ -8,11 +8,10 @@ import pytest
 from design.controllers.pi import PI
 from design.evaluation.cases import stack
 from design.evaluation.runner import play
-from design.evaluation.tasks import CALM
 from design.robustness.checks import check
 from design.robustness.requirement import requirement
 from design.robustness.samples.hunt import hunt
-from design.robustness.samples.search_space import HOLD, KINDS
+from design.robustness.samples.search_space import KINDS
 from plants import Wrist
 from plants.effects.regulator.dead_time import DeadTime
 from plants.parameters.files import built_in
@@ -44,14 +43,29 @@ def test_cases_of_each_kind_are_asked_what_it_says():
     assert set(np.unique(r[-1, back])) == {-15.0, 0.0, 15.0}
     assert (np.abs(r[-2, back]) == 15.0).all()
     assert (r[-1, back] != r[-2, back]).all()
-    assert h[-2, back].min() < 0.4 < 4.0 < h[-2, back].max() <= HOLD[1]
+    assert h[-2, back].min() < 0.4 < 4.0 < h[-2, back].max() <= STATED.space.hold[1]
     assert (asked["angle"][load] == r[-1, load]).all()
     assert (asked["load_at"][load] == 0.0).all()
     assert (asked["load_at"][~load] < 0.0).all()
     task = STATED.space.of_task(x)
     assert task[step].all()
     assert not task[load].any()
-    assert (h[-2, task & back] >= CALM[0]).all()
+    assert (h[-2, task & back] >= STATED.space.calm[0]).all()
+
+
+def test_a_slow_rig_is_calm_later():
+    """Its file says for how long it is held; 0.6 of that is the least before a step of its task."""
+    plant = built_in("flexion")
+    slow = replace(plant, rig=replace(plant.rig, task=replace(plant.rig.task, hold=10.0)))
+    space, x = requirement(slow).space, places(2000)
+    asked, task, back = space.asked(x), space.of_task(x), space.kind(x) == KINDS.index("return")
+    holds = asked["holds"][-2]
+    assert holds[space.kind(x) == KINDS.index("sequence")].min() >= 6.0
+    assert holds[back].min() < 0.4 < 9.0 < holds[back].max() <= 10.0
+    assert task[back].any()
+    assert (holds[task & back] >= 6.0).all()
+    for i in np.flatnonzero(back)[:20]:
+        assert space.case(x[:, i])[0].of_task == task[i]
 
 
 def test_it_judges_as_each_case_alone_is_judged():

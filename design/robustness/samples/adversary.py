@@ -5,8 +5,9 @@ total variation of the command, as `design.evaluation.scaled.scaled` states them
 where nothing is found that breaks a limit, the IAE per degree of the last step.  A found worst case is a
 lower bound of the true one: a sample, never a proof that there is none worse.
 
-What is fair to the gains: the last reference is at least `SMALLEST` away from the one before, which
-was held for some seconds (`search_space.CALM`); those before it may follow each other in full motion.
+What is fair to the gains: the last reference is at least `SMALLEST` away from the one before, which was held
+until the wrist is calm (`design.evaluation.tasks.calm`); those before it may follow each other in full
+motion.
 The step is judged from the angle where the wrist then is, and overshoot is what lies beyond the
 reference, in percent of that step, of `SMALLEST` at least.  A sequence with a reference that no command
 can hold says nothing about gains and counts as the mildest of all.

@@ -2,12 +2,13 @@
 
 Coordinates, each from 0 to 1: those of the box; the starting memory (four equal parts); the references,
 each within the task's step either way and at least `SMALLEST` of it from the one before; how long all
-but the last are held (log-spaced, within `HOLD`, the one before the last within `CALM`); dead time and
-load where they are searched; and, where a space has several `kinds` of cases, which it is (equal parts):
+but the last are held (log-spaced, from `BRIEF` on, the one before the last calmly, see
+`design.evaluation.tasks.calm`); dead time and load where they are searched; and, where a space has several
+`kinds` of cases, which it is (equal parts):
 
     sequence   as above
     step       the task's step from rest, either way
-    return     the task's step, held within `HOLD`, so often not settled, then back to 0 or to its mirror
+    return     the task's step, held from `BRIEF` on, so often not settled, then back to 0 or to its mirror
     load       at rest at the task's step, either way, when the load comes
 """
 
@@ -21,7 +22,7 @@ from design.evaluation.cases import Case, as_lanes
 from design.evaluation.runner import Lanes
 from design.evaluation.scaled import SMALLEST
 from design.evaluation.scenarios import HEADROOM
-from design.evaluation.tasks import CALM, Task
+from design.evaluation.tasks import Task, calm
 from design.robustness.box import Box
 from design.robustness.samples.draws import LINES, kept_from
 from plants.equilibrium import holding_command
@@ -29,8 +30,8 @@ from plants.simulation.disturbance import BEFORE, at_rest
 from plants.wrist import STARTS, Wrist
 
 Array = NDArray[np.float64]
-HOLD = (0.3, 5.0)
-"""How long [s] the first references are held, shortest and longest: the next may come in full motion."""
+BRIEF = 0.3
+"""How long [s] the first references are held at least: the next may come in full motion."""
 
 Kind = Literal["sequence", "step", "return", "load"]
 SEQUENCES: tuple[Kind, ...] = ("sequence",)
@@ -65,11 +66,21 @@ class Space:
             return np.zeros(x.shape[1], np.intp)
         return np.asarray(np.minimum(x[-1] * len(self.kinds), len(self.kinds) - 1), np.intp)
 
+    @property
+    def calm(self) -> tuple[float, float]:
+        """How long [s] the reference before the last is held, see `design.evaluation.tasks.calm`."""
+        return calm(self.box.wrist.rig)
+
+    @property
+    def hold(self) -> tuple[float, float]:
+        """How long [s] the references before that are held, and the first angle of a return."""
+        return BRIEF, self.calm[1]
+
     def of_task(self, x: Array) -> NDArray[np.bool_]:
         """Which places are steps of the task's size that begin calmly, from 0 or back to it, (lanes,)."""
         asked = self.asked(x)
         r, h = asked["references"], asked["holds"]
-        back = (r[-1] == 0.0) & (h[-2] >= CALM[0]) if self.steps > 1 else np.zeros(x.shape[1], bool)
+        back = (r[-1] == 0.0) & (h[-2] >= self.calm[0]) if self.steps > 1 else np.zeros(x.shape[1], bool)
         return np.asarray(self._are(x, "step") | (self._are(x, "return") & back), bool)
 
     def _are(self, x: Array, kind: Kind) -> NDArray[np.bool_]:
@@ -84,7 +95,7 @@ class Space:
             before = reference(share, before, self.box.wrist.rig.task.step)
             angles.append(before)
         shares = x[first + n : first + 2 * n - 1]
-        bounds = [HOLD] * (n - 2) + [CALM] * (n > 1)
+        bounds = [self.hold] * (n - 2) + [self.calm] * (n > 1)
         holds = [a * (b / a) ** share for share, (a, b) in zip(shares, bounds, strict=True)]
         more = list(x[first + 2 * n - 1 :])
         asked: dict[str, Any] = {
@@ -111,7 +122,7 @@ class Space:
         r[:, single], h[:-1, single] = way[single], 0.0
         back = self._are(x, "return")
         if self.steps > 1:
-            low, high = HOLD
+            low, high = self.hold
             r[:-1, back], h[:-2, back] = way[back], 0.0
             r[-1, back] = np.where(signs[0] < 0.5, 0.0, -way)[back]
             h[-2, back] = (low * (high / low) ** shares[-1])[back]

@@ -43,6 +43,10 @@ OF_TASK = 12.0
 """Time constants of the regulator that a run of the task lasts at least: what a loop needs to settle where it
 exhausts at less than half the rate at which it fills."""
 
+OF_HOLD = 20.0
+"""Dead times for which the first angle of a return is held at least: a loop whose dead time is longer than
+its lags settles in about a dozen."""
+
 SEEN = 0.5
 """Largest error at which the rate may be half-way, as a share of the largest error in the log: the rate far
 from the commanded pressure is then mostly one that the log shows, and not one that it is extrapolated to."""
@@ -52,8 +56,9 @@ def guessed_rig(campaign: Campaign) -> Rig:
     """The rig that a log shows: its motion, its ranges, its sample times; a step of a third of its range.
 
     Limits and shares of uncertainty are those of the built-in rig; the total variation goes with the range,
-    the duration of the task and the limit of settling with the regulator where that is slower, the load with
-    the step.  Noise and resolution of the sensor are those of the log.
+    the duration of the task and the limit of settling with the regulator where that is slower, the time for
+    which an angle is held with the dead time too, the load with the step.  Noise and resolution of the sensor
+    are those of the log.
     """
     base, recordings = built_in_rig(), campaign.recordings
     low, high = extent([r.command for r in recordings])
@@ -63,12 +68,12 @@ def guessed_rig(campaign: Campaign) -> Rig:
     fresh = [r.angle[r.fresh("angle_deg")] for r in recordings if r.angle is not None]
     step = _rounded(np.ptp(extent(angles)) / 3.0) if angles else base.task.step
     middle = 0.5 * (least + most)
-    tau = followed(campaign.fit).tau
-    lasts = max(base.task.duration, _rounded(OF_TASK * tau))
+    seen = followed(campaign.fit)
+    lasts = max(base.task.duration, _rounded(OF_TASK * seen.tau))
     slower = lasts / base.task.duration
     task = replace(
         base.task, reaction=(middle, middle + 0.25 * (most - least)), duration=lasts,
-        hold=slower * base.task.hold,
+        hold=max(slower * base.task.hold, _rounded(OF_HOLD * seen.delay)),
     )  # fmt: skip
     per_volt = (high - low) / (base.command_range[1] - base.command_range[0])
     factors = {"total_variation_V": per_volt, "settling_time_s": slower}
@@ -81,7 +86,7 @@ def guessed_rig(campaign: Campaign) -> Rig:
     rig = replace(
         base, name=campaign.axis, title=f"Rig of {campaign.name}", motions=(campaign.axis,),
         units=campaign.units, command_range=(low, high), pressure_range=(least, most), task=task,
-        limits=limits, sample_time=_loop_time(campaign.sample_time, tau),
+        limits=limits, sample_time=_loop_time(campaign.sample_time, seen.tau),
         log_time=campaign.sample_time, uncertainty=uncertainty,
     )  # fmt: skip
     return with_step(rig, step)
