@@ -104,6 +104,17 @@ class MotionDesign:
         samples, worst = self.evidence["samples"], self.evidence["worst_case"]
         return bool(self.designs[self.recommended]["holds"]) and not samples["broken"] and not worst["broken"]
 
+    @property
+    def limits_broken(self) -> tuple[str, ...]:
+        """The limits that the gains break under any condition, by name; none where they hold, or where the
+        search alone tells that one is broken and not which."""
+        if self.holds:
+            return ()
+        found = [row["limit"] for row in self.matrix if False in row["held"].values()]
+        worst = self.evidence["worst_case"]
+        of_search = [worst["excess_of"]] if worst["broken"] and "excess_of" in worst else []
+        return tuple(dict.fromkeys([*found, *of_search]))
+
 
 @dataclass(frozen=True)
 class DesignStudy:

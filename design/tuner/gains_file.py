@@ -1,10 +1,12 @@
 """Gains as a TOML file: what the tuner and a design keep, and ``--gains FILE.toml`` takes."""
 
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from design.synthesis.answer import UNITS
+from design.synthesis.requirements import LIMIT_UNITS
 from plants.errors import InputError
 from plants.files import write_atomically
 from plants.rig import Rig
@@ -40,9 +42,10 @@ def write(
 
     gains: Kp [kPa/deg] and Ki [kPa/(deg s)], in the units of the rig, and where they are not those of a plain
     PI the reference weight b [1] and the time constant Tf [s] of the filter of the angle.  tuned_on: what
-    TOML holds, by name, that says of which plant the gains are; for people, no command reads it.  mine: files
-    that may be replaced.  rig: the built-in one where not given.  Raises InputError for a path without a
-    name, for another file that is there already, and for a place that cannot be written to.
+    TOML holds, by name, that says of which plant the gains are, and which limits they break; for people, and
+    for `broken`.  mine: files that may be replaced.  rig: the built-in one where not given.  Raises
+    InputError for a path without a name, for another file that is there already, and for a place that cannot
+    be written to.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -143,6 +146,25 @@ def read_mpc(path: str | Path, rig: Rig | None = None) -> tuple[float, ...]:
     entries = _entries(path, OF_MPC, OF_MPC, ADVICE_OF_MPC)
     units = units_of_mpc(rig)
     return tuple(_value(f"{path}: gains.{name}", unit, entries[name]) for name, unit in units.items())
+
+
+@dataclass(frozen=True)
+class Broken:
+    """That gains break limits, those named where it is known which; nearest: no gains were found that break
+    none, and these come nearest."""
+
+    limits: tuple[str, ...]
+    nearest: bool
+
+
+def broken(path: str | Path) -> Broken | None:
+    """What a TOML file of gains says of limits that they break; None where it says nothing of the kind."""
+    about = read_toml(Path(path), "file of gains", ADVICE).get("tuned_on")
+    told: Mapping[str, Any] = about if isinstance(about, dict) else {}
+    names = told.get("limits_broken")
+    limits = tuple(n for n in LIMIT_UNITS if n in names) if isinstance(names, list) else ()
+    nearest = told.get("holds") is False
+    return Broken(limits, nearest) if nearest or limits else None
 
 
 def _entries(

@@ -1,9 +1,10 @@
 """What pages call controllers, motions, channels, limits and costs."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from design.comparison.compare import PAPER, TUNED
 from design.synthesis.structure import PLAIN_PI, TWO_DOF_PI
+from reports.shared.tables import listed
 
 WINDOW = 10.0
 """Duration of a task [s]; a settling time beyond it counts as infinite."""
@@ -73,3 +74,14 @@ def limit_in_text(name: str) -> str:
     """
     limit = limit_name(name)
     return limit if limit in ("Ms", "Mt", "|W T|") else limit.lower()
+
+
+def broken_gains(limits: Sequence[str], nearest: bool = True) -> str:
+    """What gains are called that break these limits, or, where there are none, an unknown one; nearest:
+    whether none were found that break none.
+
+    >>> broken_gains(["overshoot_percent", "Ms"]), broken_gains([], nearest=False)
+    ('the nearest gains: they break the limit on overshoot and Ms', 'with gains that break a limit')
+    """
+    of = f"the limit on {listed([limit_in_text(n) for n in limits])}" if limits else "a limit"
+    return f"the nearest gains: they break {of}" if nearest else f"with gains that break {of}"

@@ -8,7 +8,9 @@ from types import SimpleNamespace
 import pytest
 
 from design.alternatives.designs import ROBUST_MPC
-from design.cli.commands.design import _exporting, _write_gains
+from design.cli.commands.design import _export, _exporting, _write_gains
+from design.controllers.pi import PI
+from design.tuner.gains_file import write
 from plants.parameters.files import built_in, dump
 
 CC = shutil.which("cc") and shutil.which("make")
@@ -159,6 +161,33 @@ def test_an_mpc_takes_the_file_that_a_design_keeps_of_it(wrist, tmp_path, quick)
     assert "holds = false" in (tmp_path / "mpc-flexion.toml").read_text()
 
 
+@pytest.mark.parametrize("holds", [True, False])
+def test_gains_that_break_a_limit_are_not_exported_as_recommended(wrist, tmp_path, quick, holds):
+    """Neither by a design nor from the file of its gains."""
+    motion = SimpleNamespace(
+        motion="flexion", gains={"Kp": 3.0, "Ki": 9.0}, plant=built_in("flexion"), holds=holds, designs={},
+        recommended="PI", controller=PI(3.0, 9.0), limits_broken=() if holds else ("settling_time_s",),
+    )  # fmt: skip
+    _write_gains(tmp_path, motion)
+    _export(tmp_path, motion)
+    gains = tmp_path / "gains-flexion.toml"
+    assert wrist("export", "pi", "--gains", gains, "--out", tmp_path / "again").code == 0
+    nearest = "the nearest gains: they break the limit on settling time"
+    for folder in ("c-flexion", "again"):
+        readme = (tmp_path / folder / "README.md").read_text().splitlines()[2]
+        header = (tmp_path / folder / "flexion_pi.h").read_text().split("Made by")[0]
+        assert (nearest in readme) is not holds
+        assert (nearest in " ".join(header.split())) is not holds
+        assert ("recommended" in readme + header) is (holds and folder == "c-flexion")
+
+
+def test_gains_that_a_tuner_kept_with_a_broken_limit_are_exported_as_such(wrist, tmp_path, quick):
+    path = write(tmp_path / "mine", {"Kp": 3.0, "Ki": 9.0}, {"limits_broken": ["Ms", "*/ no limit"]})
+    assert wrist("export", "pi", "--gains", path, "--out", tmp_path / "c").code == 0
+    title = (tmp_path / "c" / "README.md").read_text().splitlines()[2]
+    assert title == "PI controller with anti-windup, with gains that break the limit on Ms."
+
+
 @pytest.mark.skipif(not CC, reason="no C compiler or make on this machine")
 def test_a_revised_plant_is_written_with_its_effects(wrist, tmp_path):
     from plants.effects import Creep
@@ -181,8 +210,6 @@ def test_a_revised_plant_is_written_with_its_effects(wrist, tmp_path):
 
 
 def test_a_file_with_a_second_degree_of_freedom_is_exported_with_it(wrist, tmp_path, quick):
-    from design.tuner.gains_file import write
-
     path = write(tmp_path / "gains", {"Kp": 1.5, "Ki": 8.1, "b": 2.0, "Tf": 0.0})
     refused = wrist("export", "pi", "--gains", path, "--out", tmp_path / "pi")
     assert refused.code == 2

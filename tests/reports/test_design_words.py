@@ -81,6 +81,17 @@ def test_what_does_not_hold_is_said_first_and_which_guarantee_would_have_to_go()
     assert "proved on the plant as fitted" in last_line(study(0, "proved", 1))
 
 
+def test_the_limits_that_gains_break_are_those_of_any_condition_and_of_the_search():
+    held = [("Ms", {"nominal": True, "longest dead time": None}), ("Mt", {"nominal": True, "late": False})]
+    matrix = tuple({"limit": n, "bound": 1.0, "values": {}, "held": of} for n, of in held)
+    (bad,) = study(7, "open", 1).motions
+    worst = {**bad.evidence["worst_case"], "excess_of": "settling_time_s"}
+    bad = replace(bad, matrix=matrix, evidence={**bad.evidence, "worst_case": worst})
+    assert bad.limits_broken == ("Mt", "settling_time_s")
+    (good,) = study(0, "open", 1).motions
+    assert replace(good, matrix=matrix).limits_broken == ()
+
+
 def test_a_row_without_gains_is_open():
     (group,) = tables.price_table(study(0, "open", 1)).groups
     assert [c.text for c in group.rows[0]][-1] == "open"

@@ -146,11 +146,14 @@ def _write_gains(out: Path, motion: "MotionDesign") -> None:
     from design.tuner.gains_file import write, write_mpc
 
     path = (out / f"gains-{motion.motion}.toml").absolute()
-    about = {"plant": f"plant-{motion.motion}.toml", "holds": motion.holds}
+    plant = f"plant-{motion.motion}.toml"
+    about: dict[str, object] = {"plant": plant, "holds": motion.holds}
+    if not motion.holds:
+        about["limits_broken"] = list(motion.limits_broken)
     write(path, motion.gains, about, (path,), motion.plant.rig)
     mpc = motion.designs.get(ROBUST_MPC)
     if mpc is not None:
-        about = {**about, "holds": mpc["holds"]}
+        about = {"plant": plant, "holds": mpc["holds"]}
         write_mpc(path.with_name(f"mpc-{motion.motion}.toml"), mpc["gains"], about, motion.plant.rig)
 
 
@@ -162,7 +165,7 @@ def _exporting(out: Path, motion: str) -> tuple[str | Path, ...]:
 
 
 def _export(out: Path, motion: "MotionDesign") -> None:
-    """The recommended controller as C in c-MOTION."""
+    """The recommended controller as C in c-MOTION, or the nearest, which is called so."""
 
     from design.controllers.measurement.plausible import SensorLimits
     from design.controllers.pi_two_dof import TwoDofPI
@@ -170,10 +173,16 @@ def _export(out: Path, motion: "MotionDesign") -> None:
     from design.export.formats.folder import write
     from design.export.parts_of import of_controller
     from plants.wrist import Wrist
+    from reports.shared.names import broken_gains
 
     wrist, controller = Wrist.of(motion.plant), motion.controller
     kind = "pi_two_dof" if isinstance(controller, TwoDofPI) else "pi"
-    title = f"{motion.recommended} controller with anti-windup, recommended for {motion.motion}"
+    what = f"{motion.recommended} controller with anti-windup"
+    title = (
+        f"{what}, recommended for {motion.motion}"
+        if motion.holds
+        else f"{what} for {motion.motion}, {broken_gains(motion.limits_broken)}; see design.html"
+    )
     part = of_controller(
         identifier(f"{motion.motion}_{kind}"),
         title,

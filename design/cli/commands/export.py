@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -117,7 +118,7 @@ def command(
     with progress("export") as tell:
         own = None if gains is None else numbers(gains, wrist.rig, controller)
         made = part(controller, chosen.axis, wrist, own, hand_over, rate_limit)
-        made = made.at(precision.value)
+        made = _titled(made, gains).at(precision.value)
         tell("test vector", 0.0)
         written = TARGETS[target.value](made, wrist, out)
     _told(made, written, target, out, json)
@@ -159,6 +160,17 @@ def _told(
         said.print(f"  {path}", soft_wrap=True)
     if target is Target.c:
         said.print(f"replay the test vector with: make -C {out} check", soft_wrap=True)
+
+
+def _titled(made: "Part", gains: str | None) -> "Part":
+    """The part, whose title says so where a file of gains tells that they break a limit."""
+    from design.tuner.gains_file import broken
+    from reports.shared.names import broken_gains
+
+    told = broken(gains) if gains is not None and gains.endswith(".toml") else None
+    if told is None:
+        return made
+    return replace(made, title=f"{made.title}, {broken_gains(told.limits, told.nearest)}")
 
 
 def _of_pi(path: str, rig: "Rig | None", controller: str) -> tuple[float, ...]:
