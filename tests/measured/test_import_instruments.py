@@ -1,5 +1,6 @@
 """What microcontrollers and their sensors log: millis, counts of a converter, hPa, quaternions, mm."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -60,6 +61,24 @@ def test_a_motion_in_counts_or_micrometres_stays_so(tmp_path, header, unit):
     roles, found = imported(tmp_path, {"time": STEPS.time, "u_V": STEPS.command, header: 40.0 * STEPS.angle})
     assert roles["angle"].unit == unit
     np.testing.assert_allclose(found.angle, 40.0 * STEPS.angle)
+
+
+@pytest.mark.parametrize("header", ["enc_cnt", "encoder_counts", "EncCnt", "enc [pulses]", "enc_ticks"])
+def test_an_angle_that_is_called_counts_stays_so_and_is_told_how_to_convert(tmp_path, header):
+    """By its range alone 185 counts to either side would be degrees."""
+    counts = np.round(12.0 * STEPS.angle)
+    roles, found = imported(tmp_path, {"time": STEPS.time, "u_V": STEPS.command, header: counts})
+    assert roles["angle"].unit == "counts"
+    np.testing.assert_allclose(found.angle, counts)
+    folder = tmp_path / "out"
+    lines = (folder / "campaign.toml").read_text().splitlines()
+    (angle,) = (line for line in lines if line.startswith("angle_deg"))
+    advised = re.search(r"; (\{.*\}) gives it in deg", angle)[1].replace("COUNTS_PER_TURN", "4096")
+    lines[lines.index(angle)] = f"angle_deg = {advised}"
+    (folder / "campaign.toml").write_text("\n".join(lines))
+    with pytest.warns(match="only one recording"):
+        converted = load_campaign(folder).validate[0]
+    np.testing.assert_allclose(converted.angle, found.angle * 360.0 / 4096)
 
 
 def test_a_pressure_that_is_asked_for_is_the_command(tmp_path):

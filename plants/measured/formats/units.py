@@ -29,7 +29,7 @@ FROM_VACUUM = re.compile(
 )
 """The end of a unit of pressure that says that it counts from vacuum."""
 
-COUNTED = {"counts": "counts", "count": "counts", "lsb": "counts", "ticks": "counts"}
+COUNTED = dict.fromkeys(("counts", "count", "cnts", "cnt", "lsb", "ticks", "pulses"), "counts")
 MOVED = {"mm": "mm", "cm": "cm", "um": "um", "µm": "um", "μm": "um", **COUNTED}
 KEPT = {"command": {"%": "%", "percent": "%", **COUNTED}, "angle": MOVED, "reference": MOVED}
 """Units of each role that stay as they are, by what recorders write: of a duty, of a converter or an encoder,

@@ -2,7 +2,7 @@
 
 import re
 
-from plants.measured.formats.units import KEPT, quantity
+from plants.measured.formats.units import COUNTED, KEPT, quantity
 
 DURATION = r"(?:milli|micro|nano|m|u|µ|n)s(?:ec(?:ond)?s?)?|sec(?:ond)?s?"
 """Units of time that may be a whole name, as ``millis`` of a microcontroller."""
@@ -46,3 +46,12 @@ def unit_in(name: str) -> str:
         return unit
     known = quantity(unit) not in (None, "other") and unit not in ("cycle", "turn")
     return unit if known and len(unit) + (unit in "VAs") > 1 else ""
+
+
+def is_counted(name: str) -> bool:
+    """Whether a word of a name says that its values are counts, as those of an encoder.
+
+    >>> [n for n in ("enc_cnt", "EncoderCounts", "cnt_raw", "ticks2", "encoder", "pct") if is_counted(n)]
+    ['enc_cnt', 'EncoderCounts', 'cnt_raw', 'ticks2']
+    """
+    return any(word.lower() in COUNTED for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+", name))

@@ -18,7 +18,7 @@ from plants.measured.formats.channel import Array, LoggedChannel
 from plants.measured.formats.columns import ATMOSPHERE
 from plants.measured.formats.units import AS_THEY_ARE, KINDS, factor, kept, quantity
 from plants.measured.importing.lead import lead
-from plants.measured.importing.names import ASKED, HINTS, LENGTHS
+from plants.measured.importing.names import ASKED, HINTS, LENGTHS, is_counted
 from plants.measured.importing.orientation import orientations
 from plants.measured.importing.pressure_zero import above_vacuum, counts_from_vacuum, deepens, of_air
 
@@ -209,13 +209,18 @@ def _role(
                     why.append(f"{'leads' if role == a else 'follows'} the {other} by {lag:.2g} s")
                 elif like > ALIKE and lag < 0.0 and (role, a, b) == ("command", "command", "pressure"):
                     why.append(f"yet follows the pressure by {-lag:.2g} s: are the two exchanged?")
-    kind = quantity(unit) if unit else None
     wanted = "angle" if role == "reference" else role
+    if not unit and wanted == "angle" and is_counted(channel.name):
+        unit = COUNTS
+    kind = quantity(unit) if unit else None
     as_it_is = kept(unit, role)
     if given is not None and given[1] and kind != wanted and not as_it_is:
         factor(unit, role, f"--map {role}={channel.name}")  # which raises, and says why
     if as_it_is:
-        said = f"unit {unit}" if role == "command" else f"no angle but {unit}, in which it stays"
+        said = f"unit {unit}" if role == "command" else f"no angle but {as_it_is}, in which it stays"
+        if wanted == "angle" and as_it_is == COUNTS:
+            turn = f'{{name = "{channel.name}", counts = COUNTS_PER_TURN, full = 360.0}}'
+            said += f"; {turn} gives it in deg, with the encoder's counts in place of COUNTS_PER_TURN"
         return Role(channel.name, as_it_is, 1.0, ", ".join([*why, said]))
     if kind == wanted:
         why.append(f"unit {unit}")
