@@ -89,6 +89,22 @@ def test_a_log_in_which_the_angle_cannot_be_told_is_refused(tmp_path):
         import_logs([whole, without], {})
 
 
+def test_a_file_of_the_angle_alone_is_to_be_put_beside_its_command(tmp_path):
+    """It cannot be imported apart: nothing in it is a command."""
+    pressure = csv(tmp_path / "press.csv", {"time": STEPS.time, "u": STEPS.command, "p": STEPS.pressure})
+    camera = csv(tmp_path / "cam.csv", {"frame_time_s": STEPS.time, "angle_deg": STEPS.angle})
+    with pytest.raises(
+        InputError, match=r"cam\.csv: has no channel .* side by side into one file"
+    ) as refused:
+        import_logs([pressure, camera], {})
+    assert "apart" not in str(refused.value)
+    whole = {"time": STEPS.time, "u": STEPS.command, "p": STEPS.pressure, "theta": STEPS.angle}
+    regulator = {"time": SINE.time, "u": SINE.command, "p": SINE.pressure}
+    files = [csv(tmp_path / "a.csv", whole), csv(tmp_path / "b.csv", regulator)]
+    with pytest.raises(InputError, match="import it apart"):
+        import_logs(files, {})
+
+
 def test_names_of_other_languages_and_of_textbooks_are_known(tmp_path):
     log = csv(
         tmp_path / "log.csv",

@@ -23,6 +23,12 @@ from plants.measured.importing.runs import Run, runs, steps_of
 
 TIME = "time_s"
 
+ONE_CLOCK = (
+    "files of one run are not joined: put their columns side by side into one file on one clock, the slower "
+    "one held between its samples"
+)
+"""What to do about a log that has no command, or nothing that it moves."""
+
 
 @dataclass(frozen=True)
 class Imported:
@@ -97,12 +103,22 @@ def _named_alike(log: Log, found: Mapping[str, Role], fullest: Log) -> Log:
         notes.append(f"{r.channel} is taken for {as_found.channel}: {r.why}")
     lacks = [n for n in needed if n not in alike]
     if lacks:
+        advice = "import it apart" if _stands_alone(log) else ONE_CLOCK
         raise InputError(
             f"{log.path}: has no channel {found[lacks[0]].channel!r}, which {fullest.path} has, and none "
-            "that can be told for it; import it apart"
+            f"that can be told for it; {advice}"
         )
     channels = tuple(moved.get(c.name, c) for c in log.channels)
     return log._replace(channels=channels, notes=(*log.notes, *notes))
+
+
+def _stands_alone(log: Log) -> bool:
+    """Whether a log has a command and what it moves, and so can be imported by itself."""
+    try:
+        roles(log.channels, {})
+    except InputError:
+        return False
+    return True
 
 
 def _one_of_a_kind(a: Role, b: Role) -> bool:
