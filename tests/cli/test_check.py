@@ -121,6 +121,20 @@ def test_what_cannot_be_checked_is_told_in_a_line(wrist, designed, tmp_path):
         assert words in outcome.err
 
 
+def test_a_log_with_names_of_its_own_is_to_be_imported_first(wrist, designed, tmp_path):
+    """No campaign lies beside it, whose [columns] could name them."""
+    rig, plant, folder = designed("flexion", 2)
+    log = tmp_path / "my log.csv"
+    rows = log_of(rig, plant, log).read_text()
+    log.write_text(rows.replace("command_V", "u").replace("angle_deg", "theta"))
+    refused = wrist("check", log, "--design", folder)
+    assert refused.code == 2
+    assert refused.err.count("\n") == 1
+    command = f"wrist import '{log}' --axis flexion --out NEW"
+    assert f"no column 'command_V'; it needs converting: {command}" in refused.err
+    assert "[columns]" not in refused.err
+
+
 @pytest.mark.suite
 @pytest.mark.parametrize(("axis", "seed"), [("flexion", 12), ("deviation", 13), ("flexion", 14)])
 def test_what_changed_is_seen_and_what_did_not_is_left_alone(wrist, designed, axis, seed):

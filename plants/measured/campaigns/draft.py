@@ -63,8 +63,17 @@ def draft(folder: Path) -> tuple[str, str | None]:
     logs = [p for p in files if p.suffix.lower() in IMPORTED or _importable(p)]
     if logs:
         these = f"{shlex.quote(str(folder))}/*{logs[0].suffix}"
-        return f"its logs need converting: wrist import {these} --out NEW", None
+        return f"its logs need converting: {importing(these)}", None
     return "write one that names axis, fit and validate", None
+
+
+def importing(logs: str, axis: str = "") -> str:
+    """The command that makes a campaign of logs, given as a shell takes them, of a motion if it is known.
+
+    >>> importing("logs/*.mf4"), importing("log.csv", "my finger")
+    ('wrist import logs/*.mf4 --out NEW', "wrist import log.csv --axis 'my finger' --out NEW")
+    """
+    return f"wrist import {logs}{f' --axis {shlex.quote(axis)}' if axis else ''} --out NEW"
 
 
 def _read(path: Path) -> Drafted:

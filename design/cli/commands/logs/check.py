@@ -1,5 +1,6 @@
 """``wrist check``: a log of the rig under its exported controller, held against its design."""
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,6 +13,7 @@ from design.cli.places import check_places
 from design.cli.terminal.screen import console, progress
 
 if TYPE_CHECKING:
+    from plants.measured.campaigns.recording import Recording
     from plants.parameters.quantities import ParameterSet
 
 NAME = "check"
@@ -45,7 +47,6 @@ def command(
     jobs: JobsOption = None,
 ) -> None:
     from design.studies.check.check import check_log
-    from plants.measured.campaigns.campaign import load_recording
     from reports.check.page import write_check
     from reports.check.record import check_record
     from reports.check.words import title
@@ -53,7 +54,7 @@ def command(
 
     check_places({"--json": json}, out)
     plant = _plant(design, motion)
-    recording = load_recording(log, _columns(log), rig=plant.rig)
+    recording = _recording(log, plant)
     controller = recommended(design, plant)
     with progress("check"):
         found = check_log(recording, plant, controller, samples, seed, jobs)
@@ -65,6 +66,25 @@ def command(
     said.print(title(found), soft_wrap=True)
     if not found.kept:
         raise typer.Exit(1)
+
+
+def _recording(log: Path, plant: "ParameterSet") -> "Recording":
+    """The recording of a log, as the rig of a plant counts.  Raises InputError as ``from_table``, and for a
+    log without a campaign whose columns have names of their own."""
+    from plants.errors import InputError
+    from plants.measured.campaigns.draft import importing
+    from plants.measured.campaigns.read_table import from_table, required
+    from plants.measured.formats.columns import parse_columns
+    from plants.measured.formats.tables import read_table
+
+    columns, table = _columns(log), read_table(log)
+    lacks = [name for name in required("wrist") if name not in table.columns]
+    if columns is None and lacks:
+        command = importing(shlex.quote(str(log)), plant.axis)
+        raise InputError(
+            f"{log}: no column {lacks[0]!r}; it needs converting: {command}, then check the log in NEW"
+        )
+    return from_table(table, parse_columns(columns, str(log)), rig=plant.rig)
 
 
 def _columns(log: Path) -> Any:
