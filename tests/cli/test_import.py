@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 EXAMPLE = Path(__file__).parents[2] / "plants/measured/examples/flexion"
@@ -15,6 +16,19 @@ def test_the_command_says_what_it_decided(wrist, tmp_path):
     assert "angle_deg  deg" in told.out
     assert "command: command_V [V], by its name, leads the pressure" in told.out
     assert {p.name for p in out.iterdir()} == {"steps.csv", "sine.csv", "campaign.toml"}
+
+
+def test_channels_that_fill_no_role_are_told(wrist, tmp_path):
+    rows = pd.read_csv(EXAMPLE / "steps.csv")
+    second = {"cmd_B_V": 4.0 - rows.command_V, "pB_psi": 20.0 - 0.1 * rows.pressure_kPa}
+    rows.assign(other_pressure_kPa=50.0 + rows.time_s, **second).to_csv(tmp_path / "log.csv", index=False)
+    told = wrist("import", tmp_path / "log.csv", "--out", tmp_path / "rig")
+    assert told.code == 0, told.err
+    line = "not used in the fit: 'cmd_B_V', 'pB_psi'"
+    assert line in told.out.splitlines()
+    assert f"# {line}" in (tmp_path / "rig" / "campaign.toml").read_text().splitlines()
+    alone = wrist("import", EXAMPLE / "steps.csv", "--out", tmp_path / "alone")
+    assert "not used" not in alone.out + (tmp_path / "alone" / "campaign.toml").read_text()
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,9 @@ import tomlkit
 from plants.errors import InputError
 from plants.files import file_name, replaced_folder, write_atomically
 from plants.measured.campaigns.campaign import FILE
+from plants.measured.formats.cells import shorten
 from plants.measured.formats.channel import LoggedChannel
+from plants.measured.formats.columns import STANDARD
 from plants.measured.formats.units import kept
 from plants.measured.importing.channels import Log, listed, read_log
 from plants.measured.importing.columns_table import columns_table
@@ -41,6 +43,20 @@ class Imported:
     runs: tuple[Run, ...]
     excitation: tuple[Excited, ...]
     chosen: Chosen
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """The channels of any log that fill no role, and have no standard name by which a campaign takes
+        them."""
+        taken = {*STANDARD, *(n for r in self.roles.values() for n in r.channels)}
+        names = dict.fromkeys(c.name for log in self.logs for c in log.channels)
+        return tuple(n for n in names if n not in taken)
+
+    @property
+    def unused_words(self) -> str:
+        """That a fit does not use them, in a line; "" where there are none.  A trace still asks whether one
+        explains what is left."""
+        return f"not used in the fit: {shorten(self.unused)}" if self.unused else ""
 
 
 def import_logs(
@@ -196,6 +212,7 @@ def _told(made: Imported) -> list[str]:
                 f"{c['rate_Hz']:.4g} Hz"
             )
         lines += [f"  {note}" for note in log.notes]
+    lines += [made.unused_words] if made.unused else []
     lines.append("")
     unit = kept(made.roles["command"].unit, "command") or "V"
     for run, asked in zip(made.runs, made.excitation, strict=True):

@@ -56,6 +56,8 @@ def command(
     for role, found in made.roles.items():
         line = f"{role}: {found.channel} [{found.unit}], {found.why}"
         said.print(line, markup=False, soft_wrap=True)
+    if made.unused:
+        said.print(made.unused_words, markup=False, soft_wrap=True)
     said.print(f"{len(made.runs)} runs; {made.chosen.why}", markup=False, soft_wrap=True)
     said.print(f"read {written[-1]}, correct it, then: wrist fit {out}", markup=False, soft_wrap=True)
     write_json(
