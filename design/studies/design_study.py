@@ -34,6 +34,7 @@ from plants.measured.campaigns.campaign import Campaign
 from plants.measured.trace.trace import trace_campaign
 from plants.parameters.files import dump, load
 from plants.parameters.quantities import ParameterSet
+from plants.rig import built_in_rig
 from plants.wrist import Wrist
 
 Array = NDArray[np.float64]
@@ -68,7 +69,8 @@ class MotionDesign:
     records of the stages, of dictionaries, lists, numbers and text.
 
     designs: of each controller its gains and tuning; recommended: which of them; evidence: fresh samples,
-    worst case, proof; prices: rows; matrix: limits by what they hold under; band: the steps that are drawn.
+    worst case, proof; prices: rows; matrix: limits by what they hold under; band: the steps that are drawn;
+    guessed: whether the rig was guessed from its log, with its task and its limits.
     """
 
     motion: str
@@ -82,6 +84,7 @@ class MotionDesign:
     matrix: tuple[Mapping[str, Any], ...]
     band: Mapping[str, Any]
     relaxed: str | None
+    guessed: bool = False
 
     @property
     def gains(self) -> dict[str, float]:
@@ -157,6 +160,7 @@ def design_study(
         plant, traced = _traced(motion, data, start, folder, stages, seed, tells[motion])
         required = required_of(designed(plant), taken)
         done = _designed(motion, plant, traced, required, stages, effort, seed, jobs, tells[motion])
+        done = replace(done, guessed=start is None and motion not in built_in_rig().motions)
         return done, requirement_record(required)
 
     found = each(of_motion, list(campaigns), jobs=jobs or default_jobs())

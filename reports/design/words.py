@@ -89,10 +89,14 @@ def motion_lines(m: MotionDesign) -> list[str]:
     if m.left_out:
         found.append(f"  left out of the design: {listed(list(m.left_out))}")
     rig = m.plant.rig
-    found.append(
-        f"  loop: sample time {number(1000 * rig.sample_time)} ms, steps of {number(rig.task.step)} "
-        f"{rig.units.angle} either way"
-    )
+    steps = f"steps of {number(rig.task.step)} {rig.units.angle}"
+    found.append(f"  loop: sample time {number(1000 * rig.sample_time)} ms, {steps} either way")
+    if m.guessed:
+        found.append(
+            f"  task and limits were guessed from the log ({steps}, "
+            f"settling within {number(rig.limits['settling_time_s'])} s): set them in [rig.task] and "
+            f"[rig.limits] of a copy of plant-{m.motion}.toml, and give that with --plant"
+        )
     found.append(
         f"  {samples['broken']} of {samples['total']} fresh samples break a limit (below "
         f"{number(100 * samples['upper_bound'], 2)} % at 95 % confidence)"

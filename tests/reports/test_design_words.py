@@ -12,7 +12,7 @@ from design.studies.designs import CASCADE, FORWARD, DesignEffort
 from plants.effects.wrist.cross_coupling import Coupling
 from plants.effects.wrist.remainder import STEEPNESS
 from plants.effects.wrist.stick_slip import FreeSlip
-from plants.parameters.files import built_in
+from plants.parameters.files import built_in, dump, load
 from plants.rig import Zero
 from reports.design import tables
 from reports.design.alternative_words import cascade_words, feedforward_words, lqi_words, mpc_words
@@ -20,6 +20,7 @@ from reports.design.words import (
     controller_words,
     controllers,
     last_line,
+    motion_lines,
     price_caption,
     remarks,
     summary,
@@ -90,6 +91,28 @@ def test_the_limits_that_gains_break_are_those_of_any_condition_and_of_the_searc
     assert bad.limits_broken == ("Mt", "settling_time_s")
     (good,) = study(0, "open", 1).motions
     assert replace(good, matrix=matrix).limits_broken == ()
+
+
+def test_a_guessed_rig_is_told_where_its_task_and_its_limits_are_set(tmp_path):
+    (m,) = study(0, "open", 1).motions
+    samples = {**m.evidence["samples"], "upper_bound": 1e-4, "worst_iae_deg_s": 8.0, "worst_settling_s": 1.0}
+    worst = {**m.evidence["worst_case"], "excess": -0.1, "excess_of": "Ms", "scenario": "0, +15 deg"}
+    evidence = {**m.evidence, "samples": samples, "worst_case": {**worst, "worst_iae_deg_s": 8.0}}
+    trace = {"after": {"angle_deg": 0.1}, "effects": [], "verdict": "nothing-missing"}
+    rig = replace(m.plant.rig, name="finger", motions=("finger",))
+    plant = replace(m.plant, axis="finger", rig=rig)
+    m = replace(m, motion="finger", plant=plant, trace=trace, evidence=evidence)
+    assert not [line for line in motion_lines(m) if "guessed" in line]
+    (told,) = (line for line in motion_lines(replace(m, guessed=True)) if "guessed" in line)
+    assert "(steps of 15 deg, settling within 10 s)" in told
+    assert "[rig.task] and [rig.limits] of a copy of plant-finger.toml, and give that with --plant" in told
+    # What it says to do is read as it is meant.
+    path = tmp_path / "plant-finger.toml"
+    dump(plant, path)
+    text = path.read_text().replace("step = 15.0", "step = 8.0")
+    path.write_text(text.replace("settling_time_s = 10.0", "settling_time_s = 3.0"))
+    read = load(path).rig
+    assert (read.task.step, read.limits["settling_time_s"]) == (8.0, 3.0)
 
 
 def test_a_row_without_gains_is_open():
