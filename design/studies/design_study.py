@@ -197,6 +197,13 @@ def _at(stage: str, tell: Tell) -> Tell:
     return lambda what, share: tell(what, before + SHARES[place] * min(max(share, 0.0), 1.0))
 
 
+def asked_of_trace(checksum: str, start: ParameterSet | None, seed: int) -> dict[str, Any]:
+    """What the plant that a trace revises follows from, by which its stage is known again: the start's rig
+    too, since task and limits of the design are those of its file."""
+    given = {} if start is None else {"rig": start.rig.record}
+    return {"campaign": checksum, "start": None if start is None else start.values, "seed": seed, **given}
+
+
 def _traced(
     motion: str,
     data: Campaign,
@@ -218,8 +225,7 @@ def _traced(
             "remarks": list(trace.remarks), "plant": path.read_text(encoding="utf-8"),
         }  # fmt: skip
 
-    asked = {"campaign": data.checksum, "start": None if start is None else start.values, "seed": seed}
-    found = stages.done(f"trace-{motion}", asked, work)
+    found = stages.done(f"trace-{motion}", asked_of_trace(data.checksum, start, seed), work)
     if not path.exists() or path.read_text(encoding="utf-8") != found["plant"]:
         path.write_text(found["plant"], encoding="utf-8")
     return load(path), found

@@ -3,13 +3,15 @@
 import json
 import os
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from design.studies.design_study import asked_of_trace
 from design.studies.stages import Stages
 from design.tuner.gains_file import read
-from plants.parameters.files import load
+from plants.parameters.files import built_in, load
 
 FLEXION = Path(__file__).parents[2] / "plants/measured/examples/flexion"
 MOTIONS = (FLEXION, FLEXION.with_name("deviation"))
@@ -88,6 +90,18 @@ def test_a_stage_is_done_once_for_a_question(tmp_path):
     assert reader.done("b", {"x": 2}, work) == {"n": 4}
     assert reader.done("b", {"x": 3}, work) == {"n": 5}
     assert stages.done("b", {"x": 2}, work) == {"n": 4}  # as it was
+
+
+def test_another_task_in_the_file_of_a_plant_is_another_question(tmp_path):
+    """Its parameters may be the same, and a stage that was finished would bring back the task before."""
+    start = built_in("flexion")
+    shorter = replace(start, rig=replace(start.rig, task=replace(start.rig.task, step=8.0)))
+    stricter = replace(start, rig=replace(start.rig, limits={**start.rig.limits, "settling_time_s": 3.0}))
+    stages, asked = Stages(tmp_path), (None, start, shorter, stricter)
+    for i, given in enumerate(asked):
+        assert stages.done("trace", asked_of_trace("sum", given, 0), lambda i=i: {"n": i}) == {"n": i}
+    again = stages.done("trace", asked_of_trace("sum", stricter, 0), lambda: {"n": -1})
+    assert again == {"n": 3}
 
 
 def test_bad_campaigns_are_told_before_anything_is_done(wrist, tmp_path):
