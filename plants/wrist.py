@@ -7,6 +7,7 @@ floats, arrays (one lane each, for batches) or CasADi symbols: the laws are the 
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from math import prod
 from typing import TYPE_CHECKING, Any
 
 from plants import hysteresis, lag
@@ -123,6 +124,21 @@ class Wrist:
         """
         low, high = self.rig.command_range
         return self.regulator.gain * low, self.regulator.gain * high
+
+    @property
+    def static_gain(self) -> Number:
+        """Factor from the loop's angle to the joint's that effects make of it at rest, as creep that has
+        crept."""
+        return prod((e.static_gain for e in self.effects), start=1.0)
+
+    @property
+    def unmoved(self) -> tuple[Number, Number] | tuple[()]:
+        """Angle of the loop [deg] and pressure [kPa] at which the rig rests until it is moved first
+        (`plants.rig.Zero.rest`); empty where these are 0 and the rest pressure."""
+        if not self.rig.zero.rest:
+            return ()
+        angle, loop = self.rig.zero.rest / self.static_gain, self.hysteresis
+        return angle, 0.5 * (loop.ascending_pressure(angle) + loop.descending_pressure(angle))
 
     def with_values(self, **changes: Number) -> "Wrist":
         """The same wrist with some parameters changed.

@@ -31,7 +31,7 @@ from design.synthesis.designed_plant import designed, left_out
 from design.synthesis.structure import with_gains
 from plants.kernel.batches import default_jobs
 from plants.measured.campaigns.campaign import Campaign
-from plants.measured.trace.trace import trace_campaign
+from plants.measured.trace.trace import trace_for_design
 from plants.parameters.files import dump, load
 from plants.parameters.quantities import ParameterSet
 from plants.rig import built_in_rig
@@ -217,8 +217,8 @@ def _traced(
     path = folder / f"plant-{motion}.toml"
 
     def work() -> dict[str, Any]:
-        trace = trace_campaign(data, start, seed, _at("trace", tell), either_way=True)
-        dump(trace.revised, path)
+        trace, plant = trace_for_design(data, start, seed, _at("trace", tell))
+        dump(plant, path)
         return {
             "verdict": trace.verdict, "before": trace.before, "after": trace.after, "noise": trace.noise,
             "effects": [{"name": e.name, "form": e.form, "stage": e.stage} for e in trace.effects],

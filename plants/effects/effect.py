@@ -112,6 +112,8 @@ class Effect(ABC):
     - SILENT: whether it grows from nothing once a run begins, so that a wrist rests as it does without;
     - JOINT: whether it is a law of the joint, mass or friction, so that what it does hangs on the others;
     - MASSLESS: whether it takes the place of any other law of the joint, a mass too;
+    - FROM_REST: whether it counts from where the wrist rests, as a curve about the rest pressure, so that it
+      is another one where the angle is counted from elsewhere;
     - EVENT: whether it happened once, in the recordings, and is no property of the rig;
     - LEARNT: whether it is a map that was learnt from a residual, without a cause;
     - SUPPLIES: whether it has a supply of its own, at whose pressure nothing flows in; a rig has one;
@@ -137,6 +139,7 @@ class Effect(ABC):
     SILENT: ClassVar[bool] = False
     JOINT: ClassVar[bool] = False
     MASSLESS: ClassVar[bool] = False
+    FROM_REST: ClassVar[bool] = False
     EVENT: ClassVar[bool] = False
     LEARNT: ClassVar[bool] = False
     SUPPLIES: ClassVar[bool] = False
@@ -187,6 +190,16 @@ class Effect(ABC):
         """Why the effect, with these values, may be nothing but what the model does not make of the command,
         and which recording would tell; None where it cannot."""
         return None
+
+    @property
+    def static_gain(self) -> Number:
+        """By what it multiplies the loop's angle at rest, as creep that has crept."""
+        return 1.0
+
+    def counted_from(self, angle: Number) -> "Effect | None":
+        """The same effect of a wrist whose angle is counted from `angle` [deg]; None where it counts from
+        where the wrist rests (`FROM_REST`)."""
+        return None if self.FROM_REST else self
 
     def redundant(self, wrist: Any) -> bool:
         """Whether with these values it does nearly what a declared wrist does, so that its name is not that

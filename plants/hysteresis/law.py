@@ -124,6 +124,11 @@ class HysteresisLaw(ABC):
         has one initial curve only, from 0."""
         return None if np.any(angle) else self.initial()
 
+    def counted_from(self, angle: float) -> "HysteresisLaw | None":
+        """The same loop with an angle [deg] counted as 0, where it then rests in the middle of its width;
+        None for a law that is no other one of its kind there."""
+        return None
+
     @abstractmethod
     def step(self, memory: Any, before: Number, after: Number, bend: Bend | None = None) -> Any:
         """The memory after the pressure has moved monotonically from `before` to `after` [kPa]; `bend`: what

@@ -17,7 +17,7 @@ The inverse is exact, and in closed form: that of the curve, then that of the `s
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -141,6 +141,18 @@ class PrandtlIshlinskii(HysteresisLaw):
         if min(self.v0, *self.v) < 0.0:
             return "a weight of a play is negative, so the loop runs backwards"
         return None if sum(self.v) > 0.0 and self.reach > 0.0 else "no play has a weight, so there is no loop"
+
+    def counted_from(self, angle: float) -> "PrandtlIshlinskii":
+        """Plays and curve stay where they are; the pressure that holds the angle is counted from.
+
+        >>> loop = PrandtlIshlinskii(0.1, (0.2,), 15.0, span=4.0, c1=0.5)
+        >>> moved = loop.counted_from(9.0)
+        >>> round(float(moved.ascending(160.0) + 9.0 - loop.ascending(160.0)), 12)
+        0.0
+        """
+        total = self.uncurved(angle)
+        by = total / np.maximum(self._outer, LEVEL)
+        return replace(self, centre=self.centre - total, rest_pressure=self.rest_pressure + by)
 
     @property
     def thresholds(self) -> tuple[Number, ...]:

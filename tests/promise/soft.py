@@ -22,7 +22,7 @@ from design.synthesis.designed_plant import designed
 from plants.errors import InputError
 from plants.measured.campaigns.campaign import load_campaign
 from plants.measured.trace.result import Trace
-from plants.measured.trace.trace import trace_campaign
+from plants.measured.trace.trace import trace_campaign, trace_for_design
 from plants.parameters.quantities import ParameterSet
 from plants.simulation.disturbance import dead_time_left
 from plants.wrist import Wrist
@@ -50,29 +50,36 @@ def main() -> None:
     ratios, kept = [], []
     for seed in range(asked.seed, asked.seed + asked.count):
         rig = JOINTS[asked.joint](seed)
-        trace = _traced(seed, rig, asked.gains, asked.without)
-        if trace is None:
+        found = _traced(seed, rig, asked.gains, asked.without)
+        if found is None:
             continue
+        trace, plant = found
         ratios.append(trace.after["angle_deg"] / trace.before["angle_deg"])
         if asked.gains:
-            kept.append(_tuned(rig, trace))
+            kept.append(_tuned(rig, plant))
     worse = sum(r > 1.0 for r in ratios)
     print(f"{len(ratios)} of {asked.count} traced, {worse} worse after; median of after / before ", end="")
     print(f"{np.median(ratios):.2f}" if ratios else "-")
     if asked.gains:
-        found = [k for k in kept if k is not None]
-        print(f"{len(found)} of {len(kept)} get gains, {sum(found)} hold on the actuator, late too")
+        tuned = [k for k in kept if k is not None]
+        print(f"{len(tuned)} of {len(kept)} get gains, {sum(tuned)} hold on the actuator, late too")
 
 
-def _traced(seed: int, rig: SoftRig, either_way: bool, without: Sequence[str]) -> Trace | None:
-    """A line of one actuator, and its trace; None where it was refused."""
+def _traced(
+    seed: int, rig: SoftRig, design: bool, without: Sequence[str]
+) -> tuple[Trace, ParameterSet] | None:
+    """A line of one actuator, its trace, and the plant, as a design takes it where one follows; None where it
+    was refused."""
     began = time.process_time()
     with tempfile.TemporaryDirectory() as root:
         folder = Path(root) / "rig"
         rig.write(folder, recordings(seed), ("check",))
         drop(folder, without)
         try:
-            trace = trace_campaign(load_campaign(folder), either_way=either_way)
+            campaign = load_campaign(folder)
+            trace, plant = (
+                trace_for_design(campaign) if design else (t := trace_campaign(campaign), t.revised)
+            )
         except InputError as wrong:
             print(f"{seed:4d} refused: {wrong}", flush=True)
             return None
@@ -83,14 +90,14 @@ def _traced(seed: int, rig: SoftRig, either_way: bool, without: Sequence[str]) -
         f"{named}; {time.process_time() - began:.0f} s",
         flush=True,
     )
-    return trace
+    return trace, plant
 
 
-def _tuned(rig: SoftRig, trace: Trace) -> bool | None:
+def _tuned(rig: SoftRig, plant: ParameterSet) -> bool | None:
     """A line of the gains of one actuator; whether they hold on it, None where none hold in the model."""
-    tuned = tune_candidates(required_of(designed(trace.revised), Taken())).best
+    tuned = tune_candidates(required_of(designed(plant), Taken())).best
     gains = tuned.final.gains
-    seen = held(rig, gains, trace.revised)
+    seen = held(rig, gains, plant)
     said = ", ".join(f"{k} {v:.3g}" for k, v in gains.items())
     print(f"     {said} ({'held' if tuned.holds else tuned.ended} in the model); {seen}", flush=True)
     return seen.kept if tuned.holds else None

@@ -52,6 +52,7 @@ class _Curved(Effect):
     STAGE = "wrist"
     HAPPENS = "The branches of the loop are curved"
     BOUND = "kept"
+    FROM_REST = True
 
 
 @dataclass(frozen=True)

@@ -60,6 +60,10 @@ class _Creeping(Effect):
         return None
 
     @property
+    def static_gain(self) -> Number:
+        return 1.0 + sum(self.rest(None, 0.0, 1.0).angles)
+
+    @property
     @abstractmethod
     def slowest(self) -> Number:
         """The time constant [s] that the longest recording has to hold for creep to be told from a drift."""

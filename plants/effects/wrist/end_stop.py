@@ -1,7 +1,7 @@
 """End stop: the joint meets a mechanical stop, hard or with a little give."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -124,6 +124,9 @@ class _Stop(Effect):
             f"nowhere does the pressure go on by {100 * PRESSED:.0f} % of its range while the joint stays at "
             "a stop, so that it may be the end of a curve; record with the joint pressed against the stop"
         )
+
+    def counted_from(self, angle: Number) -> "_Stop":
+        return replace(self, low=self.low - angle, high=self.high - angle)
 
     def obstacle(self, pressure: float, angle: float) -> str | None:
         beyond = float(np.clip(angle, self.low, self.high))

@@ -144,6 +144,7 @@ class StiffeningInertia(_Inert):
     """As `Inertia`, the joint being stiffer the more pressure its muscles are under."""
 
     FORM = "stiffness that changes with the pressure"
+    FROM_REST = True
 
     stiffening: Number = parameter(
         "1", "change of stiffness over half the range", -0.9, 2.0, 0.0, (-0.3, 0.3)

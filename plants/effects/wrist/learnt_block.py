@@ -129,6 +129,7 @@ class LearntBlock(Effect):
     STAGE = "wrist"
     HAPPENS = "The angle differs as was learnt from the recordings, without a known cause"
     LEARNT = True
+    FROM_REST = True
 
     low: Number = parameter("kPa", "lower end of the pressures that it was learnt on", -1e4, 1e4, 0.0)
     high: Number = parameter("kPa", "upper end of the pressures that it was learnt on", -1e4, 1e4, 200.0)

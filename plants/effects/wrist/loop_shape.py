@@ -128,6 +128,7 @@ class _Shape(Effect):
     NAME = "loop-shape"
     STAGE = "wrist"
     HAPPENS = "Minor loops have a shape that straight lines cannot make"
+    FROM_REST = True
 
     def no_bound(self, wrist: Any) -> str | None:
         return "plays beside the loop and curved transits are no part of the bound's envelope"

@@ -4,7 +4,7 @@ Rubber softens with its first large strains (Mullins, Rubber Chemistry and
 Technology 42 (1969) 339), with work done on it, and as it warms.  The slopes of the
 lines go by a factor 1 + depth (1 - exp(-w / scale)), where w is what the form
 counts; that of the transit takes a share `transit` of it, and the half widths of
-the loop may change along, by `width` in the same way.
+the loop may change along, by `width` in the same way.  Lines turn about where the wrist rests.
 """
 
 from dataclasses import dataclass
@@ -29,6 +29,7 @@ class _Coefficients(NamedTuple):
     transit: Number
     per_scale: Number
     dt: Number
+    unmoved: Any = ()  # angle of the loop [deg] and pressure [kPa] at rest, where they are not the loop's
 
 
 class _Softening(_Coefficients):
@@ -36,6 +37,8 @@ class _Softening(_Coefficients):
         share = 1.0 - np.exp(-amount * self.per_scale)
         soft, wide = self.depth * share, self.width * share
         (up, down), (below, above) = loop.rise(after), loop.halves(after)
+        if self.unmoved:
+            up, down = up - self.unmoved[0], down - self.unmoved[0]
         low, high = soft * up - wide * below, soft * down + wide * above
         return Worked(amount), low, high, 1.0 + self.transit * soft
 
@@ -64,7 +67,8 @@ class SampledByLargest(_Softening):
     def bend(
         self, s: Worked, before: Number, after: Number, loop: Any, around: Around
     ) -> tuple[Worked, Number, Number, Number]:
-        return self._bent(np.maximum(s.amount, np.abs(after - loop.rest_pressure)), after, loop)
+        rest = self.unmoved[1] if self.unmoved else loop.rest_pressure
+        return self._bent(np.maximum(s.amount, np.abs(after - rest)), after, loop)
 
 
 _DEPTH = parameter("1", "change of the slopes in the end, as a share", -0.6, 1.0, 0.0, (-0.1, 0.1))
@@ -92,8 +96,8 @@ class _Form(Effect):
         least, most = sorted((1.0, float(1.0 + self.transit * self.depth)))
         return Linear(slopes={"ascending": (low, high), "descending": (low, high), "inner": (least, most)})
 
-    def _coefficients(self, scale: Number, dt: float) -> tuple[Number, ...]:
-        return self.depth, self.width, self.transit, 1.0 / np.asarray(scale, float), dt
+    def _coefficients(self, scale: Number, wrist: Any, dt: float) -> tuple[Any, ...]:
+        return self.depth, self.width, self.transit, 1.0 / np.asarray(scale, float), dt, wrist.unmoved
 
 
 @dataclass(frozen=True)
@@ -105,7 +109,7 @@ class SofteningByWork(_Form):
     scale: Number = parameter("kPa", "travel that softens by 63 %", 20.0, 2e4, 800.0, (150.0, 500.0, 2000.0))
 
     def sampled(self, wrist: Any, dt: float) -> SampledByWork:
-        return SampledByWork(*self._coefficients(self.scale, dt))
+        return SampledByWork(*self._coefficients(self.scale, wrist, dt))
 
 
 @dataclass(frozen=True)
@@ -117,7 +121,7 @@ class Warming(_Form):
     scale: Number = parameter("s", "time that softens by 63 %", 1.0, 2000.0, 40.0, (10.0, 40.0, 150.0))
 
     def sampled(self, wrist: Any, dt: float) -> SampledByTime:
-        return SampledByTime(*self._coefficients(self.scale, dt))
+        return SampledByTime(*self._coefficients(self.scale, wrist, dt))
 
 
 @dataclass(frozen=True)
@@ -129,4 +133,4 @@ class Mullins(_Form):
     scale: Number = parameter("kPa", "excursion that softens by 63 %", 3.0, 1000.0, 50.0, (20.0, 60.0, 200.0))
 
     def sampled(self, wrist: Any, dt: float) -> SampledByLargest:
-        return SampledByLargest(*self._coefficients(self.scale, dt))
+        return SampledByLargest(*self._coefficients(self.scale, wrist, dt))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from plants.measured.campaigns.campaign import Campaign
 from plants.measured.fitting.fit import Fit, fit_campaign, on_held_out
 from plants.measured.fitting.stage import Stage
+from plants.measured.trace.counting.middle import about_middle
 from plants.measured.trace.declared import LOWER, base_fit, declared_model, stages_of
 from plants.measured.trace.law import LawChoice, law_of_rig
 from plants.measured.trace.result import StageTrace, Trace
@@ -25,6 +26,7 @@ from plants.measured.trace.start import Start, starting
 from plants.measured.trace.suspect import check
 from plants.measured.trace.traced_stage import adopted, helps, trace_stage, with_learnt_block
 from plants.parameters.quantities import ParameterSet
+from plants.rig import built_in_rig
 
 Array = NDArray[np.float64]
 RETRACED = 2
@@ -45,8 +47,8 @@ def trace_campaign(
     `start` gives starting values and bounds of the declared parameters; where it is not given they are those
     of the built-in motion of that name, or, for any other, guessed from the log, and the hysteresis law is
     chosen.  learning: what no effect explains of the angle is learnt, and added to the revised plant where
-    that lowers the error on rows left out.  either_way: a design follows, so that the angle of a guessed rig
-    that bends to one side is counted from the middle of its range.  Raises InputError where the recordings
+    that lowers the error on rows left out.  either_way: the angle of a guessed rig that bends to one side is
+    counted from the middle of its range, see `trace_for_design`.  Raises InputError where the recordings
     cannot be fitted at all.
     """
     from threadpoolctl import threadpool_limits
@@ -54,6 +56,27 @@ def trace_campaign(
     # Small matrices: a second thread of linear algebra would only get in the way of the simulations.
     with threadpool_limits(1):
         return _trace(campaign, start, seed, progress or (lambda what, share: None), learning, either_way)
+
+
+def trace_for_design(
+    campaign: Campaign,
+    start: ParameterSet | None = None,
+    seed: int = 0,
+    progress: Callable[[str, float], None] | None = None,
+) -> tuple[Trace, ParameterSet]:
+    """The trace of a campaign, and the plant that it revised as a design takes it.
+
+    That of a rig that bends to one side is counted from the middle of the range of its log.  Where it cannot
+    be, for a law or an effect that counts from where the rig rests, the log of a guessed rig is traced once
+    more, counted from there.  Arguments and errors are those of `plants.measured.trace.trace.trace_campaign`.
+    """
+    trace = trace_campaign(campaign, start, seed, progress)
+    if trace.revised.rig.name == built_in_rig().name:
+        return trace, trace.revised
+    plant = about_middle(trace.revised, trace.campaign, guessed=start is None)
+    if plant is None and start is None:
+        trace = trace_campaign(campaign, start, seed, progress, either_way=True)
+    return trace, plant or trace.revised
 
 
 def _trace(

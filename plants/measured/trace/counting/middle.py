@@ -2,11 +2,15 @@
 
 Steps of a task go either way from zero, as those of a joint with two muscles do.  A rig that bends to one
 side has its zero at the end of its range, beyond which no command takes it: for a design its angle is counted
-from the middle of what the log shows.
+from the middle of what the log shows.  What curves and softens does so about where the rig rests, so that the
+log is traced as it is and the plant that was found is counted from the middle: exactly the same plant.  One
+that is another there (`plants.effects.effect.Effect.counted_from`) is traced from a log that is.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 from math import floor, log10
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +20,8 @@ from plants.measured.guess.rig import guessed_rig, with_step
 from plants.measured.guess.rough_models import extent
 from plants.measured.instrument.logger import counted_from
 from plants.measured.instrument.remark import Remark
-from plants.parameters.quantities import ParameterSet
+from plants.parameters.correlation import ParameterCorrelation, matrix_of
+from plants.parameters.quantities import Fitted, Parameter, ParameterSet
 from plants.rig import Zero
 from plants.wrist import Wrist
 
@@ -30,6 +35,9 @@ slopes a tenth off, the angle is to be held as well."""
 
 SHORTER = np.linspace(1.0, 0.4, 13)
 """Shares of a step that are tried where the whole of it is not held."""
+
+NUDGE = 1e-3
+"""Standard errors by which an estimate is moved to see what follows."""
 
 FAR = 1.0
 """Ranges of the angle by which it lies from zero at least to be far from it."""
@@ -59,17 +67,79 @@ def centred(campaign: Campaign) -> tuple[Campaign, tuple[Remark, ...]]:
     """The campaign with its angle counted from the middle of its range, where it goes to one side, and that
     it was.  It may start anywhere, as on the virgin curve, which then begins where the rig rests
     (`plants.rig.Zero.rest`)."""
-    recordings = campaign.recordings
-    angles = [r.angle for r in recordings if r.angle is not None]
-    if not angles:
+    middle = _middle(campaign, guessed_rig(campaign).task.step)
+    if middle is None:
         return campaign, ()
-    (low, high), step = extent(angles), guessed_rig(campaign).task.step
-    if min(-low, high) >= ROOM * step:
-        return campaign, ()
-    middle = _rounded(0.5 * (low + high), step)
-    names = tuple(r.name for r in recordings)
     moved = counted_from(replace(campaign, start="unknown"), Zero(angle=middle))
-    return moved, (Remark("counted from", "angle_deg", middle, "deg", names),)
+    return moved, (Remark("counted from", "angle_deg", middle, "deg", campaign.names),)
+
+
+def _middle(campaign: Campaign, step: float) -> float | None:
+    """The middle of the range of the logged angle, None where steps [deg] go either way from zero in it."""
+    angles = [r.angle for r in campaign.recordings if r.angle is not None]
+    low, high = extent(angles) if angles else (-np.inf, np.inf)
+    return None if min(-low, high) >= ROOM * step else _rounded(0.5 * (low + high), step)
+
+
+def about_middle(plant: ParameterSet, campaign: Campaign, guessed: bool) -> ParameterSet | None:
+    """The plant of a campaign with its angle counted from the middle of the range of the log, where that goes
+    to one side, and a step that it then holds; the plant itself where it goes to both, None where it cannot
+    be counted from there.  guessed: whether the rig was; of one that somebody declared, zero stays where it
+    is as long as the step is held either way."""
+    middle = _middle(campaign, plant.rig.task.step)
+    if middle is None or (not guessed and _holds(plant, plant.rig.task.step)):
+        return plant
+    moved = counted_elsewhere(plant, middle)
+    return None if moved is None else with_reachable_step(moved)
+
+
+def counted_elsewhere(plant: ParameterSet, angle: float) -> ParameterSet | None:
+    """The plant with an angle [deg] counted as 0: what it simulates differs by that and by nothing else, and
+    standard errors and correlations are those of the same estimates, to first order.  None for a law or an
+    effect that counts from where it rests."""
+    moved = _moved(plant, plant.values, angle)
+    if moved is None:
+        return None
+    known = plant.parameters
+    errors = {n: p.provenance.std_error for n, p in known.items() if isinstance(p.provenance, Fitted)}
+    sizes = {n: e for n, e in errors.items() if e}
+    names, size = list(sizes), np.array(list(sizes.values()))
+    change = np.zeros((len(names), len(names)))
+    for k, name in enumerate(names):
+        ends = [_moved(plant, {**plant.values, name: plant.values[name] + e}, angle)
+                for e in (NUDGE * size[k], -NUDGE * size[k])]  # fmt: skip
+        if ends[0] is not None and ends[1] is not None:
+            change[:, k] = [(ends[0][n] - ends[1][n]) / (2.0 * NUDGE * size[k]) for n in names]
+    before = size[:, None] * matrix_of(plant.correlation, names) * size
+    after = change @ before @ change.T
+    error = np.sqrt(np.maximum(np.diag(after), 0.0))
+    matrix = after / np.maximum(error[:, None] * error, np.finfo(float).tiny)
+    found = {n: _at(p, moved[n]) for n, p in known.items()}
+    for name, e in zip(names, error, strict=True):
+        provenance: Any = found[name].provenance
+        found[name] = replace(found[name], provenance=replace(provenance, std_error=float(e)))
+    zero = plant.rig.zero
+    there = replace(zero, angle=zero.logged(angle), rest=zero.rest - angle)
+    rig = replace(plant.rig, zero=there)
+    pairs = ParameterCorrelation(tuple(names), matrix).pairs
+    return replace(plant, parameters=found, rig=rig, correlation=pairs)
+
+
+def _moved(plant: ParameterSet, values: Mapping[str, float], angle: float) -> dict[str, float] | None:
+    """Values of a plant with some of its own, its angle counted from another."""
+    wrist = Wrist.from_values(values, plant.effects, plant.rig)
+    # What follows the loop, as creep does, multiplies it: less has to be taken off there.
+    law = wrist.hysteresis.counted_from(float(angle / wrist.static_gain))
+    effects = [e.counted_from(angle) for e in wrist.effects]
+    if law is None or any(e is None for e in effects):
+        return None
+    own = [e.values for e in effects if e is not None]
+    return {n: float(v) for x in ({**values}, law.values, *own) for n, v in x.items()}
+
+
+def _at(p: Parameter, value: float) -> Parameter:
+    """At another value, within bounds that hold it."""
+    return replace(p, value=value, low=min(p.low, value), high=max(p.high, value))
 
 
 def with_reachable_step(plant: ParameterSet) -> ParameterSet:
@@ -83,20 +153,30 @@ def with_reachable_step(plant: ParameterSet) -> ParameterSet:
     and is counted from there.
     """
     wrist, rig = Wrist.of(plant), plant.rig
-    low, high = (float(np.clip(p, *wrist.reach)) for p in rig.pressure_range)
+    low, high = _pressures(wrist)
     least, most = (float(at_pressure(wrist, *end).angle) for end in (("line2", low), ("line1", high)))
     from_virgin = _driven(wrist)
-
-    def held(angle: float) -> bool:
-        if from_virgin < angle:
-            return False
-        up, down = at_rest(wrist, "line1", angle).pressure, at_rest(wrist, "line2", -angle).pressure
-        stopped = obstacle(wrist, "line1", angle) or obstacle(wrist, "line2", -angle)
-        return bool(low <= down and up <= high) and not stopped
-
     tried = min((most - least) / 3.0, rig.task.step) * SHORTER
-    step = next((float(s) for s in tried if s > 0.0 and held(HELD * s)), rig.task.step)
+    step = next(
+        (float(s) for s in tried if s > 0.0 and from_virgin >= HELD * s and _holds(plant, HELD * s)),
+        rig.task.step,
+    )
     return plant if step >= rig.task.step else replace(plant, rig=with_step(rig, float(f"{step:.2g}")))
+
+
+def _pressures(wrist: Wrist) -> tuple[float, float]:
+    """The least and the largest pressure [kPa] of a wrist's rig that a command asks for."""
+    low, high = (float(np.clip(p, *wrist.reach)) for p in wrist.rig.pressure_range)
+    return low, high
+
+
+def _holds(plant: ParameterSet, angle: float) -> bool:
+    """Whether pressures of the rig hold the plant at an angle [deg] either way, on the line it arrives on."""
+    wrist = Wrist.of(plant)
+    low, high = _pressures(wrist)
+    up, down = at_rest(wrist, "line1", angle).pressure, at_rest(wrist, "line2", -angle).pressure
+    stopped = obstacle(wrist, "line1", angle) or obstacle(wrist, "line2", -angle)
+    return bool(low <= down and up <= high) and not stopped
 
 
 def _driven(wrist: Wrist) -> float:
