@@ -117,7 +117,7 @@ def motion_lines(m: MotionDesign) -> list[str]:
         if slowest is None or not isfinite(slowest)
         else f"slowest settling {number(slowest)} s in samples"
     )
-    found.append(f"  worst IAE {number(iae)} deg s in samples and search, {settles}")
+    found.append(f"  steps of the task: worst IAE {number(iae)} deg s in samples and search, {settles}")
     found.append(
         f"  exponential stability of the sampled loop, with the longest dead time: {proved['status']}"
     )

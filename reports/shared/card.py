@@ -126,7 +126,7 @@ def _matrix(of: CardRow, known: Sequence[str]) -> tuple[tuple[Cell, ...], ...]:
         bound = ("≥ " if r["limit"] == "delay_margin_s" else "≤ ") + number(r["bound"])
         cells = [
             Cell(
-                _value(r["limit"], r["values"][c], r["held"][c]),
+                _value(r["limit"], r["values"][c], r["held"][c], r["bound"]),
                 broken=r["held"][c] is False, met=r["held"][c] is True,
             )
             for c in known
@@ -135,17 +135,22 @@ def _matrix(of: CardRow, known: Sequence[str]) -> tuple[tuple[Cell, ...], ...]:
     return tuple(rows)
 
 
-def _value(limit: str, value: float | None, held: bool | None) -> str:
-    """A value in the matrix; a file has null for one that is infinite, and was judged all the same.
+def _value(limit: str, value: float | None, held: bool | None, bound: float) -> str:
+    """A value in the matrix; a file has null for one that is infinite, and was judged all the same.  One that
+    breaks its limit by less than it is rounded by has more digits.
 
-    >>> _value("Ms", 1.5, True), _value("Ms", None, None), _value("settling_time_s", None, False)
-    ('1.50', '–', 'never')
+    >>> _value("Ms", 1.5, True, 2.0), _value("Ms", None, None, 2.0), _value("Ms", 2.0029, False, 2.0)
+    ('1.50', '–', '2.0029')
+    >>> _value("settling_time_s", None, False, 10.0)
+    'never'
     """
     if held is None:
         return NOT_JUDGED
     if value is None or not isfinite(value):
         return "never" if limit == "settling_time_s" else "∞"
-    return measured(float(value))
+    told = measured(float(value))
+    close = held is False and told == measured(float(bound))
+    return measured(float(value), 6, 6).rstrip("0").rstrip(".") if close and value != bound else told
 
 
 def broken_words(broken: int, total: int) -> str:
