@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from design.studies.check.check import LogCheck
+from design.studies.check.stairs import BAND
 from reports.check import words
 from reports.check.record import check_record
 from reports.shared.figures.style import BLACK, GREY, ORANGE, new_figure, seen, styled
@@ -14,6 +15,9 @@ from reports.shared.tables import Cell, Column, Group, Table, number, row
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+WITHIN = {"settling time": f" to ±{100 * BAND:g} %"}
+"""What a metric is relative to, where a design has another: a band that noise does not leave again."""
 
 SECTIONS = {"envelope": "The log and the prediction", "residual": "Residual of the plant model"}
 """Titles of the page's sections by their ids."""
@@ -60,8 +64,8 @@ def figure_table(check: LogCheck) -> Table:
     for i, s in enumerate(check.stairs):
         rows = tuple(
             row(
-                f"{f.name} [{f.unit}]", Cell(number(f.value), broken=f.departs), number(f.middle),
-                number(f.low), number(f.high), number(f.score, 2),
+                f"{f.name}{WITHIN.get(f.name, '')} [{f.unit}]", Cell(number(f.value), broken=f.departs),
+                number(f.middle), number(f.low), number(f.high), number(f.score, 2),
             )
             for f in check.envelope.figures
             if f.stair == i
