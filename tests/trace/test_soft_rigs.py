@@ -184,6 +184,7 @@ def test_without_a_pressure_what_the_valve_does_is_named(tmp_path, seed, most, f
     assert found <= named <= {"dead-time", *found, *beside}
     assert trace.after["angle_deg"] < most * trace.before["angle_deg"]
     assert any("No pressure was logged" in r and all(n in r for n in found) for r in trace.remarks)
+    assert any("on an assumed scale, 100 kPa over the range of the command" in r for r in trace.remarks)
 
 
 def test_a_creep_is_not_taken_for_a_drift_of_the_sensor(tmp_path):

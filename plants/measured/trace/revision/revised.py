@@ -13,6 +13,7 @@ from plants.measured.fitting.estimate import EstimateErrors, corner_of, uncertai
 from plants.measured.fitting.fit import CHANNELS, Fit
 from plants.measured.fitting.free_run import FreeRun, rmse
 from plants.measured.fitting.stage import begun
+from plants.measured.guess.rig import UNSEEN
 from plants.measured.instrument.remark import Remark
 from plants.measured.trace.counting.middle import with_reachable_step
 from plants.measured.trace.declared import begin_of
@@ -70,11 +71,12 @@ def revise(
     revised = replace(revised, remainder=remainders_of(runs, fit.noise), correlation=all_pairs(together))
     if law is not None:
         revised = with_reachable_step(revised)
+    assumed = [] if law is None else _scale_assumed(campaign)
     return Trace(
         campaign, fit, said if whole else "unexplained", stages, effects, revised, runs, before, after,
         intervals(runs, before=True), intervals(runs),
-        tuple(dict.fromkeys((*remarks, *dropped, *rigs_differ(stages), *_seen_together(stages)))), law,
-        instrument, together, law_alone={c: rmse(alone, c) for c in CHANNELS} if alone else {},
+        tuple(dict.fromkeys((*remarks, *dropped, *rigs_differ(stages), *_seen_together(stages), *assumed))),
+        law, instrument, together, law_alone={c: rmse(alone, c) for c in CHANNELS} if alone else {},
     )  # fmt: skip
 
 
@@ -86,6 +88,17 @@ def _seen_together(stages: Sequence[StageTrace]) -> list[str]:
     return [
         f"No pressure was logged: that {', '.join(named)} {'is' if len(named) == 1 else 'are'} of the "
         "regulator or of the joint is told from the angle alone; a recording with the pressure would test it."
+    ]
+
+
+def _scale_assumed(campaign: Campaign) -> list[str]:
+    """The remark on the pressures of a guessed rig of which none was logged."""
+    if any(r.pressure is not None for r in campaign.fit):
+        return []
+    unit = campaign.units.pressure
+    return [
+        f"No pressure was logged: that of the plant is on an assumed scale, {UNSEEN:g} {unit} over the range "
+        "of the command; only ratios of pressures and angles per command are measured."
     ]
 
 
