@@ -14,7 +14,7 @@ from plants.measured.trace.search import choose
 from plants.measured.trace.search.candidate import Candidate, carries_over
 from plants.measured.trace.search.common import common_at_least, common_instead
 from plants.measured.trace.search.refits import Scope, rather_common
-from plants.measured.trace.search.simplify import carried_over, pruned
+from plants.measured.trace.search.simplify import carried_over
 from plants.measured.trace.search.worth import worth_it
 from plants.measured.trace.stages.model import Model
 from plants.parameters.files import built_in
@@ -143,20 +143,10 @@ def test_what_nearly_any_rig_has_is_not_put_in_the_place_of_an_effect_under_a_la
     assert common_instead(scope, creeping) is None
 
 
-def test_the_effect_that_was_just_added_is_not_the_needless_one():
-    """A later one makes others needless; it was added by rules of its own."""
-    found, bare = (
-        candidate(Creep(0.1, 3.0), Drift(0.001), rig=Creep(0.15, 4.0)),
-        candidate(rig=Creep(0.15, 4.0)),
-    )
-    assert pruned(found, bare).model.effects == ("creep",)
-    assert pruned(found, bare, ["gyro-drift"]) is found
-
-
 def test_a_search_whose_rules_disagree_ends(monkeypatch):
     """Of a vacuum actuator a dead time was added, which leaves a fifth, and taken away again for ever, since
     that is a trifle of what the valves had brought."""
     bare = candidate(rig=Creep(0.15, 4.0))
-    monkeypatch.setattr(choose, "pruned", lambda now, declared, kept: declared)
+    monkeypatch.setattr(choose, "pruned", lambda now, declared: declared)
     found = choose.search(bare.model, ("creep",))
     assert found.chosen.model.effects == ("creep",)

@@ -45,7 +45,7 @@ def search(
     now = first if present is None else present
     asked, stage = excitation(declared.stage.playbacks), declared.stage
     scope = Scope(first, names or stage.effects, asked, seed, tell or (lambda what: None))
-    beam, rounds, seen = [now], list[SearchRound](), [set(now.model.effects)]
+    beam, rounds, undone = [now], list[SearchRound](), list[set[str]]()
     most = MOST if present is None else MOST * stage.parts
     while len(now.model.forms) < most and (not rounds or now.lacks_something):
         candidates, ranking, borrowed = further(scope, beam, now.lacks_something)
@@ -61,10 +61,10 @@ def search(
         rounds.append(SearchRound(now, ranking, tuple(candidates), taken, borrowed))
         if taken is None:
             break
-        less = pruned(taken, first, [n for n in taken.model.effects if n not in now.model.effects])
-        # What was left for this very model is not gone back to: rules that disagree would go on for ever.
-        now = taken if set(less.model.effects) in seen else less
-        seen.append(set(now.model.effects))
+        less, added = pruned(taken, first), set(taken.model.effects)
+        # What was pruned once and is taken again stays: rules that disagree would go on for ever.
+        now = taken if added in undone else less
+        undone += [added] if less is not taken else []
         others = [c for c in candidates[1:] if len(c.model.forms) < most]
         beam = [now, *(c for c in others if c.model.chi2 < BEAM_REACH * now.model.chi2)][:BEAM]
     if (exchange := common_instead(scope, now)) is not None:

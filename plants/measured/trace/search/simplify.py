@@ -18,9 +18,9 @@ SAME = 0.02
 with fewest parameters is taken."""
 
 
-def pruned(now: Candidate, declared: Candidate, kept: Sequence[str] = ()) -> Candidate:
-    """The model without effects that a later one made needless; those to be kept, as that one, stay."""
-    for name in (n for n in now.model.effects if n not in kept):
+def pruned(now: Candidate, declared: Candidate) -> Candidate:
+    """The model without effects that a later one made needless."""
+    for name in now.model.effects:
         if len(now.model.forms) < 2:
             break
         less = Candidate(now.model.without(name).fitted())
