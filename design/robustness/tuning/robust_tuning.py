@@ -44,11 +44,11 @@ Tell = Callable[[str, float], None]
 
 GUARD: Mapping[str, float] = {
     "overshoot_percent": 0.10, "steady_error_percent": 0.10, "total_variation_V": 0.10, "Ms": 0.003,
-    "Mt": 0.003, "settling_time_s": 0.10,
+    "Mt": 0.003,
 }  # fmt: skip
 """Shares of the limits that gains are tuned below them by.  For the overshoot half a percentage point of
-five: it jumps, noise of the sensor moves it, and no set of cases holds the very worst; so does the time of
-settling, where the band is left once more; for the margins what the grid of frequencies leaves."""
+five: it jumps, noise of the sensor moves it, and no set of cases holds the very worst; for the margins what
+the grid of frequencies leaves."""
 
 THIN: Mapping[str, float] = {n: 0.25 * share for n, share in GUARD.items()}
 """The guard of a second try, where no gains in the region meet the limits with the first, and the nearest
