@@ -35,6 +35,7 @@ BUILT_IN = {
     "design/mpc/prediction.py": "a wrist whose graph is taken, its numbers not",
     "design/robustness/certificates/constant/mu_sweep.py": "another STEP, of a grid",
     "design/robustness/samples/conditions.py": "defaults of conditions",
+    "design/studies/design_study.py": "its motions, which are declared and not guessed",
     "design/studies/paper.py": "the paper's figures",
     "design/synthesis/requirements.py": "defaults of limits",
     "design/synthesis/tuning.py": "whose gains the region of `Region` is",
