@@ -58,7 +58,8 @@ class Units:
 @dataclass(frozen=True)
 class StepTask:
     """The task: size of the step [angle], half-width of the settling band as a share of it, duration of a
-    run [s], how long the first angle of a return is held [s], pressures of the reaction curve."""
+    run [s], how long the first angle of a return is held [s], and at most the reference before a step that is
+    to begin calmly, pressures of the reaction curve."""
 
     step: float
     band: float

@@ -13,6 +13,7 @@ from math import floor, log10
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plants.equilibrium import at_pressure, at_rest, obstacle
 from plants.measured.campaigns.campaign import Campaign
@@ -25,6 +26,7 @@ from plants.parameters.quantities import Fitted, Parameter, ParameterSet
 from plants.rig import Zero
 from plants.wrist import Wrist
 
+Array = NDArray[np.float64]
 ROOM = 1.1
 """Steps of the task that the range must have on either side of zero."""
 
@@ -104,12 +106,16 @@ def counted_elsewhere(plant: ParameterSet, angle: float) -> ParameterSet | None:
     errors = {n: p.provenance.std_error for n, p in known.items() if isinstance(p.provenance, Fitted)}
     sizes = {n: e for n, e in errors.items() if e}
     names, size = list(sizes), np.array(list(sizes.values()))
-    change = np.zeros((len(names), len(names)))
-    for k, name in enumerate(names):
-        ends = [_moved(plant, {**plant.values, name: plant.values[name] + e}, angle)
-                for e in (NUDGE * size[k], -NUDGE * size[k])]  # fmt: skip
-        if ends[0] is not None and ends[1] is not None:
-            change[:, k] = [(ends[0][n] - ends[1][n]) / (2.0 * NUDGE * size[k]) for n in names]
+
+    def estimates(name: str, by: float) -> Array:
+        """The estimates counted from there, one of them moved by so much."""
+        found = _moved(plant, {**plant.values, name: plant.values[name] + by}, angle)
+        assert found is not None  # what can be moved hangs on no value
+        return np.array([found[n] for n in names])
+
+    steps = zip(names, NUDGE * size, strict=True)
+    columns = [(estimates(n, step) - estimates(n, -step)) / (2.0 * step) for n, step in steps]
+    change = np.array(columns).reshape(len(names), len(names)).T
     before = size[:, None] * matrix_of(plant.correlation, names) * size
     after = change @ before @ change.T
     error = np.sqrt(np.maximum(np.diag(after), 0.0))
